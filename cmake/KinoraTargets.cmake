@@ -1,0 +1,68 @@
+# How every target of Kinora is built: one set of warnings, one precompiled header, one function per kind of target.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  # Precompiled headers are cached safely only with these (ccache's manual, "Precompiled headers").
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+      ${CCACHE})
+  add_compile_options(-fpch-preprocess)
+endif()
+
+add_library(kinora_flags INTERFACE)
+target_compile_options(
+  kinora_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+                         -Werror -fno-math-errno -ffp-contract=off)
+target_include_directories(kinora_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+
+set(KINORA_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them")
+if(KINORA_SANITIZE)
+  add_compile_options(-fsanitize=${KINORA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${KINORA_SANITIZE})
+endif()
+
+# kinora_use_pch(target): the shared precompiled header of cmake/pch.h, compiled once.
+function(kinora_use_pch target)
+  if(NOT TARGET kinora_pch)
+    file(WRITE ${CMAKE_BINARY_DIR}/pch.cpp "")
+    add_library(kinora_pch OBJECT ${CMAKE_BINARY_DIR}/pch.cpp)
+    target_link_libraries(kinora_pch PRIVATE kinora_flags Eigen3::Eigen)
+    target_precompile_headers(kinora_pch PRIVATE ${PROJECT_SOURCE_DIR}/cmake/pch.h)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM kinora_pch)
+endfunction()
+
+# kinora_library(name SOURCES a.cpp … [PUBLIC lib …] [PRIVATE lib …]): static library kinora_<name>.
+function(kinora_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  add_library(kinora_${name} STATIC ${arg_SOURCES})
+  target_link_libraries(kinora_${name} PUBLIC ${arg_PUBLIC} Eigen3::Eigen PRIVATE kinora_flags ${arg_PRIVATE})
+  target_include_directories(kinora_${name} PUBLIC ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
+  kinora_use_pch(kinora_${name})
+endfunction()
+
+# kinora_test(name SOURCES a.cpp … [LINK lib …] [LABELS l …] [TIMEOUT s]): GoogleTest program, one CTest entry per test.
+function(kinora_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE kinora_flags ${arg_LINK} Eigen3::Eigen GTest::gtest_main)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE KINORA_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             KINORA_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  kinora_use_pch(${name})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  include(GoogleTest)
+  gtest_discover_tests(
+    ${name}
+    TEST_PREFIX ${name}.
+    DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
+endfunction()

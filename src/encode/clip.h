@@ -1,0 +1,35 @@
+// A volumetric video in memory: layers, timeline, camera path and metadata.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/camera.h"
+#include "fields/field.h"
+#include "tracking/motion.h"
+
+namespace kinora::encode {
+
+struct Layer {
+  std::string name; ///< unique within the clip: background, person, object, object2, …
+  int label = 0;    ///< of the capture's masks
+  fields::Field field;
+  tracking::Motion motion = tracking::Motion::still();
+};
+
+struct Clip {
+  std::vector<double> times;              ///< seconds from the start, one per frame, increasing
+  std::vector<int> capture_frames;        ///< number of each frame in the capture
+  std::vector<bool> held_out;             ///< frames that were tracked but never trained on
+  Intrinsics intrinsics;                  ///< of the capture camera
+  std::vector<SE3> camera_to_world;       ///< path of the capture camera: one pose per frame, or one for all if it is still
+  std::vector<Layer> layers;
+  nlohmann::json metadata = nlohmann::json::object(); ///< configuration of the run, what was modelled and why, versions
+
+  Camera capture_camera(double frame) const; ///< interpolated along the path
+  double frame_at(double seconds) const;     ///< fractional frame number at a time, clamped
+};
+
+} // namespace kinora::encode

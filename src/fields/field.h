@@ -1,0 +1,97 @@
+// A canonical radiance field: multiresolution hash grid, two small MLPs and stored occupancy.
+// Source: Müller et al., "Instant Neural Graphics Primitives", ACM TOG 41(4), 2022; colour is deferred (composited
+// features go once through the colour MLP), as in Hedman et al., "Baking Neural Radiance Fields", ICCV 2021.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace kinora::fields {
+
+/// Cube of canonical space that a field fills. Coordinates inside are relative: (point − origin) / side in [0, 1]³.
+struct FieldBox {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< smallest corner, metres
+  double side = 1;                                  ///< metres
+};
+
+struct FieldConfig {
+  static constexpr int kFeatures = 8;   ///< per level
+  static constexpr int kHidden = 16;    ///< width of the density MLP's hidden layer
+  static constexpr int kGeometry = 16;  ///< outputs of the density MLP: raw density, then 15 features
+  static constexpr int kColorHidden = 32; ///< width of the colour MLP's two hidden layers
+
+  FieldBox box;
+  int levels = 4;
+  int log2_table_size = 15; ///< at most 2^this entries per level; levels that fit are stored densely
+  int coarsest_resolution = 16;
+  int finest_resolution = 256; ///< cells per side of the finest level; levels in between grow geometrically
+  int occupancy_resolution = 128; ///< cells per side of the stored occupancy; a multiple of 8
+
+  int encoding_width() const { return levels * kFeatures; }
+};
+
+/// One bit for each cell of the box, x fastest. Outside is empty.
+class Occupancy {
+public:
+  Occupancy() = default;
+  explicit Occupancy(int resolution)
+      : resolution_(resolution),
+        bits_((static_cast<std::size_t>(resolution) * resolution * resolution + 63) / 64, 0) {}
+
+  int resolution() const { return resolution_; }
+  bool at(int x, int y, int z) const {
+    const std::size_t i = index(x, y, z);
+    return (bits_[i >> 6] >> (i & 63)) & 1;
+  }
+  void set(int x, int y, int z, bool occupied = true) {
+    const std::size_t i = index(x, y, z);
+    if (occupied) {
+      bits_[i >> 6] |= std::uint64_t{1} << (i & 63);
+    } else {
+      bits_[i >> 6] &= ~(std::uint64_t{1} << (i & 63));
+    }
+  }
+  std::size_t count() const;
+  const std::vector<std::uint64_t>& words() const { return bits_; }
+  std::vector<std::uint64_t>& words() { return bits_; }
+
+private:
+  std::size_t index(int x, int y, int z) const {
+    const std::size_t r = static_cast<std::size_t>(resolution_);
+    return (static_cast<std::size_t>(z) * r + static_cast<std::size_t>(y)) * r + static_cast<std::size_t>(x);
+  }
+
+  int resolution_ = 0;
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Placement of one level of the hash grid inside Field::table.
+struct GridLevel {
+  int resolution;       ///< cells per side; vertices are 0…resolution
+  std::uint32_t offset; ///< first entry of the level, in entries of kFeatures floats
+  std::uint32_t size;   ///< entries; a power of two if hashed
+  bool hashed;          ///< false: entry (z·n + y)·n + x with n = resolution + 1
+};
+
+std::vector<GridLevel> grid_levels(const FieldConfig& config);
+/// Entries of all levels together.
+std::size_t grid_entry_count(const FieldConfig& config);
+
+/// Parameters of one field. Plain data; thread-safe to read.
+/// MLPs have no biases; a weight matrix is stored with the inputs as rows: w[input · outputs + output].
+struct Field {
+  FieldConfig config;
+  std::vector<float> table;       ///< grid_entry_count × kFeatures
+  std::vector<float> density_net; ///< encoding_width × kHidden, then kHidden × kGeometry
+  std::vector<float> color_net;   ///< kGeometry × kColorHidden, kColorHidden × kColorHidden, kColorHidden × 16 (3 used)
+  Occupancy occupancy;
+
+  /// Zero parameters of the right sizes, empty occupancy.
+  explicit Field(const FieldConfig& config);
+  Field() = default;
+  std::size_t parameter_count() const { return table.size() + density_net.size() + color_net.size(); }
+};
+
+} // namespace kinora::fields

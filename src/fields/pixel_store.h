@@ -1,0 +1,45 @@
+// What training remembers of the frames: a bounded set of pixels with colour, depth and label.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+#include "ingest/frame.h"
+
+namespace kinora::fields {
+
+/// 12 bytes.
+struct StoredPixel {
+  std::uint16_t u, v;
+  float depth; ///< metres, as measured; only measured pixels are stored
+  std::array<std::uint8_t, 3> color;
+  std::uint8_t label;
+};
+
+struct StoredFrame {
+  int frame;     ///< index into the clip's timeline
+  Camera camera;
+  std::size_t begin, end; ///< its pixels
+};
+
+/// Keeps every measured pixel while they fit, else a fixed pseudo-random share of each frame's.
+class PixelStore {
+public:
+  /// `max_pixels` bounds the memory (12 bytes each); `expected_frames` decides the share kept of each frame.
+  PixelStore(std::size_t max_pixels, std::size_t expected_frames);
+  /// `timeline_index`: the frame's place in the clip's timeline.
+  void add(const ingest::Frame& frame, int timeline_index);
+
+  const std::vector<StoredFrame>& frames() const { return frames_; }
+  const std::vector<StoredPixel>& pixels() const { return pixels_; }
+
+private:
+  std::size_t pixels_per_frame_;
+  std::vector<StoredFrame> frames_;
+  std::vector<StoredPixel> pixels_;
+};
+
+} // namespace kinora::fields

@@ -1,0 +1,42 @@
+// Layers seen from any camera, all in one pass, in correct order of depth.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "fields/field.h"
+
+namespace kinora::fields {
+
+/// A field ready to be drawn: its parameters and what is derived from them (a distance field over the occupancy).
+/// Immutable; may be shared by threads.
+class DrawableField {
+public:
+  explicit DrawableField(Field field);
+  ~DrawableField();
+  const Field& field() const;
+  struct Derived;
+  const Derived& derived() const { return *derived_; }
+
+private:
+  std::unique_ptr<const Derived> derived_;
+};
+
+struct PosedField {
+  const DrawableField* field = nullptr;
+  SE3 canonical_to_world = SE3::Identity();
+};
+
+struct Picture {
+  ColorImage color;  ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)
+  DepthImage depth;  ///< metres along the optical axis where alpha > 0.5, else 0
+  LabelImage front;  ///< 1 + index into `layers` of the one that contributes most at the pixel; 0 = nothing
+};
+
+/// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread count.
+/// Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
+Picture render(std::span<const PosedField> layers, const Camera& camera);
+
+} // namespace kinora::fields

@@ -1,0 +1,75 @@
+// A capture as a stream of frames: opened through a format plugin, synchronised, cleaned and numbered.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "ingest/frame.h"
+
+namespace kinora::host {
+class PluginTable;
+}
+
+namespace kinora::ingest {
+
+/// A:B:S of the command line: counts from 0, end excluded, step at least 1.
+struct FrameRange {
+  int begin = 0;
+  int end = -1; ///< −1: to the end
+  int step = 1;
+  bool contains(int index) const {
+    return index >= begin && (end < 0 || index < end) && (index - begin) % step == 0;
+  }
+  /// Throws Error(kUsage) on anything but A:B:S with parts that may be left out ("3", "10:20", "::5", "10:").
+  static FrameRange parse(const std::string& text);
+};
+
+struct CaptureOptions {
+  std::string format;    ///< name of the format to read with; empty: whoever recognises it best
+  FrameRange frames;
+  bool use_masks = true; ///< false: masks on disk are not read
+};
+
+/// How a label is to be modelled, from the capture's labels.json.
+struct LabelInfo {
+  std::string name;
+  std::string kind; ///< "deforming", "rigid", "still", or empty: decided by label (1 deforming, 2… rigid)
+};
+
+struct CaptureInfo {
+  std::string format;          ///< name of the plugin that reads it
+  Intrinsics intrinsics;       ///< of the frames as delivered
+  int frame_count = 0;         ///< frames in the source, before range and skipping
+  double frames_per_second = 30;
+  bool has_poses = false;      ///< camera_to_world of every frame comes from the capture
+  bool has_masks = false;
+  std::map<int, LabelInfo> labels; ///< by label; only what the capture says
+};
+
+struct SkippedFrame {
+  int index;
+  std::string reason; ///< one sentence that names the file
+};
+
+/// Pull reader. Not thread-safe.
+class Capture {
+public:
+  /// Throws Error: kNotRecognised if no plugin knows it, kCorruptInput if one does but it cannot be read.
+  static std::unique_ptr<Capture> open(const host::PluginTable& plugins, const std::filesystem::path& path,
+                                       const CaptureOptions& options, Progress& progress);
+  virtual ~Capture() = default;
+
+  virtual const CaptureInfo& info() const = 0;
+  /// The next usable frame within the range. A bad frame (missing, truncated, wrong size or type, without any depth)
+  /// is warned of through Progress, counted in `skipped()` and passed over; nothing at the end.
+  /// Throws Error(kCorruptInput) when more than half of the frames are bad, and Error(kInterrupted).
+  virtual std::optional<Frame> next() = 0;
+  virtual const std::vector<SkippedFrame>& skipped() const = 0;
+};
+
+} // namespace kinora::ingest

@@ -1,0 +1,20 @@
+// One instant of a capture, ready for tracking and training.
+#pragma once
+
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace kinora::ingest {
+
+/// Colour and depth are registered: the same pixel is the same ray. All images have the camera's size.
+struct Frame {
+  int index = 0;          ///< position in the capture, from 0 (skipped frames keep their number)
+  double time = 0;        ///< seconds since the capture's first frame
+  Camera camera;          ///< undistorted; world = the capture camera of frame 0, unless the capture brings poses
+  ColorImage color;       ///< 3 channels sRGB
+  DepthImage depth;       ///< as measured, metres, 0 = no measurement; what metrics call "measured depth"
+  DepthImage clean_depth; ///< `depth` without flying pixels, jumps, grazing surfaces and a border: for fusion only
+  LabelImage labels;      ///< 0 background, 1 person, 2…; empty when the capture has no masks
+};
+
+} // namespace kinora::ingest
