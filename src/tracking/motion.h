@@ -24,8 +24,8 @@ public:
   };
 
   static Motion still() { return Motion(MotionKind::kStill, {}); }
-  /// One pose for each frame of the clip, in order; at least one.
-  static Motion rigid(std::vector<Pose> poses) { return Motion(MotionKind::kRigid, std::move(poses)); }
+  /// One pose for each frame of the clip, in order. Throws Error(kFailure) if there is none.
+  static Motion rigid(std::vector<Pose> poses);
 
   MotionKind kind() const { return kind_; }
   /// Empty for a still layer.
@@ -33,6 +33,7 @@ public:
 
   /// At a whole or fractional frame; in between, along the screw from one pose to the next; clamped at both ends.
   SE3 canonical_to_world(double frame) const;
+  /// A still layer is always tracked; beyond the last frame, that of the last.
   Health health(std::size_t frame) const;
 
 private:
