@@ -52,9 +52,9 @@ private:
   std::vector<T> values_;
 };
 
-using ColorImage = Image<std::uint8_t>;   ///< 3 channels sRGB, or 4 with straight alpha
-using DepthImage = Image<float>;          ///< metres along the optical axis, 0 = nothing measured
+using ColorImage = Image<std::uint8_t>;    ///< 3 channels sRGB, or 4 with straight alpha
+using DepthImage = Image<float>;           ///< metres along the optical axis, 0 = nothing measured
 using DepthImage16 = Image<std::uint16_t>; ///< a sensor's units (normally millimetres), 0 = nothing measured
-using LabelImage = Image<std::uint8_t>;   ///< 0 background, 1 person, 2 object, 3… further objects
+using LabelImage = Image<std::uint8_t>;    ///< 0 background, 1 person, 2 object, 3… further objects
 
 } // namespace kinora

@@ -46,9 +46,7 @@ void parallel_for(std::size_t count, std::size_t chunk_size, const std::function
     for (std::size_t i = 0; i < chunks; ++i) run(i);
     return;
   }
-  const auto loop = [&] {
-    oneapi::tbb::parallel_for(std::size_t{0}, chunks, run, oneapi::tbb::simple_partitioner{});
-  };
+  const auto loop = [&] { oneapi::tbb::parallel_for(std::size_t{0}, chunks, run, oneapi::tbb::simple_partitioner{}); };
   if (pool().arena) {
     pool().arena->execute(loop);
   } else {

@@ -17,19 +17,28 @@ struct FieldBox {
 };
 
 struct FieldConfig {
-  static constexpr int kFeatures = 8;   ///< per level
-  static constexpr int kHidden = 16;    ///< width of the density MLP's hidden layer
-  static constexpr int kGeometry = 16;  ///< outputs of the density MLP: raw density, then 15 features
-  static constexpr int kColorHidden = 32; ///< width of the colour MLP's two hidden layers
+  static constexpr int kFeatures = 8;      ///< per level
+  static constexpr int kHidden = 16;       ///< width of the density MLP's hidden layer
+  static constexpr int kGeometry = 16;     ///< outputs of the density MLP: raw density, then 15 features
+  static constexpr int kColorHidden = 32;  ///< width of the colour MLP's two hidden layers
+  static constexpr int kColorOutputs = 16; ///< outputs of the colour MLP: red, green, blue, and padding
 
   FieldBox box;
   int levels = 4;
   int log2_table_size = 15; ///< at most 2^this entries per level; levels that fit are stored densely
   int coarsest_resolution = 16;
-  int finest_resolution = 256; ///< cells per side of the finest level; levels in between grow geometrically
+  int finest_resolution = 256;    ///< cells per side of the finest level; levels in between grow geometrically
   int occupancy_resolution = 128; ///< cells per side of the stored occupancy; a multiple of 8
 
   int encoding_width() const { return levels * kFeatures; }
+};
+
+/// Limits that every field keeps: what a file may ask for, and what training may choose.
+struct FieldLimits {
+  static constexpr int kMaxLevels = 8;
+  static constexpr int kMaxLog2TableSize = 20;
+  static constexpr int kMaxResolution = 8192;
+  static constexpr int kMaxOccupancyResolution = 512;
 };
 
 /// One bit for each cell of the box, x fastest. Outside is empty.
@@ -37,8 +46,7 @@ class Occupancy {
 public:
   Occupancy() = default;
   explicit Occupancy(int resolution)
-      : resolution_(resolution),
-        bits_((static_cast<std::size_t>(resolution) * resolution * resolution + 63) / 64, 0) {}
+      : resolution_(resolution), bits_((static_cast<std::size_t>(resolution) * resolution * resolution + 63) / 64, 0) {}
 
   int resolution() const { return resolution_; }
   bool at(int x, int y, int z) const {
@@ -85,7 +93,7 @@ struct Field {
   FieldConfig config;
   std::vector<float> table;       ///< grid_entry_count × kFeatures
   std::vector<float> density_net; ///< encoding_width × kHidden, then kHidden × kGeometry
-  std::vector<float> color_net;   ///< kGeometry × kColorHidden, kColorHidden × kColorHidden, kColorHidden × 16 (3 used)
+  std::vector<float> color_net; ///< kGeometry × kColorHidden, kColorHidden × kColorHidden, kColorHidden × kColorOutputs
   Occupancy occupancy;
 
   /// Zero parameters of the right sizes, empty occupancy.

@@ -20,7 +20,7 @@ struct StoredPixel {
 };
 
 struct StoredFrame {
-  int frame;     ///< index into the clip's timeline
+  int frame; ///< index into the clip's timeline
   Camera camera;
   std::size_t begin, end; ///< its pixels
 };

@@ -30,13 +30,13 @@ struct PosedField {
 };
 
 struct Picture {
-  ColorImage color;  ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)
-  DepthImage depth;  ///< metres along the optical axis where alpha > 0.5, else 0
-  LabelImage front;  ///< 1 + index into `layers` of the one that contributes most at the pixel; 0 = nothing
+  ColorImage color; ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)
+  DepthImage depth; ///< metres along the optical axis where alpha > 0.5, else 0
+  LabelImage front; ///< 1 + index into `layers` of the one that contributes most at the pixel; 0 = nothing
 };
 
-/// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread count.
-/// Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
+/// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread
+/// count. Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
 Picture render(std::span<const PosedField> layers, const Camera& camera);
 
 } // namespace kinora::fields

@@ -19,15 +19,15 @@ struct TrainerConfig {
 };
 
 /// Chooses box, resolution and table size from the layer's observed surface: the measured pixels of `label` carried
-/// into canonical space, and the finest pixel footprint among them. `label` 0 takes all pixels when nothing is labelled.
-/// Throws Error(kFailure) if the layer has no measured pixel.
+/// into canonical space, and the finest pixel footprint among them. `label` 0 takes all pixels when nothing is
+/// labelled. Throws Error(kFailure) if the layer has no measured pixel.
 FieldConfig choose_field_config(const PixelStore& pixels, int label, const tracking::Motion& motion);
 
 struct TrainingReport {
   std::size_t rays = 0;
   std::size_t samples = 0;
   std::size_t steps = 0;
-  double seconds = 0;      ///< for people; no decision depends on it
+  double seconds = 0; ///< for people; no decision depends on it
   double final_loss = 0;
   std::size_t restarts = 0; ///< times a dead or diverged field was begun anew
 };

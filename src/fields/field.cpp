@@ -1,0 +1,47 @@
+#include "fields/field.h"
+
+#include <bit>
+#include <cmath>
+
+namespace kinora::fields {
+
+std::size_t Occupancy::count() const {
+  std::size_t total = 0;
+  for (const std::uint64_t word : bits_) total += static_cast<std::size_t>(std::popcount(word));
+  return total;
+}
+
+std::vector<GridLevel> grid_levels(const FieldConfig& config) {
+  std::vector<GridLevel> levels;
+  const double growth = config.levels > 1
+                            ? std::pow(static_cast<double>(config.finest_resolution) / config.coarsest_resolution,
+                                       1.0 / (config.levels - 1))
+                            : 1.0;
+  const std::uint64_t limit = std::uint64_t{1} << config.log2_table_size;
+  std::uint32_t offset = 0;
+  for (int l = 0; l < config.levels; ++l) {
+    const int resolution = static_cast<int>(std::lround(config.coarsest_resolution * std::pow(growth, l)));
+    const std::uint64_t side = static_cast<std::uint64_t>(resolution) + 1;
+    const bool hashed = side * side * side > limit;
+    const auto size = static_cast<std::uint32_t>(hashed ? limit : side * side * side);
+    levels.push_back({resolution, offset, size, hashed});
+    offset += size;
+  }
+  return levels;
+}
+
+std::size_t grid_entry_count(const FieldConfig& config) {
+  const std::vector<GridLevel> levels = grid_levels(config);
+  return levels.empty() ? 0 : levels.back().offset + levels.back().size;
+}
+
+Field::Field(const FieldConfig& field_config)
+    : config(field_config), table(grid_entry_count(field_config) * FieldConfig::kFeatures),
+      density_net(static_cast<std::size_t>(field_config.encoding_width() * FieldConfig::kHidden +
+                                           FieldConfig::kHidden * FieldConfig::kGeometry)),
+      color_net(FieldConfig::kGeometry * FieldConfig::kColorHidden +
+                FieldConfig::kColorHidden * FieldConfig::kColorHidden +
+                FieldConfig::kColorHidden * FieldConfig::kColorOutputs),
+      occupancy(field_config.occupancy_resolution) {}
+
+} // namespace kinora::fields
