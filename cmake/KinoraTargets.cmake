@@ -3,7 +3,6 @@
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
@@ -15,9 +14,10 @@ if(CCACHE)
   add_compile_options(-fpch-preprocess)
 endif()
 
+# -fPIC for programs too: a precompiled header serves only those who agree on it.
 add_library(kinora_flags INTERFACE)
 target_compile_options(
-  kinora_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  kinora_flags INTERFACE -fPIC -fno-semantic-interposition -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
                          -Werror -fno-math-errno -ffp-contract=off)
 target_include_directories(kinora_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 
@@ -30,7 +30,9 @@ endif()
 # kinora_use_pch(target): the shared precompiled header of cmake/pch.h, compiled once.
 function(kinora_use_pch target)
   if(NOT TARGET kinora_pch)
-    file(WRITE ${CMAKE_BINARY_DIR}/pch.cpp "")
+    if(NOT EXISTS ${CMAKE_BINARY_DIR}/pch.cpp)
+      file(TOUCH ${CMAKE_BINARY_DIR}/pch.cpp)
+    endif()
     add_library(kinora_pch OBJECT ${CMAKE_BINARY_DIR}/pch.cpp)
     target_link_libraries(kinora_pch PRIVATE kinora_flags Eigen3::Eigen)
     target_precompile_headers(kinora_pch PRIVATE ${PROJECT_SOURCE_DIR}/cmake/pch.h)
@@ -47,6 +49,10 @@ function(kinora_library name)
   kinora_use_pch(kinora_${name})
 endfunction()
 
+# What `./check` builds under sanitizers: the tests labelled `parse` (they read input that is not trusted) and `threads`.
+add_custom_target(sanitized_tests)
+add_custom_target(threaded_tests)
+
 # kinora_test(name SOURCES a.cpp … [LINK lib …] [LABELS l …] [TIMEOUT s]): GoogleTest program, one CTest entry per test.
 function(kinora_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
@@ -59,10 +65,17 @@ function(kinora_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
+  if("parse" IN_LIST arg_LABELS)
+    add_dependencies(sanitized_tests ${name})
+  endif()
+  if("threads" IN_LIST arg_LABELS)
+    add_dependencies(threaded_tests ${name})
+  endif()
+  string(REPLACE ";" "\\;" labels "${arg_LABELS}") # one value through gtest_discover_tests, a list again in CTest
   include(GoogleTest)
   gtest_discover_tests(
     ${name}
     TEST_PREFIX ${name}.
     DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${labels}")
 endfunction()
