@@ -1,0 +1,48 @@
+// What one frame shows of one label: a crop with depth, fitted planes and a texture that does not depend on lighting.
+#pragma once
+
+#include <array>
+
+#include "ingest/frame.h"
+#include "tracking/depth_planes.h"
+
+namespace kinora::tracking {
+
+/// One level of the texture pyramid: 3 channels (value, d/du, d/dv), sampled bilinearly.
+/// Pixel (u, v) of the crop lies at ((u + ½)/2ˡ − ½, (v + ½)/2ˡ − ½) of level l.
+struct TextureLevel {
+  Image<float> values;
+  float scale = 1; ///< 2⁻ˡ
+};
+
+/// Value and gradient per crop pixel of the texture at a point.
+struct TextureSample {
+  float value;
+  float du, dv;
+};
+
+/// Plain data; thread-safe to read. All images have the size of `intrinsics`, the camera's view cut to the crop.
+struct ObjectView {
+  static constexpr int kLevels = 3;
+
+  Intrinsics intrinsics;
+  DepthImage depth;     ///< all measured depth in the crop: what may stand in front
+  LabelImage mask;      ///< 1 where the label is, 2 where it is at least two pixels from the label's border
+  DepthPlanes planes;   ///< of the label's clean depth
+  Image<float> texture; ///< log luminance minus its mean around the pixel within the label; 0 elsewhere
+  std::array<TextureLevel, kLevels> pyramid;
+  std::size_t depth_pixels = 0;                       ///< pixels with a plane
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero(); ///< mean of their points, in the camera
+
+  bool empty() const { return depth_pixels == 0; }
+  /// The measured point of a crop pixel with a plane, on its ray.
+  Eigen::Vector3d point(int u, int v) const;
+  /// Texture at a point of the crop, in pixels; the caller has checked that it lies inside.
+  TextureSample sample_texture(int level, double u, double v) const;
+};
+
+/// Cuts the bounding box of `label`, grown by a quarter. Empty if the frame has no labels or none of this label with
+/// depth. Throws Error(kFailure) if the frame's images differ in size.
+ObjectView view_object(const ingest::Frame& frame, int label);
+
+} // namespace kinora::tracking

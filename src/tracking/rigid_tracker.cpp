@@ -1,0 +1,235 @@
+#include "tracking/rigid_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ingest/sensor_noise.h"
+#include "tracking/point_selection.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr std::size_t kMaxKeyframes = 16;
+constexpr double kKeyframeAngle = 0.4;  // radians between stored directions of view
+constexpr double kVelocityShare = 0.95; // of the last motion that the next one is expected to repeat
+constexpr double kMinVoxel = 0.001;
+constexpr double kMaxVoxel = 0.03;
+
+// About a pixel's footprint, but no more than a hundred voxels across the object.
+TsdfConfig choose_volume(const ObjectView& view, double requested) {
+  double squared = 0;
+  for (int v = 0; v < view.mask.height(); ++v) {
+    for (int u = 0; u < view.mask.width(); ++u) {
+      if (view.planes.weights.at(u, v) > 0) squared += (view.point(u, v) - view.centroid).squaredNorm();
+    }
+  }
+  const double size = 3.0 * std::sqrt(squared / static_cast<double>(view.depth_pixels));
+  const double footprint = view.centroid.z() / view.intrinsics.fx;
+  TsdfConfig config;
+  config.voxel_size =
+      requested > 0 ? requested : std::clamp(std::max(1.1 * footprint, size / 100), kMinVoxel, kMaxVoxel);
+  config.truncation =
+      std::clamp(4 * ingest::depth_sigma(view.centroid.z()), 4 * config.voxel_size, 7 * config.voxel_size);
+  return config;
+}
+
+SE3 with_orthonormal_rotation(SE3 pose) {
+  pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  return pose;
+}
+
+} // namespace
+
+struct RigidTracker::Candidate {
+  Alignment alignment;
+  AlignmentQuality quality;
+  double score = -1;
+};
+
+struct RigidTracker::Past {
+  ObjectView view;
+  SE3 model_to_camera;
+  SE3 model_to_world;
+  double time = 0;
+  /// The tracked pose before, if it was the frame before.
+  std::optional<SE3> earlier_model_to_world;
+  double earlier_time = 0;
+};
+
+RigidTracker::RigidTracker(int label, const RigidTrackerConfig& config) : label_(label), config_(config) {}
+RigidTracker::~RigidTracker() = default;
+RigidTracker::RigidTracker(RigidTracker&&) noexcept = default;
+RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
+
+RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
+  const ObjectView view = view_object(frame, label_);
+  RigidTrackingResult result;
+  result.pixels = view.depth_pixels;
+  if (volume_ == nullptr) {
+    result.pose.health = Health::kLost;
+    if (view.depth_pixels >= config_.first_pixels) begin(frame, view, result);
+  } else {
+    if (view.depth_pixels >= config_.min_pixels) {
+      follow(frame, view, result);
+    } else {
+      result.pose.health = Health::kHeld;
+    }
+    if (result.pose.health == Health::kTracked) {
+      unseen_ = 0;
+    } else if (++unseen_ > config_.held_frames) {
+      result.pose.health = Health::kLost;
+    }
+    result.pose.canonical_to_world = model_to_world_ * Eigen::Translation3d(-volume_->origin());
+  }
+  poses_.push_back(result.pose);
+  return result;
+}
+
+void RigidTracker::begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+  const Eigen::Vector3d centre = frame.camera.camera_to_world * view.centroid;
+  volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), centre);
+  model_to_world_ = SE3(Eigen::Translation3d(centre));
+  past_ = std::make_unique<Past>();
+  fuse(frame, view);
+  past_->view = view;
+  past_->model_to_world = model_to_world_;
+  past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  past_->time = frame.time;
+  keyframes_.emplace_back(past_->model_to_camera.linear());
+  result.visible = true;
+  result.pose.health = Health::kTracked;
+}
+
+// Constant velocity, of the object's centre and of its rotation about it.
+SE3 RigidTracker::predicted(double time) const {
+  if (unseen_ > 0 || !past_->earlier_model_to_world) return model_to_world_;
+  const SE3& earlier = *past_->earlier_model_to_world;
+  const double before = past_->time - past_->earlier_time;
+  const double steps = before > 0 ? std::clamp((time - past_->time) / before, 0.0, 3.0) : 1.0;
+  const double share = kVelocityShare * steps;
+  Twist rotation = Twist::Zero();
+  rotation.tail<3>() = share * log_se3(model_to_world_ * earlier.inverse()).tail<3>();
+  SE3 result = SE3::Identity();
+  result.linear() = exp_se3(rotation).linear() * model_to_world_.linear();
+  result.translation() =
+      model_to_world_.translation() + share * (model_to_world_.translation() - earlier.translation());
+  return with_orthonormal_rotation(result);
+}
+
+std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, const SE3& model_to_camera) const {
+  std::vector<ModelPoint> points = select_points(surface_, view, model_to_camera, config_.max_points);
+  // The fused texture is as sharp as the image; at coarse levels the last image stands for it.
+  for (ModelPoint& point : points) {
+    for (std::size_t level = 1; level < point.texture.size(); ++level) {
+      point.texture[level] = std::numeric_limits<float>::quiet_NaN();
+    }
+    if (unseen_ > 0) continue;
+    add_coarse_texture(past_->view, past_->model_to_camera, point);
+  }
+  return points;
+}
+
+RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3& start, const SE3& prior) const {
+  const std::vector<ModelPoint> points = visible_points(view, start);
+  Candidate candidate;
+  candidate.alignment = align(points, view, start, prior, config_.alignment);
+  const SE3& pose = candidate.alignment.model_to_camera;
+  const std::vector<ModelPoint> seen = visible_points(view, pose);
+  candidate.quality = judge_pose(seen, view, pose);
+  if (!seen.empty()) {
+    candidate.score = static_cast<double>(candidate.quality.inliers) / static_cast<double>(seen.size()) +
+                      candidate.quality.texture_correlation;
+  }
+  return candidate;
+}
+
+bool RigidTracker::is_healthy(const AlignmentQuality& quality) const {
+  return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
+         (quality.texture_correlation == 0 || quality.texture_correlation >= config_.min_correlation);
+}
+
+// Other places to look, as poses of the model in the camera: where it was last, and there moved so that the visible
+// points' mean meets the measured one; everywhere: also as each key frame saw it.
+std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_to_world, bool everywhere) const {
+  std::vector<SE3> result;
+  const SE3 last = camera_to_world.inverse() * model_to_world_;
+  const auto add_centred = [&](const Eigen::Matrix3d& rotation) {
+    SE3 pose = SE3::Identity();
+    pose.linear() = rotation;
+    pose.translation() = view.centroid;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const std::vector<ModelPoint> points = select_points(surface_, view, pose, config_.max_points);
+    if (points.empty()) return;
+    for (const ModelPoint& point : points) sum += pose * point.position.cast<double>();
+    pose.translation() += view.centroid - sum / static_cast<double>(points.size());
+    result.push_back(pose);
+  };
+  result.push_back(last);
+  add_centred(last.linear());
+  if (everywhere) {
+    for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
+  }
+  return result;
+}
+
+void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+  result.visible = true;
+  const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
+  const SE3 prior = world_to_camera * predicted(frame.time);
+  Candidate best = attempt(view, prior, prior);
+  if (!is_healthy(best.quality)) {
+    for (const SE3& start : starts(view, frame.camera.camera_to_world, unseen_ > 0)) {
+      Candidate other = attempt(view, start, start);
+      if (other.score > best.score) best = std::move(other);
+    }
+  }
+  result.quality = best.quality;
+  if (is_healthy(best.quality)) {
+    accept(frame, view, best, result);
+  } else {
+    result.pose.health = Health::kLost;
+  }
+}
+
+void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best,
+                          RigidTrackingResult& result) {
+  const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
+  result.pose.health = Health::kTracked;
+  result.relocalised = unseen_ > 0;
+  result.weak_directions = best.alignment.weak_directions;
+  for (int i = 0; i < best.alignment.weak_directions; ++i) {
+    const Twist direction = best.alignment.directions.col(i);
+    Twist in_world;
+    in_world << camera_rotation * direction.head<3>(), camera_rotation * direction.tail<3>();
+    result.weak.push_back(in_world);
+  }
+  if (unseen_ == 0) {
+    past_->earlier_model_to_world = past_->model_to_world;
+    past_->earlier_time = past_->time;
+  } else {
+    past_->earlier_model_to_world.reset();
+  }
+  model_to_world_ = with_orthonormal_rotation(frame.camera.camera_to_world * best.alignment.model_to_camera);
+  past_->view = view;
+  past_->time = frame.time;
+  past_->model_to_world = model_to_world_;
+  past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  fuse(frame, view);
+  const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
+  const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
+    return Eigen::AngleAxisd(known.transpose() * rotation).angle() > kKeyframeAngle;
+  });
+  if (is_new && keyframes_.size() < kMaxKeyframes) keyframes_.push_back(rotation);
+}
+
+void RigidTracker::fuse(const ingest::Frame& frame, const ObjectView& view) {
+  DepthPlanes planes = view.planes;
+  const SE3 model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  remove_occluders(surface_, model_to_camera, view, planes);
+  const SE3 canonical_to_camera = model_to_camera * Eigen::Translation3d(-volume_->origin());
+  volume_->integrate(planes, view.texture, view.intrinsics, canonical_to_camera.inverse());
+  surface_ = volume_->surface_points();
+}
+
+} // namespace kinora::tracking

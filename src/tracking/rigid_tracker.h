@@ -1,0 +1,84 @@
+// Follows one rigid object through a capture and fuses what it sees of it into a model.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ingest/frame.h"
+#include "tracking/motion.h"
+#include "tracking/rigid_alignment.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+struct RigidTrackerConfig {
+  double voxel_size = 0;          ///< metres; 0: from the size of the object and of a pixel on it, typically 3–5 mm
+  std::size_t first_pixels = 150; ///< pixels with clean depth that the first frame of the object must have
+  std::size_t min_pixels = 60;    ///< fewer: the pose is held
+  std::size_t max_points = 2500;  ///< model points used for alignment, spread over directions of the normal
+  double min_inlier_share = 0.6;  ///< of the points that fall on the object; below, the pose is not believed
+  double min_correlation = 0.3;   ///< of the texture, where there is any
+  int held_frames = 30;           ///< unseen for longer: lost
+  AlignmentConfig alignment;
+};
+
+/// One frame's answer.
+struct RigidTrackingResult {
+  Motion::Pose pose;        ///< canonical = world at the object's first frame; identity before it
+  bool visible = false;     ///< enough of its pixels were measured
+  std::size_t pixels = 0;   ///< of the label, with clean depth
+  AlignmentQuality quality; ///< of the accepted, or the best refused pose
+  int weak_directions = 0;  ///< left to the motion prior, of six
+  /// The weak directions in the world, as twists about the object's centre: metres, and radians × radius.
+  std::vector<Twist> weak;
+  bool relocalised = false; ///< found again after having been held or lost
+};
+
+/// Health: kTracked: the view supports the pose; kHeld: too little of the object is seen, the last pose stays;
+/// kLost: it is seen but found nowhere, or unseen for long, or not yet seen at all. Only tracked frames are fused.
+/// Not thread-safe. Same frames, same bits, for any number of threads.
+class RigidTracker {
+public:
+  explicit RigidTracker(int label, const RigidTrackerConfig& config = {});
+  ~RigidTracker();
+  RigidTracker(RigidTracker&&) noexcept;
+  RigidTracker& operator=(RigidTracker&&) noexcept;
+
+  /// Frames in order of time. Throws Error(kFailure) if the frame's images differ in size.
+  RigidTrackingResult track(const ingest::Frame& frame);
+
+  int label() const { return label_; }
+  /// Poses of all frames so far, for Motion::rigid.
+  const std::vector<Motion::Pose>& poses() const { return poses_; }
+  /// The fused model in canonical space; nullptr before the object's first frame. Its intensity is the texture of
+  /// ObjectView.
+  const TsdfVolume* model() const { return volume_.get(); }
+
+private:
+  struct Candidate;
+  struct Past; ///< what is kept of the last tracked frame
+
+  void begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
+  void follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
+  void accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best, RigidTrackingResult& result);
+  void fuse(const ingest::Frame& frame, const ObjectView& view);
+  SE3 predicted(double time) const;
+  Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
+  std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, bool everywhere) const;
+  std::vector<ModelPoint> visible_points(const ObjectView& view, const SE3& model_to_camera) const;
+  bool is_healthy(const AlignmentQuality& quality) const;
+
+  int label_;
+  RigidTrackerConfig config_;
+  std::unique_ptr<TsdfVolume> volume_;
+  std::vector<SurfacePoint> surface_;
+  SE3 model_to_world_ = SE3::Identity(); ///< model = canonical − the volume's origin
+  std::unique_ptr<Past> past_;
+  std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
+  int unseen_ = 0;
+  std::vector<Motion::Pose> poses_;
+};
+
+} // namespace kinora::tracking

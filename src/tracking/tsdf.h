@@ -1,0 +1,99 @@
+// A truncated signed distance field in a sparse set of bricks of 8³ voxels, fused from depth images.
+// Source: Curless and Levoy, SIGGRAPH 1996; Nießner et al., "Real-time 3D Reconstruction at Scale using Voxel Hashing",
+// ACM TOG 32(6), 2013. The distance to a voxel is taken to the fitted plane of the pixel, not along the ray.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/camera.h"
+#include "tracking/depth_planes.h"
+
+namespace kinora::tracking {
+
+struct TsdfConfig {
+  double voxel_size = 0.004; ///< metres
+  double truncation = 0.02;  ///< metres; 4–7 voxels
+  float max_weight = 64;     ///< older observations fade once a voxel has this much
+};
+
+/// Distance and unit normal (pointing out of the surface).
+struct TsdfSample {
+  double distance; ///< metres, positive in front of the surface
+  Eigen::Vector3d normal;
+};
+
+/// A point of the zero level, relative to the volume's origin.
+struct SurfacePoint {
+  Eigen::Vector3f position;
+  Eigen::Vector3f normal; ///< unit, pointing out of the surface
+  float intensity;        ///< as given to integrate, or 0
+  float weight;           ///< the smaller of the two voxels' weights
+};
+
+/// Points are in double, in the volume's space; inside, everything is relative to `origin`, so that accuracy does not
+/// depend on where the origin lies. Thread-safe to read; integrate needs exclusive use.
+/// The same calls give the same bits and the same order of bricks for any number of threads.
+class TsdfVolume {
+public:
+  static constexpr int kBrickSide = 8;
+  static constexpr int kBrickVoxels = kBrickSide * kBrickSide * kBrickSide;
+
+  /// `origin`: a point near the surface. Throws Error(kFailure) if sizes are not positive and finite.
+  TsdfVolume(const TsdfConfig& config, const Eigen::Vector3d& origin);
+
+  /// Fuses the planes of one image (all of one size, that of the intrinsics). `intensity` may be empty (then nothing is
+  /// fused of it). Pixels without plane teach nothing, neither surface nor emptiness.
+  /// Throws Error(kFailure) if sizes differ.
+  void integrate(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
+                 const SE3& camera_to_volume);
+
+  /// Trilinear; nothing where one of the eight voxels around was never seen.
+  std::optional<double> distance(const Eigen::Vector3d& point) const;
+  std::optional<double> intensity(const Eigen::Vector3d& point) const;
+  /// Distance, and the normal by central differences of ±1 voxel where they are seen, else of the one cell.
+  std::optional<TsdfSample> sample(const Eigen::Vector3d& point) const;
+
+  /// Zero crossings along the voxel edges, brick by brick in the order of their making.
+  std::vector<SurfacePoint> surface_points(float min_weight = 0) const;
+
+  const TsdfConfig& config() const { return config_; }
+  const Eigen::Vector3d& origin() const { return origin_; }
+  std::size_t brick_count() const { return bricks_.size(); }
+
+private:
+  struct Brick {
+    std::array<int, 3> coordinate;
+    std::array<float, kBrickVoxels> distance{}; ///< metres
+    std::array<float, kBrickVoxels> weight{};
+    std::array<float, kBrickVoxels> intensity{};
+  };
+  struct Slot {
+    std::array<int, 3> coordinate{};
+    std::int32_t brick = -1;
+  };
+  struct View;
+  struct Neighbourhood;
+
+  std::int32_t find(const std::array<int, 3>& coordinate) const;
+  std::int32_t find_or_insert(const std::array<int, 3>& coordinate);
+  void grow_table();
+  std::vector<std::uint8_t> touch_bricks(const View& view);
+  bool may_be_seen(const Brick& brick, const View& view) const;
+  void update(Brick& brick, const View& view) const;
+  void append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const;
+  Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }
+
+  TsdfConfig config_;
+  Eigen::Vector3d origin_;
+  std::vector<std::unique_ptr<Brick>> bricks_;
+  std::vector<Slot> table_; ///< open addressing, a power of two
+};
+
+} // namespace kinora::tracking
