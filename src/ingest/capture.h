@@ -22,15 +22,13 @@ struct FrameRange {
   int begin = 0;
   int end = -1; ///< −1: to the end
   int step = 1;
-  bool contains(int index) const {
-    return index >= begin && (end < 0 || index < end) && (index - begin) % step == 0;
-  }
+  bool contains(int index) const { return index >= begin && (end < 0 || index < end) && (index - begin) % step == 0; }
   /// Throws Error(kUsage) on anything but A:B:S with parts that may be left out ("3", "10:20", "::5", "10:").
   static FrameRange parse(const std::string& text);
 };
 
 struct CaptureOptions {
-  std::string format;    ///< name of the format to read with; empty: whoever recognises it best
+  std::string format; ///< name of the format to read with; empty: whoever recognises it best
   FrameRange frames;
   bool use_masks = true; ///< false: masks on disk are not read
 };
@@ -42,11 +40,11 @@ struct LabelInfo {
 };
 
 struct CaptureInfo {
-  std::string format;          ///< name of the plugin that reads it
-  Intrinsics intrinsics;       ///< of the frames as delivered
-  int frame_count = 0;         ///< frames in the source, before range and skipping
+  std::string format;    ///< name of the plugin that reads it
+  Intrinsics intrinsics; ///< of the frames as delivered
+  int frame_count = 0;   ///< frames in the source, before range and skipping
   double frames_per_second = 30;
-  bool has_poses = false;      ///< camera_to_world of every frame comes from the capture
+  bool has_poses = false; ///< camera_to_world of every frame comes from the capture
   bool has_masks = false;
   std::map<int, LabelInfo> labels; ///< by label; only what the capture says
 };

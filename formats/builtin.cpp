@@ -1,0 +1,13 @@
+// The table of the formats that come with Kinora: a new format is one line here.
+#include <iterator>
+
+#include "kinora/plugin.h"
+#include "rgbd_folder/formats.h"
+
+const KinoraPlugin* kinora_builtin_plugin() {
+  using namespace kinora::formats;
+  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat};
+  static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
+                                      std::size(formats)};
+  return &plugin;
+}

@@ -1,0 +1,12 @@
+// The formats of this folder, for the table of built-in formats.
+#pragma once
+
+#include "kinora/plugin.h"
+
+namespace kinora::formats {
+
+extern const KinoraFormat kTumFormat;         ///< tum-rgbd
+extern const KinoraFormat kNumberedFormat;    ///< numbered-folder
+extern const KinoraFormat kThreeDMatchFormat; ///< 3dmatch
+
+} // namespace kinora::formats

@@ -1,0 +1,224 @@
+/* The C interface between Kinora and a format plugin.
+ *
+ * A plugin reads or writes one or more file formats. It exchanges plain things only: images with calibration, pose and
+ * time. It never sees how Kinora models a scene. The formats that come with Kinora use this interface too.
+ *
+ * External plugins are shared libraries (*.so) in a folder of KINORA_PLUGIN_PATH (folders separated by ':'), of
+ * --plugin-dir, or in the installation's lib/kinora/plugins. They export one function, kinora_plugin (below).
+ *
+ * Versions. Every struct that a plugin or the host fills begins with its own size and the version of this interface.
+ * KINORA_PLUGIN_ABI changes only when old plugins can no longer work. Otherwise structs grow at their end, and a reader
+ * of a struct looks at `struct_size` before it uses a member that came later. Structs marked "embedded" never grow.
+ *
+ * Memory. Who makes a thing keeps it. A string or an image that a reader hands out stays valid until the next call for
+ * the same reader; what the host hands in is valid during the call alone. Descriptors live as long as the process.
+ *
+ * Threads. Calls for one reader or writer come one at a time, but may come from different threads. Different readers
+ * and writers may be used at the same time. `probe` may be called from any thread at any time.
+ *
+ * Errors. A function returns a KinoraStatus and, unless that is KINORA_OK or KINORA_END, writes one sentence into the
+ * KinoraMessage: what is wrong, the file and the place in it, and the remedy. No exception may leave a plugin; a plugin
+ * never prints and never exits.
+ *
+ * Units: metres, seconds. Camera axes: x right, y down, z forward. Pixel centres lie at integer coordinates.
+ * Matrices are 4x4, row by row. Text is UTF-8 and ends with a zero.
+ */
+#ifndef KINORA_PLUGIN_H
+#define KINORA_PLUGIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define KINORA_PLUGIN_ABI 1u
+
+/* The first two members of every struct that may grow. */
+#define KINORA_STRUCT_HEADER                                                                                           \
+  uint32_t struct_size; /* sizeof the struct, as its maker was compiled */                                             \
+  uint32_t abi_version  /* KINORA_PLUGIN_ABI, as its maker was compiled */
+
+typedef int32_t KinoraStatus;
+enum {
+  KINORA_OK = 0,
+  KINORA_END = 1,            /* a reader has no further frame */
+  KINORA_BAD_FRAME = 2,      /* this frame cannot be read; the following call gives the one after it */
+  KINORA_FAILURE = 3,        /* anything not named here */
+  KINORA_USAGE = 4,          /* an option or a call makes no sense */
+  KINORA_NOT_RECOGNISED = 5, /* not of this format */
+  KINORA_CORRUPT = 6,        /* of this format, but damaged or absurd */
+  KINORA_UNWRITABLE = 7,     /* the output cannot be created or written to its end */
+  KINORA_MISSING = 8         /* something that the plugin needs is not installed */
+};
+
+/* One sentence for a person. The host provides it; `text` is cut to fit. */
+typedef struct KinoraMessage {
+  KINORA_STRUCT_HEADER;
+  char text[1024];
+} KinoraMessage;
+
+/* ---- plain things */
+
+typedef int32_t KinoraPixelType;
+enum { KINORA_PIXEL_NONE = 0, KINORA_PIXEL_U8 = 1, KINORA_PIXEL_U16 = 2, KINORA_PIXEL_F32 = 3 };
+
+/* An image, or none if `data` is NULL. Rows from the top, channels interleaved, machine byte order. Embedded. */
+typedef struct KinoraImage {
+  int32_t width;
+  int32_t height;
+  int32_t channels;
+  KinoraPixelType pixel_type;
+  size_t row_bytes; /* from one row to the next */
+  const void* data;
+  uint64_t reserved[2]; /* 0 */
+} KinoraImage;
+
+/* A pinhole camera: u = fx X/Z + cx, v = fy Y/Z + cy, after Brown-Conrady distortion k1 k2 p1 p2 k3. Embedded. */
+typedef struct KinoraCamera {
+  int32_t width;
+  int32_t height;
+  double fx, fy, cx, cy;
+  double distortion[5];
+  double reserved[8]; /* 0 */
+} KinoraCamera;
+
+/* What a label of the masks means. `kind` is "deforming", "rigid", "still" or "" (the host decides). Embedded. */
+typedef struct KinoraLabel {
+  int32_t label; /* 0 to 255 */
+  const char* name;
+  const char* kind;
+} KinoraLabel;
+
+typedef struct KinoraCaptureInfo {
+  KINORA_STRUCT_HEADER;
+  int64_t frame_count;      /* with the bad ones; at least 1 */
+  double start_time;        /* of frame 0, on the clock of KinoraFrame.time */
+  double frames_per_second; /* nominal */
+  KinoraCamera camera;      /* of colour, and of depth, which is registered to it */
+  int32_t has_poses;        /* every good frame brings a camera pose */
+  int32_t has_masks;        /* some frames bring labels */
+  const KinoraLabel* labels;
+  size_t label_count;
+  const char* const* warnings; /* sentences about the whole capture; reading goes on */
+  size_t warning_count;
+} KinoraCaptureInfo;
+
+typedef struct KinoraFrame {
+  KINORA_STRUCT_HEADER;
+  int64_t index;          /* position in the capture, from 0; also set for KINORA_BAD_FRAME */
+  double time;            /* seconds; any origin, the same for all frames */
+  KinoraImage color;      /* U8, 3 channels, sRGB */
+  KinoraImage depth;      /* U16, 1 channel; 0 = no measurement; along the optical axis */
+  double depth_unit;      /* metres per unit of depth */
+  KinoraImage infrared;   /* U16, 1 channel; may be absent */
+  KinoraImage confidence; /* U8, 1 channel; may be absent */
+  KinoraImage labels;     /* U8, 1 channel: 0 background, 1 person, 2 object, 3... further objects; may be absent */
+  int32_t has_pose;
+  double camera_to_world[16];
+} KinoraFrame;
+
+/* One picture for a writer. */
+typedef struct KinoraPicture {
+  KINORA_STRUCT_HEADER;
+  const char* name;  /* without extension; may hold '/' for folders; unique within one output */
+  double time;       /* seconds from the start, increasing */
+  KinoraImage color; /* U8, 3 channels sRGB or 4 with straight alpha */
+  KinoraImage depth; /* U16, 1 channel, millimetres, 0 = nothing; may be absent */
+} KinoraPicture;
+
+/* ---- a format */
+
+enum { /* KinoraFormat.capabilities */
+       KINORA_READS_FRAMES = 1u << 0,
+       KINORA_SEEKS = 1u << 1,
+       KINORA_READS_POSES = 1u << 2,
+       KINORA_READS_MASKS = 1u << 3,
+       KINORA_WRITES_PICTURES = 1u << 16,
+       KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
+       KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
+       KINORA_WRITES_DEPTH = 1u << 19
+       /* All other bits are reserved and 0. */
+};
+
+/* An option that a user may set with -O name=value. */
+typedef struct KinoraOption {
+  KINORA_STRUCT_HEADER;
+  const char* name;
+  const char* type;          /* "int", "number", "bool" (true|false), "text", or words to choose from: "fast|small" */
+  const char* default_value; /* as text */
+  const char* help;          /* one sentence */
+} KinoraOption;
+
+/* Checked by the host against the list before it is handed over; options not given are absent. Embedded. */
+typedef struct KinoraOptionValue {
+  const char* name;
+  const char* value;
+} KinoraOptionValue;
+
+/* The answer of `probe`. */
+typedef struct KinoraProbe {
+  KINORA_STRUCT_HEADER;
+  int32_t confidence; /* 0 not mine, 50 looks like it, 100 certain */
+  char reason[256];   /* what was found, or what is missing */
+} KinoraProbe;
+
+typedef struct KinoraReader KinoraReader; /* the plugin's own */
+typedef struct KinoraWriter KinoraWriter; /* the plugin's own */
+
+typedef struct KinoraFormat {
+  KINORA_STRUCT_HEADER;
+  const char* name;        /* lower case, digits and '-'; unique among all plugins */
+  const char* description; /* one line */
+  const char* extensions;  /* of what it writes, with dots, separated by spaces: ".png"; "" if none */
+  uint64_t capabilities;
+  const KinoraOption* options; /* may be NULL */
+  size_t option_count;
+
+  /* Says whether the file or folder is of this format, by its content. Cheap (no image is decoded), changes nothing,
+   * never fails. NULL if the format is not read. */
+  void (*probe)(const char* path, KinoraProbe* answer);
+
+  /* Reading: needs KINORA_READS_FRAMES, else all NULL. `*reader` is set only with KINORA_OK. */
+  KinoraStatus (*open_reader)(const char* path, const KinoraOptionValue* options, size_t option_count,
+                              KinoraReader** reader, KinoraMessage* message);
+  KinoraStatus (*reader_info)(KinoraReader* reader, KinoraCaptureInfo* info, KinoraMessage* message);
+  /* KINORA_OK, KINORA_END, KINORA_BAD_FRAME, or an error after which only close is allowed. */
+  KinoraStatus (*reader_next)(KinoraReader* reader, KinoraFrame* frame, KinoraMessage* message);
+  /* The next frame will be that with this index. NULL without KINORA_SEEKS. */
+  KinoraStatus (*reader_seek)(KinoraReader* reader, int64_t index, KinoraMessage* message);
+  void (*reader_close)(KinoraReader* reader);
+
+  /* Writing: needs KINORA_WRITES_PICTURES, else all NULL. Writes exactly to `path`, whatever its extension; what
+   * existed there is replaced. `*writer` is set only with KINORA_OK. */
+  KinoraStatus (*open_writer)(const char* path, const KinoraOptionValue* options, size_t option_count,
+                              KinoraWriter** writer, KinoraMessage* message);
+  KinoraStatus (*writer_write)(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message);
+  /* Completes the output and frees the writer, whatever it returns. */
+  KinoraStatus (*writer_finish)(KinoraWriter* writer, KinoraMessage* message);
+  /* Frees the writer without completing; a started output may stay, incomplete. */
+  void (*writer_abandon)(KinoraWriter* writer);
+} KinoraFormat;
+
+typedef struct KinoraPlugin {
+  KINORA_STRUCT_HEADER;
+  const char* name;
+  const char* version;
+  const KinoraFormat* const* formats;
+  size_t format_count;
+} KinoraPlugin;
+
+/* What an external plugin exports under the name "kinora_plugin". Returns NULL if it cannot work with the host's
+ * version of this interface. Called once, after loading. */
+typedef const KinoraPlugin* (*KinoraPluginEntry)(uint32_t host_abi_version);
+#define KINORA_PLUGIN_ENTRY "kinora_plugin"
+
+/* The formats that come with Kinora, in the same form. */
+const KinoraPlugin* kinora_builtin_plugin(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

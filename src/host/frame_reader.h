@@ -1,0 +1,43 @@
+// A format's reader behind C++: statuses become errors, memory is freed.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/error.h"
+#include "host/options.h"
+#include "kinora/plugin.h"
+
+namespace kinora::host {
+
+/// One frame, or why there is none.
+struct ReadFrame {
+  KinoraFrame frame;   ///< its images are valid until the next call for the reader; only `index` if there is a problem
+  std::string problem; ///< why this frame cannot be used; empty if it can
+};
+
+/// Moveable, one thread at a time. The format must outlive it.
+class FrameReader {
+public:
+  /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format that
+  /// does not read.
+  FrameReader(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
+
+  const KinoraFormat& format() const { return *format_; }
+  /// Valid as long as the reader.
+  const KinoraCaptureInfo& info() const { return info_; }
+  /// The next frame; nothing at the end. Throws Error when reading cannot go on.
+  std::optional<ReadFrame> next();
+  /// The next frame will be that with this index; reads and drops frames where the format cannot seek. Going back then
+  /// throws Error(kFailure).
+  void seek(std::int64_t index);
+
+private:
+  const KinoraFormat* format_;
+  std::unique_ptr<KinoraReader, void (*)(KinoraReader*)> reader_;
+  KinoraCaptureInfo info_;
+  std::int64_t position_ = 0;
+};
+
+} // namespace kinora::host

@@ -1,0 +1,72 @@
+#include "host/options.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/error.h"
+
+namespace kinora::host {
+namespace {
+
+template <class Number> bool is_number(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(static_cast<double>(value));
+}
+
+bool is_one_of(const std::string& choices, const std::string& value) {
+  for (std::string_view rest = choices; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('|'), rest.size());
+    if (rest.substr(0, end) == value) return true;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return false;
+}
+
+bool is_of_type(const std::string& type, const std::string& value) {
+  if (type == "text") return true;
+  if (type == "int") return is_number<int>(value);
+  if (type == "number") return is_number<double>(value);
+  return is_one_of(type == "bool" ? "true|false" : type, value);
+}
+
+const KinoraOption* find_option(const KinoraFormat& format, const std::string& name) {
+  for (std::size_t i = 0; i < format.option_count; ++i)
+    if (name == format.options[i].name) return &format.options[i];
+  return nullptr;
+}
+
+} // namespace
+
+Options parse_options(std::span<const std::string> words) {
+  Options options;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == 0 || equals == std::string::npos)
+      throw Error(ErrorCode::kUsage, fmt::format("option \"{}\": write -O key=value", word));
+    options[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return options;
+}
+
+void check_options(const KinoraFormat& format, const Options& options) {
+  for (const auto& [name, value] : options) {
+    const KinoraOption* option = find_option(format, name);
+    if (option == nullptr) {
+      std::vector<std::string> names;
+      for (std::size_t i = 0; i < format.option_count; ++i) names.emplace_back(format.options[i].name);
+      throw Error(ErrorCode::kUsage,
+                  names.empty() ? fmt::format("the format {} has no options, so not \"{}\" either", format.name, name)
+                                : fmt::format("the format {} has no option \"{}\"; it has {}", format.name, name,
+                                              fmt::join(names, ", ")));
+    }
+    if (!is_of_type(option->type, value))
+      throw Error(ErrorCode::kUsage, fmt::format("option {}={} of the format {}: the value must be of type {}", name,
+                                                 value, format.name, option->type));
+  }
+}
+
+} // namespace kinora::host

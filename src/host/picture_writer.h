@@ -1,0 +1,40 @@
+// A format's writer behind C++: statuses become errors; what is not finished is abandoned.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/image.h"
+#include "host/options.h"
+#include "kinora/plugin.h"
+
+namespace kinora::host {
+
+/// One picture to write.
+struct Picture {
+  std::string name;   ///< without extension; may hold '/' for folders
+  double time = 0;    ///< seconds from the start, increasing
+  ColorImage color;   ///< 3 channels sRGB, or 4 with straight alpha
+  DepthImage16 depth; ///< millimetres, 0 = nothing; may be empty
+};
+
+/// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.
+class PictureWriter {
+public:
+  /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format that
+  /// does not write.
+  PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
+
+  const KinoraFormat& format() const { return *format_; }
+  /// Formats without alpha get the colour composited on black. Depth is dropped where the format has no place for it.
+  /// Throws Error, normally kUnwritableOutput.
+  void write(const Picture& picture);
+  /// Completes the output. Nothing may be written afterwards.
+  void finish();
+
+private:
+  const KinoraFormat* format_;
+  std::unique_ptr<KinoraWriter, void (*)(KinoraWriter*)> writer_;
+};
+
+} // namespace kinora::host

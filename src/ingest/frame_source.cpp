@@ -1,0 +1,121 @@
+#include "ingest/frame_source.h"
+
+#include <fmt/format.h>
+
+#include "ingest/depth_cleaning.h"
+
+namespace kinora::ingest {
+namespace {
+
+/// Beyond this no depth camera measures; sensors mark "no measurement" with large values too.
+constexpr double kMaxDepth = 20;
+
+Intrinsics intrinsics_of(const KinoraCamera& camera) {
+  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+}
+
+bool is_image(const KinoraImage& image, const Intrinsics& camera, int channels, KinoraPixelType type) {
+  return image.data != nullptr && image.width == camera.width && image.height == camera.height &&
+         image.channels == channels && image.pixel_type == type;
+}
+
+template <class T> Image<T> copy_of(const KinoraImage& image) {
+  Image<T> copy(image.width, image.height, image.channels);
+  const std::size_t row_values = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+  for (int v = 0; v < image.height; ++v)
+    std::memcpy(copy.pixel(0, v), static_cast<const std::byte*>(image.data) + image.row_bytes * v,
+                row_values * sizeof(T));
+  return copy;
+}
+
+DepthImage metres_of(const KinoraImage& image, double unit) {
+  DepthImage depth(image.width, image.height);
+  for (int v = 0; v < image.height; ++v) {
+    const auto* row = reinterpret_cast<const std::uint16_t*>(static_cast<const std::byte*>(image.data) +
+                                                             image.row_bytes * static_cast<std::size_t>(v));
+    for (int u = 0; u < image.width; ++u) {
+      const double metres = row[u] * unit;
+      depth.at(u, v) = metres <= kMaxDepth ? static_cast<float>(metres) : 0.0F;
+    }
+  }
+  return depth;
+}
+
+bool has_measurement(const DepthImage& depth) {
+  const auto values = depth.values();
+  return std::any_of(values.begin(), values.end(), [](float z) { return z > 0; });
+}
+
+} // namespace
+
+FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), position_(range_.begin),
+      intrinsics_(intrinsics_of(reader_.info().camera)) {
+  intrinsics_.validate(reader_.format().name);
+  const double* k = reader_.info().camera.distortion;
+  const Distortion distortion{k[0], k[1], k[2], k[3], k[4]};
+  if (!distortion.is_zero()) undistortion_.emplace(intrinsics_, distortion);
+}
+
+SourceResult FrameSource::next() {
+  SourceResult result;
+  result.index = position_;
+  if (position_ >= reader_.info().frame_count || !range_.contains(position_)) {
+    result.end = true;
+    return result;
+  }
+  reader_.seek(position_);
+  position_ += range_.step;
+  const std::optional<host::ReadFrame> read = reader_.next();
+  if (!read) {
+    result.end = true;
+    return result;
+  }
+  result.problem = read->problem.empty() ? problem_of(read->frame) : read->problem;
+  if (!result.problem.empty()) return result;
+  Frame frame = convert(read->frame);
+  frame.index = result.index;
+  if (has_measurement(frame.depth))
+    result.frame = std::move(frame);
+  else
+    result.problem = "the depth image holds no measurement";
+  return result;
+}
+
+/// A plugin is not trusted: what it hands over must be what its own description promises.
+std::string FrameSource::problem_of(const KinoraFrame& frame) const {
+  const std::string format = reader_.format().name;
+  if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
+    return format + " gave no colour image of the camera's size";
+  if (!is_image(frame.depth, intrinsics_, 1, KINORA_PIXEL_U16))
+    return format + " gave no depth image of the camera's size";
+  if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";
+  if (frame.labels.data != nullptr && !is_image(frame.labels, intrinsics_, 1, KINORA_PIXEL_U8))
+    return format + " gave a mask that is not of the camera's size";
+  if (!std::isfinite(frame.time)) return format + " gave a time that is not finite";
+  if (reader_.info().has_poses != 0 && frame.has_pose == 0)
+    return "the frame has no camera pose, though others have one";
+  return {};
+}
+
+Frame FrameSource::convert(const KinoraFrame& given) const {
+  Frame frame;
+  frame.time = given.time - reader_.info().start_time;
+  frame.camera.intrinsics = intrinsics_;
+  if (reader_.info().has_poses != 0) {
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> pose(given.camera_to_world);
+    frame.camera.camera_to_world = rigid_from_matrix(pose, "the camera pose");
+  }
+  frame.color = copy_of<std::uint8_t>(given.color);
+  frame.depth = metres_of(given.depth, given.depth_unit);
+  if (use_masks_ && given.labels.data != nullptr) frame.labels = copy_of<std::uint8_t>(given.labels);
+  if (undistortion_) {
+    frame.color = undistortion_->color(frame.color);
+    frame.depth = undistortion_->depth(frame.depth);
+    if (!frame.labels.empty()) frame.labels = undistortion_->labels(frame.labels);
+  }
+  frame.clean_depth = clean_depth(frame.depth, intrinsics_);
+  return frame;
+}
+
+} // namespace kinora::ingest

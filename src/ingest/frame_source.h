@@ -1,0 +1,40 @@
+// Frames of a plugin's reader, checked, converted and cleaned: the serial work behind a capture.
+#pragma once
+
+#include "host/frame_reader.h"
+#include "ingest/capture.h"
+#include "ingest/undistortion.h"
+
+namespace kinora::ingest {
+
+/// What became of one position of the capture.
+struct SourceResult {
+  int index = 0;
+  std::optional<Frame> frame;
+  std::string problem; ///< why there is no frame; empty with a frame and at the end
+  bool end = false;
+};
+
+/// Not thread-safe, but may be used from different threads one after another.
+class FrameSource {
+public:
+  FrameSource(host::FrameReader reader, const CaptureOptions& options);
+
+  const host::FrameReader& reader() const { return reader_; }
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+  /// The next position within the range. Throws Error when reading cannot go on.
+  SourceResult next();
+
+private:
+  std::string problem_of(const KinoraFrame& frame) const;
+  Frame convert(const KinoraFrame& given) const;
+
+  host::FrameReader reader_;
+  FrameRange range_;
+  bool use_masks_;
+  int position_;
+  Intrinsics intrinsics_;
+  std::optional<Undistortion> undistortion_;
+};
+
+} // namespace kinora::ingest
