@@ -1,0 +1,52 @@
+// What a Kinora file holds, whoever writes or reads it: tracks of timed payloads, attachments and tags.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace kinora::container {
+
+using Bytes = std::vector<std::byte>;
+
+/// A track of payloads of one kind.
+struct Track {
+  std::uint16_t id =
+      0;              ///< chosen by whoever writes; unique in the file; survives remuxing (Matroska's number does not)
+  std::string codec;  ///< Matroska CodecID: "S_KINORA/…"
+  std::string name;   ///< for people: what mkvinfo shows
+  Bytes private_data; ///< of the codec; may be empty
+};
+
+/// A file inside the file.
+struct Attachment {
+  std::string name; ///< unique in the file
+  std::string media_type;
+  std::string description;
+  Bytes bytes;
+};
+
+/// Tags of the whole file: names in Matroska's manner, upper case with underscores.
+using Tags = std::vector<std::pair<std::string, std::string>>;
+
+/// One piece of a track. Its bytes were, or will be, protected by a checksum over track, time, key flag and bytes.
+struct Payload {
+  std::uint16_t track = 0;  ///< Track::id
+  std::int64_t time_ns = 0; ///< from the start of the clip, not negative
+  bool key = false;         ///< understood without the track's earlier payloads
+  Bytes bytes;
+  std::uint64_t offset = 0;       ///< reading: byte of the file where its element starts
+  std::uint64_t stored_bytes = 0; ///< reading: what it takes in the file, with all headers
+};
+
+/// The tag that says what kind of file it is ("clip") and the one with the version of the layout ("1").
+inline constexpr const char* kKindTag = "KINORA_KIND";
+inline constexpr const char* kVersionTag = "KINORA_VERSION";
+inline constexpr int kFileVersion = 1;
+
+/// Every CodecID of ours begins so.
+inline constexpr const char* kCodecPrefix = "S_KINORA/";
+
+} // namespace kinora::container

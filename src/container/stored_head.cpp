@@ -1,0 +1,139 @@
+#include "container/stored_head.h"
+
+#include <fmt/format.h>
+
+#include "container/envelope.h"
+#include "container/matroska_ids.h"
+
+namespace kinora::container {
+
+namespace {
+
+constexpr std::uint64_t kHeaderStripping = 3; // ContentCompAlgo, RFC 9559 section 5.1.4.1.31.6
+
+std::string place(const ByteSource& source, const Element& element) {
+  return fmt::format("{}: byte {}", source.name(), element.start);
+}
+
+// The only encoding that costs nothing to undo; the others are never chosen unless a person asks a remuxer for them.
+Bytes parse_stripped_prefix(ByteSource& source, const Element& encodings) {
+  Bytes prefix;
+  bool understood = true;
+  int count = 0;
+  for_each_child(source, encodings, [&](const Element& encoding) {
+    if (encoding.id != ids::kContentEncoding) return;
+    ++count;
+    std::uint64_t algorithm = 0;
+    for_each_child(source, encoding, [&](const Element& part) {
+      if (part.id == ids::kContentEncodingType) understood = understood && read_uint(source, part) == 0;
+      if (part.id != ids::kContentCompression) return;
+      for_each_child(source, part, [&](const Element& setting) {
+        if (setting.id == ids::kContentCompAlgo) algorithm = read_uint(source, setting);
+        if (setting.id == ids::kContentCompSettings) prefix = read_bytes(source, setting);
+      });
+    });
+    understood = understood && algorithm == kHeaderStripping;
+  });
+  if (count > 1 || !understood) {
+    throw_corrupt(source, encodings.start,
+                  "a Kinora track was compressed or encrypted again; remux with mkvmerge --compression -1:none");
+  }
+  return prefix;
+}
+
+StoredTrack parse_track(ByteSource& source, const Element& entry) {
+  StoredTrack stored;
+  Element codec_private;
+  Element encodings;
+  for_each_child(source, entry, [&](const Element& child) {
+    switch (child.id) {
+    case ids::kTrackNumber:
+      stored.number = read_uint(source, child);
+      break;
+    case ids::kTrackType:
+      stored.type = read_uint(source, child);
+      break;
+    case ids::kTrackName:
+      stored.track.name = read_text(source, child);
+      break;
+    case ids::kCodecId:
+      stored.track.codec = read_text(source, child);
+      break;
+    case ids::kCodecPrivate:
+      codec_private = child;
+      break;
+    case ids::kContentEncodings:
+      encodings = child;
+      break;
+    default:
+      break;
+    }
+  });
+  if (stored.number == 0) throw_corrupt(source, entry.start, "a track without a number");
+  stored.ours = stored.track.codec.starts_with(kCodecPrefix);
+  if (!stored.ours) return stored;
+  if (codec_private.id == 0) throw_corrupt(source, entry.start, "a Kinora track without private data");
+  unwrap_private(read_bytes(source, codec_private), stored.track, place(source, codec_private));
+  if (encodings.id != 0) stored.stripped_prefix = parse_stripped_prefix(source, encodings);
+  return stored;
+}
+
+bool is_of_whole_file(ByteSource& source, const Element& targets) {
+  bool whole = true;
+  for_each_child(source, targets, [&](const Element& child) {
+    if (child.id == ids::kTagTrackUid || child.id == ids::kTagEditionUid || child.id == ids::kTagChapterUid ||
+        child.id == ids::kTagAttachmentUid) {
+      whole = whole && read_uint(source, child) == 0;
+    }
+  });
+  return whole;
+}
+
+void parse_simple_tag(ByteSource& source, const Element& simple, Tags& out) {
+  std::string name;
+  std::string value;
+  for_each_child(source, simple, [&](const Element& child) {
+    if (child.id == ids::kTagName) name = read_text(source, child);
+    if (child.id == ids::kTagString) value = read_text(source, child);
+  });
+  if (!name.empty()) out.emplace_back(std::move(name), std::move(value));
+}
+
+} // namespace
+
+void parse_tracks(ByteSource& source, const Element& tracks, std::vector<StoredTrack>& out) {
+  for_each_child(source, tracks, [&](const Element& entry) {
+    if (entry.id == ids::kTrackEntry) out.push_back(parse_track(source, entry));
+  });
+}
+
+void parse_attachments(ByteSource& source, const Element& attachments, std::vector<StoredAttachment>& out) {
+  for_each_child(source, attachments, [&](const Element& file) {
+    if (file.id != ids::kAttachedFile) return;
+    StoredAttachment stored;
+    stored.stored_bytes = file.total_size();
+    for_each_child(source, file, [&](const Element& child) {
+      if (child.id == ids::kFileName) stored.name = read_text(source, child);
+      if (child.id == ids::kFileMediaType) stored.media_type = read_text(source, child);
+      if (child.id == ids::kFileDescription) stored.description = read_text(source, child);
+      if (child.id == ids::kFileData) stored.data = child;
+    });
+    stored.checksum = take_checksum(stored.description);
+    if (!stored.name.empty() && stored.data.id != 0) out.push_back(std::move(stored));
+  });
+}
+
+void parse_tags(ByteSource& source, const Element& tags, Tags& out) {
+  for_each_child(source, tags, [&](const Element& tag) {
+    if (tag.id != ids::kTag) return;
+    bool whole = true;
+    Tags simple_tags;
+    for_each_child(source, tag, [&](const Element& child) {
+      if (child.id == ids::kTargets) whole = is_of_whole_file(source, child);
+      if (child.id == ids::kSimpleTag) parse_simple_tag(source, child, simple_tags);
+    });
+    if (whole) out.insert(out.end(), simple_tags.begin(), simple_tags.end());
+  });
+}
+
+} // namespace kinora::container

@@ -1,0 +1,57 @@
+// Mutated Kinora files: the reader may refuse them, and must do nothing worse.
+#include <gtest/gtest.h>
+
+#include "container/ebml_builder.h"
+#include "container/sample_file.h"
+#include "core/error.h"
+#include "fuzz/mutate.h"
+
+namespace kinora::container {
+namespace {
+
+using testing::operator+;
+
+using testing::load;
+using testing::open;
+using testing::read_all;
+using testing::TemporaryFolder;
+
+void expect_survives(const Bytes& file) {
+  try {
+    Reader reader = open(file);
+    for (const StoredAttachment& attachment : reader.attachments()) reader.read_attachment(attachment);
+    read_all(reader);
+  } catch (const Error& error) {
+    EXPECT_TRUE(error.code() == ErrorCode::kCorruptInput || error.code() == ErrorCode::kNotRecognised) << error.what();
+  }
+}
+
+TEST(ContainerFuzz, ReaderRefusesOrReadsMutatedFiles) {
+  const TemporaryFolder folder;
+  std::vector<Bytes> seeds;
+  for (std::uint64_t seed = 31; seed < 35; ++seed) {
+    testing::write_sample(testing::sample_file(seed, 12, 200), folder / "a.mkv");
+    seeds.push_back(load(folder / "a.mkv"));
+  }
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Random random(99, i);
+    expect_survives(fuzz::mutate(seeds[i % seeds.size()], random));
+    if (::testing::Test::HasFailure()) FAIL() << "at mutation " << i;
+  }
+}
+
+TEST(ContainerFuzz, ReaderRefusesOrReadsMutatedFilesOfUnknownSizes) {
+  const Bytes frame = wrap_payload(7, 5, true, testing::bytes_of("hello"));
+  const Bytes cluster = testing::unknown_size(ids::kCluster, testing::simple_block(1, frame));
+  const Bytes seed = testing::ebml_head() +
+                     testing::unknown_size(ids::kSegment, testing::element(ids::kTracks, testing::track_entry(1, 7)) +
+                                                              cluster + cluster);
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Random random(100, i);
+    expect_survives(fuzz::mutate(seed, random));
+    if (::testing::Test::HasFailure()) FAIL() << "at mutation " << i;
+  }
+}
+
+} // namespace
+} // namespace kinora::container
