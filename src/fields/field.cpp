@@ -3,7 +3,28 @@
 #include <bit>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "core/error.h"
+
 namespace kinora::fields {
+
+void FieldConfig::validate(const std::string& source) const {
+  const auto require = [&source](bool valid, const std::string& what) {
+    if (!valid) throw Error(ErrorCode::kCorruptInput, fmt::format("{}: a field's {} is out of range", source, what));
+  };
+  constexpr double kFarthest = 1e7; // metres
+  require(box.origin.allFinite() && box.origin.cwiseAbs().maxCoeff() < kFarthest, "box origin");
+  require(std::isfinite(box.side) && box.side > 1e-6 && box.side < kFarthest, "box side");
+  require(levels >= 2 && levels <= FieldLimits::kMaxLevels && levels % 2 == 0, "number of levels");
+  require(log2_table_size >= 4 && log2_table_size <= FieldLimits::kMaxLog2TableSize, "table size");
+  require(coarsest_resolution >= 1 && finest_resolution >= coarsest_resolution &&
+              finest_resolution <= FieldLimits::kMaxResolution,
+          "grid resolution");
+  require(occupancy_resolution >= 64 && occupancy_resolution <= FieldLimits::kMaxOccupancyResolution &&
+              occupancy_resolution % 64 == 0,
+          "occupancy resolution");
+}
 
 std::size_t Occupancy::count() const {
   std::size_t total = 0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +17,14 @@ struct FieldBox {
   double side = 1;                                  ///< metres
 };
 
+/// Limits that every field keeps: what a file may ask for, and what training may choose.
+struct FieldLimits {
+  static constexpr int kMaxLevels = 8;
+  static constexpr int kMaxLog2TableSize = 20;
+  static constexpr int kMaxResolution = 8192;
+  static constexpr int kMaxOccupancyResolution = 512;
+};
+
 struct FieldConfig {
   static constexpr int kFeatures = 8;      ///< per level
   static constexpr int kHidden = 16;       ///< width of the density MLP's hidden layer
@@ -24,21 +33,19 @@ struct FieldConfig {
   static constexpr int kColorOutputs = 16; ///< outputs of the colour MLP: red, green, blue, and padding
 
   FieldBox box;
-  int levels = 4;
+  int levels = 4;           ///< even
   int log2_table_size = 15; ///< at most 2^this entries per level; levels that fit are stored densely
   int coarsest_resolution = 16;
   int finest_resolution = 256;    ///< cells per side of the finest level; levels in between grow geometrically
-  int occupancy_resolution = 128; ///< cells per side of the stored occupancy; a multiple of 8
+  int occupancy_resolution = 128; ///< cells per side of the stored occupancy; a multiple of 64
 
   int encoding_width() const { return levels * kFeatures; }
-};
-
-/// Limits that every field keeps: what a file may ask for, and what training may choose.
-struct FieldLimits {
-  static constexpr int kMaxLevels = 8;
-  static constexpr int kMaxLog2TableSize = 20;
-  static constexpr int kMaxResolution = 8192;
-  static constexpr int kMaxOccupancyResolution = 512;
+  /// Metres: side of a cell of the finest level.
+  double cell_size() const { return box.side / finest_resolution; }
+  /// Metres: densities are per this length, so that a raw density of zero means the same in a cup and in a room.
+  double density_length() const { return 4 * cell_size(); }
+  /// Throws Error(kCorruptInput), naming `source`, if any number is outside FieldLimits or not finite.
+  void validate(const std::string& source) const;
 };
 
 /// One bit for each cell of the box, x fastest. Outside is empty.

@@ -14,7 +14,7 @@ namespace kinora::fields {
 /// 12 bytes.
 struct StoredPixel {
   std::uint16_t u, v;
-  float depth; ///< metres, as measured; only measured pixels are stored
+  float depth; ///< metres, cleaned; 0 where nothing trustworthy was measured
   std::array<std::uint8_t, 3> color;
   std::uint8_t label;
 };
@@ -25,18 +25,19 @@ struct StoredFrame {
   std::size_t begin, end; ///< its pixels
 };
 
-/// Keeps every measured pixel while they fit, else a fixed pseudo-random share of each frame's.
+/// Keeps every pixel while they fit, else a fixed pseudo-random share of each frame's. Not thread-safe.
 class PixelStore {
 public:
   /// `max_pixels` bounds the memory (12 bytes each); `expected_frames` decides the share kept of each frame.
   PixelStore(std::size_t max_pixels, std::size_t expected_frames);
-  /// `timeline_index`: the frame's place in the clip's timeline.
+  /// `timeline_index`: the frame's place in the clip's timeline. Throws Error(kFailure) if `max_pixels` are exceeded.
   void add(const ingest::Frame& frame, int timeline_index);
 
   const std::vector<StoredFrame>& frames() const { return frames_; }
   const std::vector<StoredPixel>& pixels() const { return pixels_; }
 
 private:
+  std::size_t max_pixels_;
   std::size_t pixels_per_frame_;
   std::vector<StoredFrame> frames_;
   std::vector<StoredPixel> pixels_;

@@ -11,17 +11,16 @@
 namespace kinora::fields {
 
 /// A field ready to be drawn: its parameters and what is derived from them (a distance field over the occupancy).
-/// Immutable; may be shared by threads.
+/// Immutable; copies share it; may be used by several threads.
 class DrawableField {
 public:
   explicit DrawableField(Field field);
-  ~DrawableField();
   const Field& field() const;
   struct Derived;
   const Derived& derived() const { return *derived_; }
 
 private:
-  std::unique_ptr<const Derived> derived_;
+  std::shared_ptr<const Derived> derived_;
 };
 
 struct PosedField {

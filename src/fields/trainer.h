@@ -6,7 +6,9 @@
 
 #include "core/progress.h"
 #include "fields/field.h"
+#include "fields/optimizer.h"
 #include "fields/pixel_store.h"
+#include "fields/ray_sampler.h"
 #include "tracking/motion.h"
 
 namespace kinora::fields {
@@ -15,7 +17,13 @@ namespace kinora::fields {
 struct TrainerConfig {
   std::uint64_t seed = 1;
   std::size_t rays = 20'000'000; ///< rays in the whole training of the layer
-  int rays_per_step = 4096;
+  int rays_per_step = 4096;      ///< a multiple of kRaysPerChunk
+  LearningRates learning_rates;
+  float final_learning_rate = 0.05F; ///< share that is left at the end; constant for the first half, then falling
+  LossWeights loss;
+  SamplingConfig sampling;
+
+  static constexpr int kRaysPerChunk = 128;
 };
 
 /// Chooses box, resolution and table size from the layer's observed surface: the measured pixels of `label` carried

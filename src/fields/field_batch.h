@@ -1,0 +1,37 @@
+// A field's nets applied to batches of points and of composited rays.
+#pragma once
+
+#include <vector>
+
+#include "fields/field.h"
+#include "fields/kernels.h"
+
+namespace kinora::fields {
+
+/// What a backward pass needs of n points; buffers grow and are kept.
+struct PointBatch {
+  std::vector<float> encoding; ///< n × encoding_width
+  std::vector<float> hidden;   ///< n × kHidden
+  std::vector<float> geometry; ///< n × kGeometry: raw density, then 15 features
+};
+
+/// Same for colours of n rays.
+struct ColorBatch {
+  std::vector<float> input;  ///< n × kGeometry: normalised features, then the constant 1; filled by the caller
+  std::vector<float> first;  ///< n × kColorHidden
+  std::vector<float> second; ///< n × kColorHidden
+  std::vector<float> output; ///< n × kColorOutputs: before the sigmoid
+};
+
+void evaluate_points(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
+                     PointBatch& batch);
+void evaluate_colors(const Field& field, std::size_t n, ColorBatch& batch);
+
+/// Rows and columns exchanged; appended to `out`.
+void append_transposed(const float* weights, int rows, int columns, std::vector<float>& out);
+
+inline constexpr int kColorFirst = 0; ///< offsets of the colour MLP's matrices
+inline constexpr int kColorSecond = FieldConfig::kGeometry * FieldConfig::kColorHidden;
+inline constexpr int kColorThird = kColorSecond + FieldConfig::kColorHidden * FieldConfig::kColorHidden;
+
+} // namespace kinora::fields

@@ -1,0 +1,311 @@
+#include "fields/kernels.h"
+
+#include <bit>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fields/kernels_simd.cpp"
+#include <hwy/foreach_target.h> // IWYU pragma: keep
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace kinora::fields::kernels::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kF = FieldConfig::kFeatures;
+constexpr std::size_t kBlock = 16; // points whose corners are found together
+
+/// A row of kWidth floats held in as many vectors as the instruction set needs.
+template <int kWidth> struct Row {
+  using Tag = hn::CappedTag<float, kWidth>;
+  using Vector = hn::Vec<Tag>;
+  static constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));
+  static constexpr int kVectors = kWidth / kLanes;
+};
+
+/// The eight corners of a block of points: entry within the level and trilinear weight.
+struct Corners {
+  HWY_ALIGN std::int32_t entry[8][kBlock];
+  HWY_ALIGN float weight[8][kBlock];
+};
+
+template <class DF> struct Axis {
+  hn::Vec<hn::RebindToSigned<DF>> low;
+  hn::Vec<DF> fraction;
+};
+
+template <class DF> HWY_INLINE Axis<DF> locate(DF df, const float* coordinate, std::int32_t resolution) {
+  const hn::RebindToSigned<DF> di;
+  const auto scaled = hn::Mul(hn::Min(hn::Max(hn::LoadU(df, coordinate), hn::Zero(df)), hn::Set(df, 1.0F)),
+                              hn::Set(df, static_cast<float>(resolution)));
+  const auto low = hn::Min(hn::ConvertTo(di, scaled), hn::Set(di, resolution - 1));
+  return {low, hn::Sub(scaled, hn::ConvertTo(df, low))};
+}
+
+HWY_INLINE void find_corners(const GridLevel& level, const float* x, const float* y, const float* z, Corners& corners) {
+  const hn::CappedTag<float, kBlock> df;
+  const hn::RebindToSigned<decltype(df)> di;
+  const auto one_f = hn::Set(df, 1.0F);
+  const auto one = hn::Set(di, 1);
+  const std::int32_t side = level.resolution + 1;
+  const auto factor_y = hn::Set(di, level.hashed ? static_cast<std::int32_t>(2654435761U) : side);
+  const auto factor_z = hn::Set(di, level.hashed ? static_cast<std::int32_t>(805459861U) : side * side);
+  const auto mask = hn::Set(di, static_cast<std::int32_t>(level.size - 1));
+  for (std::size_t i = 0; i < kBlock; i += hn::Lanes(df)) {
+    const auto ax = locate(df, x + i, level.resolution);
+    const auto ay = locate(df, y + i, level.resolution);
+    const auto az = locate(df, z + i, level.resolution);
+    const decltype(one) xs[2] = {ax.low, hn::Add(ax.low, one)};
+    const auto y0 = hn::Mul(ay.low, factor_y);
+    const auto z0 = hn::Mul(az.low, factor_z);
+    const decltype(one) ys[2] = {y0, hn::Add(y0, factor_y)};
+    const decltype(one) zs[2] = {z0, hn::Add(z0, factor_z)};
+    const decltype(one_f) wx[2] = {hn::Sub(one_f, ax.fraction), ax.fraction};
+    const decltype(one_f) wy[2] = {hn::Sub(one_f, ay.fraction), ay.fraction};
+    const decltype(one_f) wz[2] = {hn::Sub(one_f, az.fraction), az.fraction};
+    for (int c = 0; c < 8; ++c) {
+      const int dx = c & 1, dy = (c >> 1) & 1, dz = c >> 2;
+      const auto entry = level.hashed ? hn::And(hn::Xor(hn::Xor(xs[dx], ys[dy]), zs[dz]), mask)
+                                      : hn::Add(hn::Add(xs[dx], ys[dy]), zs[dz]);
+      hn::Store(entry, di, corners.entry[c] + i);
+      hn::Store(hn::Mul(hn::Mul(wx[dx], wy[dy]), wz[dz]), df, corners.weight[c] + i);
+    }
+  }
+}
+
+/// A block of coordinates, repeated zero beyond the end, so that whole vectors can be loaded.
+struct Block {
+  HWY_ALIGN float x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
+  std::size_t count;
+
+  Block(const Points& points, std::size_t begin) : count(std::min(kBlock, points.count - begin)) {
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i] = points.x[begin + i];
+      y[i] = points.y[begin + i];
+      z[i] = points.z[begin + i];
+    }
+  }
+};
+
+void encode(std::span<const GridLevel> levels, const float* table, const Points& points, float* encodings) {
+  using R = Row<kF>;
+  const R::Tag d;
+  const std::size_t width = levels.size() * kF;
+  Corners corners;
+  for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
+    const Block block(points, begin);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      find_corners(levels[l], block.x, block.y, block.z, corners);
+      const float* entries = table + static_cast<std::size_t>(levels[l].offset) * kF;
+      for (std::size_t i = 0; i < block.count; ++i) {
+        float* out = encodings + (begin + i) * width + l * kF;
+        for (int v = 0; v < R::kVectors; ++v) {
+          auto sum = hn::Zero(d);
+          for (int c = 0; c < 8; ++c) {
+            const float* row = entries + static_cast<std::size_t>(corners.entry[c][i]) * kF + v * R::kLanes;
+            sum = hn::MulAdd(hn::Set(d, corners.weight[c][i]), hn::LoadU(d, row), sum);
+          }
+          hn::StoreU(sum, d, out + v * R::kLanes);
+        }
+      }
+    }
+  }
+}
+
+void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, float* table_gradient,
+                   std::uint64_t* touched) {
+  using R = Row<kF>;
+  const R::Tag d;
+  Corners corners;
+  for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
+    const Block block(points, begin);
+    find_corners(level, block.x, block.y, block.z, corners);
+    for (std::size_t i = 0; i < block.count; ++i) {
+      for (int v = 0; v < R::kVectors; ++v) {
+        const auto gradient = hn::LoadU(d, feature_gradients + (begin + i) * kF + v * R::kLanes);
+        for (int c = 0; c < 8; ++c) {
+          float* row = table_gradient + static_cast<std::size_t>(corners.entry[c][i]) * kF + v * R::kLanes;
+          hn::StoreU(hn::MulAdd(hn::Set(d, corners.weight[c][i]), gradient, hn::LoadU(d, row)), d, row);
+        }
+      }
+      for (int c = 0; c < 8; ++c) {
+        const auto entry = static_cast<std::uint32_t>(corners.entry[c][i]);
+        touched[entry >> 6] |= std::uint64_t{1} << (entry & 63);
+      }
+    }
+  }
+}
+
+/// kRows rows of `in` times one block of 16 columns of the weights.
+template <int kRows>
+HWY_INLINE void dense_tile(const float* in, int inputs, const float* weights, int outputs, bool relu, float* out) {
+  using R = Row<16>;
+  const R::Tag d;
+  R::Vector sum[kRows][R::kVectors];
+  for (int r = 0; r < kRows; ++r) {
+    for (int v = 0; v < R::kVectors; ++v) sum[r][v] = hn::Zero(d);
+  }
+  for (int i = 0; i < inputs; ++i) {
+    R::Vector w[R::kVectors];
+    for (int v = 0; v < R::kVectors; ++v) w[v] = hn::LoadU(d, weights + i * outputs + v * R::kLanes);
+    for (int r = 0; r < kRows; ++r) {
+      const auto x = hn::Set(d, in[r * inputs + i]);
+      for (int v = 0; v < R::kVectors; ++v) sum[r][v] = hn::MulAdd(x, w[v], sum[r][v]);
+    }
+  }
+  for (int r = 0; r < kRows; ++r) {
+    for (int v = 0; v < R::kVectors; ++v) {
+      const auto value = relu ? hn::Max(sum[r][v], hn::Zero(d)) : sum[r][v];
+      hn::StoreU(value, d, out + r * outputs + v * R::kLanes);
+    }
+  }
+}
+
+/// Rows per tile such that the sums stay in registers.
+constexpr int kTileRows = Row<16>::kVectors >= 8 ? 1 : 8 / Row<16>::kVectors;
+
+void dense(const float* in, std::size_t n, int inputs, const float* weights, int outputs, bool relu, float* out) {
+  const std::size_t stride_in = static_cast<std::size_t>(inputs);
+  const std::size_t stride_out = static_cast<std::size_t>(outputs);
+  for (int column = 0; column < outputs; column += 16) {
+    std::size_t row = 0;
+    for (; row + kTileRows <= n; row += kTileRows) {
+      dense_tile<kTileRows>(in + row * stride_in, inputs, weights + column, outputs, relu,
+                            out + row * stride_out + column);
+    }
+    for (; row < n; ++row) {
+      dense_tile<1>(in + row * stride_in, inputs, weights + column, outputs, relu, out + row * stride_out + column);
+    }
+  }
+}
+
+void accumulate_weight_gradient(const float* in, const float* out_gradient, std::size_t n, int inputs, int outputs,
+                                float* gradient) {
+  using R = Row<16>;
+  const R::Tag d;
+  for (int column = 0; column < outputs; column += 16) {
+    for (int first = 0; first < inputs; first += kTileRows) {
+      R::Vector sum[kTileRows][R::kVectors];
+      float* target = gradient + first * outputs + column;
+      for (int r = 0; r < kTileRows; ++r) {
+        for (int v = 0; v < R::kVectors; ++v) sum[r][v] = hn::LoadU(d, target + r * outputs + v * R::kLanes);
+      }
+      for (std::size_t k = 0; k < n; ++k) {
+        const float* x = in + k * static_cast<std::size_t>(inputs) + first;
+        const float* g = out_gradient + k * static_cast<std::size_t>(outputs) + column;
+        R::Vector gv[R::kVectors];
+        for (int v = 0; v < R::kVectors; ++v) gv[v] = hn::LoadU(d, g + v * R::kLanes);
+        for (int r = 0; r < kTileRows; ++r) {
+          const auto xr = hn::Set(d, x[r]);
+          for (int v = 0; v < R::kVectors; ++v) sum[r][v] = hn::MulAdd(xr, gv[v], sum[r][v]);
+        }
+      }
+      for (int r = 0; r < kTileRows; ++r) {
+        for (int v = 0; v < R::kVectors; ++v) hn::StoreU(sum[r][v], d, target + r * outputs + v * R::kLanes);
+      }
+    }
+  }
+}
+
+void relu_backward(const float* activated, std::size_t count, float* gradient) {
+  const hn::CappedTag<float, 16> d;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(d) <= count; i += hn::Lanes(d)) {
+    const auto positive = hn::Gt(hn::LoadU(d, activated + i), hn::Zero(d));
+    hn::StoreU(hn::IfThenElseZero(positive, hn::LoadU(d, gradient + i)), d, gradient + i);
+  }
+  for (; i < count; ++i) {
+    if (!(activated[i] > 0)) gradient[i] = 0;
+  }
+}
+
+template <class D>
+HWY_INLINE void adam_vector(D d, const AdamStep& step, float* parameters, float* gradients, float* first_moments,
+                            float* second_moments) {
+  const auto g = hn::LoadU(d, gradients);
+  const auto one = hn::Set(d, 1.0F);
+  const auto b1 = hn::Set(d, step.beta1);
+  const auto b2 = hn::Set(d, step.beta2);
+  const auto m = hn::MulAdd(b1, hn::LoadU(d, first_moments), hn::Mul(hn::Sub(one, b1), g));
+  const auto v = hn::MulAdd(b2, hn::LoadU(d, second_moments), hn::Mul(hn::Sub(one, b2), hn::Mul(g, g)));
+  const auto change =
+      hn::Div(hn::Mul(hn::Set(d, step.learning_rate), m), hn::Add(hn::Sqrt(v), hn::Set(d, step.epsilon)));
+  // A parameter without gradient keeps its value and moments (Müller et al. 2022, sec. 4).
+  const auto moved = hn::Ne(g, hn::Zero(d));
+  const auto p = hn::LoadU(d, parameters);
+  hn::StoreU(hn::IfThenElse(moved, hn::Sub(p, change), p), d, parameters);
+  hn::StoreU(hn::IfThenElse(moved, m, hn::LoadU(d, first_moments)), d, first_moments);
+  hn::StoreU(hn::IfThenElse(moved, v, hn::LoadU(d, second_moments)), d, second_moments);
+  hn::StoreU(hn::Zero(d), d, gradients);
+}
+
+void adam_rows(const AdamStep& step, std::size_t words, std::uint64_t* touched, float* parameters, float* gradients,
+               float* first_moments, float* second_moments) {
+  using R = Row<kF>;
+  const R::Tag d;
+  for (std::size_t w = 0; w < words; ++w) {
+    for (std::uint64_t bits = touched[w]; bits != 0; bits &= bits - 1) {
+      const std::size_t row = (w * 64 + static_cast<std::size_t>(std::countr_zero(bits))) * kF;
+      for (int v = 0; v < R::kVectors; ++v) {
+        const std::size_t at = row + static_cast<std::size_t>(v * R::kLanes);
+        adam_vector(d, step, parameters + at, gradients + at, first_moments + at, second_moments + at);
+      }
+    }
+    touched[w] = 0;
+  }
+}
+
+void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
+              float* second_moments) {
+  const hn::CappedTag<float, 16> d;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    adam_vector(d, step, parameters + i, gradients + i, first_moments + i, second_moments + i);
+  }
+}
+
+const char* instruction_set() { return hwy::TargetName(HWY_TARGET); }
+
+} // namespace kinora::fields::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kinora::fields::kernels {
+
+HWY_EXPORT(encode);
+HWY_EXPORT(dense);
+HWY_EXPORT(accumulate_weight_gradient);
+HWY_EXPORT(relu_backward);
+HWY_EXPORT(scatter_level);
+HWY_EXPORT(adam_rows);
+HWY_EXPORT(adam_all);
+HWY_EXPORT(instruction_set);
+
+void encode(std::span<const GridLevel> levels, const float* table, const Points& points, float* encodings) {
+  HWY_DYNAMIC_DISPATCH(encode)(levels, table, points, encodings);
+}
+void dense(const float* in, std::size_t n, int inputs, const float* weights, int outputs, bool relu, float* out) {
+  HWY_DYNAMIC_DISPATCH(dense)(in, n, inputs, weights, outputs, relu, out);
+}
+void accumulate_weight_gradient(const float* in, const float* out_gradient, std::size_t n, int inputs, int outputs,
+                                float* gradient) {
+  HWY_DYNAMIC_DISPATCH(accumulate_weight_gradient)(in, out_gradient, n, inputs, outputs, gradient);
+}
+void relu_backward(const float* activated, std::size_t count, float* gradient) {
+  HWY_DYNAMIC_DISPATCH(relu_backward)(activated, count, gradient);
+}
+void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, float* table_gradient,
+                   std::uint64_t* touched) {
+  HWY_DYNAMIC_DISPATCH(scatter_level)(level, points, feature_gradients, table_gradient, touched);
+}
+void adam_rows(const AdamStep& step, std::size_t words, std::uint64_t* touched, float* parameters, float* gradients,
+               float* first_moments, float* second_moments) {
+  HWY_DYNAMIC_DISPATCH(adam_rows)(step, words, touched, parameters, gradients, first_moments, second_moments);
+}
+void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
+              float* second_moments) {
+  HWY_DYNAMIC_DISPATCH(adam_all)(step, count, parameters, gradients, first_moments, second_moments);
+}
+const char* instruction_set() { return HWY_DYNAMIC_DISPATCH(instruction_set)(); }
+
+} // namespace kinora::fields::kernels
+#endif

@@ -1,0 +1,66 @@
+// Walking along rays through occupied space only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "fields/field.h"
+
+namespace kinora::fields {
+
+/// A ray relative to a field's box: the point at depth z (metres along the optical axis) is origin + z · direction.
+struct FieldRay {
+  std::array<float, 3> origin;
+  std::array<float, 3> direction;
+  float metres_per_depth; ///< length of the ray in metres for each metre of depth
+};
+
+/// For each cell the Chebyshev distance, in cells, to the nearest occupied one (0 = occupied), capped at kFarthest.
+class DistanceField {
+public:
+  static constexpr int kFarthest = 12;
+
+  DistanceField() = default;
+  /// The resolution must be a multiple of 64 (FieldConfig::validate).
+  explicit DistanceField(const Occupancy& occupancy);
+
+  int resolution() const { return resolution_; }
+  std::uint8_t at(int x, int y, int z) const {
+    const std::size_t r = static_cast<std::size_t>(resolution_);
+    return distance_[(static_cast<std::size_t>(z) * r + static_cast<std::size_t>(y)) * r + static_cast<std::size_t>(x)];
+  }
+
+private:
+  int resolution_ = 0;
+  std::vector<std::uint8_t> distance_;
+};
+
+/// Range of depths in metres.
+struct Interval {
+  float begin;
+  float end;
+};
+
+/// The pieces of a ray that lie in occupied cells, from near to far.
+class OccupiedIntervals {
+public:
+  OccupiedIntervals() = default;
+  OccupiedIntervals(const DistanceField& distances, const FieldRay& ray, float near_depth, float far_depth);
+  /// The next piece; false when there is none left. Neighbouring cells make one piece.
+  bool next(Interval& interval);
+
+private:
+  const DistanceField* distances_ = nullptr;
+  std::array<float, 3> origin_{};    // in cells
+  std::array<float, 3> direction_{}; // cells per metre of depth
+  std::array<float, 3> inverse_{};
+  float depth_ = 0;
+  float end_ = 0;
+  float step_ = 0; // smallest advance, so that rounding never stops the walk
+};
+
+/// Marks every cell that the points origin + z · direction of a ray touch for z in the interval. Thread-safe.
+void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval);
+
+} // namespace kinora::fields

@@ -1,0 +1,46 @@
+// One training step: forward, loss, backward and Adam over chunks of rays, on all threads.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "fields/field.h"
+#include "fields/ray_batch.h"
+
+namespace kinora::fields {
+
+struct LearningRates {
+  float table = 0.03F;
+  float nets = 0.005F;
+};
+
+struct StepResult {
+  double loss = 0;    ///< mean over the rays
+  double opacity = 0; ///< mean opacity of the layer's own rays; near zero for a field that died
+  std::size_t samples = 0;
+};
+
+/// Owns gradients and moments; the field is the caller's and must outlive it. Not thread-safe; uses threads inside.
+/// Same input, same bits, for any number of threads: chunks are fixed, their net gradients are merged in order, and
+/// each level of the grid is scattered to by one task in order of the samples.
+class FieldOptimizer {
+public:
+  FieldOptimizer(Field& field, const LossWeights& weights);
+  ~FieldOptimizer();
+
+  /// `fill(chunk, batch)` provides the rays of each of `chunks` chunks; called once for each, on any thread.
+  StepResult step(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
+                  const LearningRates& rates);
+
+  /// The loss of a step and its gradient, without changing the field: what tests compare with the reference.
+  struct Gradient {
+    std::vector<float> table, density_net, color_net;
+  };
+  StepResult gradient(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill, Gradient& gradient);
+
+private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace kinora::fields

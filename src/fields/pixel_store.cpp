@@ -1,0 +1,45 @@
+#include "fields/pixel_store.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/random.h"
+
+namespace kinora::fields {
+
+PixelStore::PixelStore(std::size_t max_pixels, std::size_t expected_frames)
+    : max_pixels_(max_pixels), pixels_per_frame_(max_pixels / std::max<std::size_t>(expected_frames, 1)) {}
+
+void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
+  const int width = frame.color.width();
+  const int height = frame.color.height();
+  const std::size_t begin = pixels_.size();
+  const std::size_t count = frame.color.pixel_count();
+  const std::size_t wanted = std::min(count, pixels_per_frame_);
+  if (begin + wanted > max_pixels_) {
+    throw Error(ErrorCode::kFailure, "more frames arrived than the store of training pixels was made for");
+  }
+  pixels_.reserve(begin + wanted);
+  Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
+  std::size_t remaining = count;
+  std::size_t missing = wanted;
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u, --remaining) {
+      // Selection sampling (Knuth, TAOCP vol. 2, 3.4.2, algorithm S): exactly `wanted` of them, in order.
+      if (missing < remaining &&
+          random.uniform_double() * static_cast<double>(remaining) >= static_cast<double>(missing)) {
+        continue;
+      }
+      --missing;
+      const std::uint8_t* rgb = frame.color.pixel(u, v);
+      pixels_.push_back({static_cast<std::uint16_t>(u),
+                         static_cast<std::uint16_t>(v),
+                         frame.clean_depth.at(u, v),
+                         {rgb[0], rgb[1], rgb[2]},
+                         frame.labels.empty() ? std::uint8_t{0} : frame.labels.at(u, v)});
+    }
+  }
+  frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});
+}
+
+} // namespace kinora::fields

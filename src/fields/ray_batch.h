@@ -1,0 +1,54 @@
+// What one training step sees: rays with their samples and their targets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace kinora::fields {
+
+/// One point of a ray. Samples of a ray are in order of depth.
+struct RaySample {
+  std::array<float, 3> position; ///< relative to the field's box, in [0, 1]³
+  float depth;                   ///< metres along the optical axis of the ray's camera
+  float length;                  ///< of the piece of ray that it stands for, in units of the field's density_length()
+};
+
+struct RayTarget {
+  std::array<float, 3> color{}; ///< sRGB in [0, 1]
+  float depth = 0;              ///< metres; 0: not measured here
+  float inverse_band = 0;       ///< 1 / (metres within which the surface is expected around `depth`)
+  bool own = true;              ///< false: the pixel shows something behind; all samples should be empty
+};
+
+/// Rays of one step. Ray r has samples first_sample[r] … first_sample[r + 1] − 1; it may have none.
+struct RayBatch {
+  std::vector<RaySample> samples;
+  std::vector<std::uint32_t> first_sample{0};
+  std::vector<RayTarget> targets;
+
+  std::size_t ray_count() const { return targets.size(); }
+  void clear() {
+    samples.clear();
+    first_sample.assign(1, 0);
+    targets.clear();
+  }
+};
+
+/// The loss of an own ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)², depth_clamp), of
+/// any other emptiness·A, with wᵢ the compositing weights and A their sum. The loss of a step is the mean over its
+/// rays.
+struct LossWeights {
+  float color = 1.0F;
+  float opacity = 0.1F;
+  float depth = 0.03F;
+  float emptiness = 0.2F;
+  float depth_clamp = 4.0F;
+};
+
+/// Largest raw density before the exponential: e¹¹ per unit of length is opaque to any sample.
+inline constexpr float kMaxRawDensity = 11.0F;
+/// Added to the opacity when composited features are normalised by it.
+inline constexpr float kOpacityEpsilon = 1e-3F;
+
+} // namespace kinora::fields

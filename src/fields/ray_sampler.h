@@ -1,0 +1,75 @@
+// From stored pixels to training rays: which pixels teach a layer what, and where samples lie along their rays.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/random.h"
+#include "fields/field.h"
+#include "fields/occupancy.h"
+#include "fields/pixel_store.h"
+#include "fields/ray_batch.h"
+#include "tracking/motion.h"
+
+namespace kinora::fields {
+
+struct SamplingConfig {
+  int surface_samples = 5;    ///< stratified within the band around a measured depth
+  int free_samples = 2;       ///< at most, in occupied space before the band
+  int unmeasured_samples = 8; ///< in occupied space, for a pixel of the layer whose depth is not known
+  int emptiness_samples = 4;  ///< in occupied space before another layer's surface
+  float near_depth = 0.05F;   ///< metres; nothing is modelled nearer to a camera
+};
+
+/// Half width in metres of the band around a measured depth: three standard deviations of the sensor, at least four
+/// cells of the finest level, and room for a few centimetres of pose error where the layer is large.
+float surface_band(const FieldConfig& config, float depth);
+
+/// Rays of one layer. Pixels of the layer teach colour, opacity and depth; pixels of other layers teach emptiness
+/// in front of their surface less three standard deviations, and nothing behind. Immutable, so thread-safe.
+class RaySampler {
+public:
+  /// `pixels` must outlive the sampler.
+  RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
+             const SamplingConfig& sampling);
+
+  /// Space around the measured surface of the layer: what a field starts from.
+  Occupancy seed_occupancy() const;
+  /// Samples are placed in this space from now on; finds the pixels of other layers that look through it.
+  void set_occupancy(const Occupancy& occupancy);
+
+  std::size_t own_pixel_count() const { return own_.size(); }
+  std::size_t other_pixel_count() const { return others_.size(); }
+
+  /// Appends `count` randomly chosen rays, a quarter of them (if there are any) from other layers.
+  void draw(Random& random, std::size_t count, RayBatch& batch) const;
+
+private:
+  struct FrameRays { // camera to box-relative coordinates
+    std::array<float, 3> origin;
+    std::array<float, 9> rotation; // row-major, divided by the box's side
+    float fx, fy, cx, cy;
+  };
+  struct PixelRef {
+    std::uint32_t frame; // into frames_
+    std::uint32_t pixel;
+  };
+
+  FieldRay ray_of(const PixelRef& ref) const;
+  void append_own(const PixelRef& ref, Random& random, RayBatch& batch) const;
+  void append_other(const PixelRef& ref, Random& random, RayBatch& batch) const;
+  void append_in_occupied(const FieldRay& ray, float near_depth, float far_depth, int count, Random& random,
+                          RayBatch& batch) const;
+  void append_sample(const FieldRay& ray, float depth, float depth_step, RayBatch& batch) const;
+
+  const PixelStore& pixels_;
+  int label_;
+  FieldConfig config_;
+  SamplingConfig sampling_;
+  std::vector<FrameRays> frames_;
+  std::vector<PixelRef> own_;
+  std::vector<PixelRef> others_;
+  DistanceField distances_;
+};
+
+} // namespace kinora::fields

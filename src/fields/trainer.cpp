@@ -1,0 +1,133 @@
+#include "fields/trainer.h"
+
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "fields/field_batch.h"
+
+namespace kinora::fields {
+namespace {
+
+// Hash entries uniform in ±1e-4 (Müller et al. 2022), nets by Glorot & Bengio 2010.
+void initialise(Field& field, std::uint64_t seed) {
+  Random random(seed, 0xF1E1D);
+  const auto fill = [&random](float* values, std::size_t count, float bound) {
+    for (std::size_t i = 0; i < count; ++i) values[i] = bound * (2 * random.uniform() - 1);
+  };
+  const auto glorot = [](int inputs, int outputs) { return std::sqrt(6.0F / static_cast<float>(inputs + outputs)); };
+  constexpr int kH = FieldConfig::kHidden;
+  constexpr int kG = FieldConfig::kGeometry;
+  constexpr int kC = FieldConfig::kColorHidden;
+  const int width = field.config.encoding_width();
+  fill(field.table.data(), field.table.size(), 1e-4F);
+  fill(field.density_net.data(), static_cast<std::size_t>(width * kH), glorot(width, kH));
+  fill(field.density_net.data() + width * kH, kH * kG, glorot(kH, kG));
+  fill(field.color_net.data() + kColorFirst, kG * kC, glorot(kG, kC));
+  fill(field.color_net.data() + kColorSecond, kC * kC, glorot(kC, kC));
+  fill(field.color_net.data() + kColorThird, kC * FieldConfig::kColorOutputs, glorot(kC, 3));
+}
+
+LearningRates scheduled(const TrainerConfig& config, double progress, float restart_factor) {
+  const double decay = progress < 0.5 ? 1.0 : std::pow(config.final_learning_rate, 2 * (progress - 0.5));
+  const float factor = static_cast<float>(decay) * restart_factor;
+  return {config.learning_rates.table * factor, config.learning_rates.nets * factor};
+}
+
+// A field that diverged, or that gave up being opaque anywhere.
+bool is_dead(const StepResult& result, std::size_t step) {
+  return !std::isfinite(result.loss) || (step > 200 && result.opacity < 0.02);
+}
+
+// Keeps the cells in which the field absorbs anything worth drawing.
+void prune(Field& field) {
+  constexpr int kProbes = 8;
+  constexpr float kVisible = 0.02F; // opacity of a cell's side
+  const int resolution = field.config.occupancy_resolution;
+  const float cell = static_cast<float>(field.config.box.side / resolution / field.config.density_length());
+  const std::vector<GridLevel> levels = grid_levels(field.config);
+  std::vector<std::uint64_t>& words = field.occupancy.words();
+  parallel_for(words.size(), 256, [&](const Chunk& chunk) {
+    std::vector<float> x, y, z;
+    std::vector<std::size_t> bits;
+    PointBatch batch;
+    Random random(0x9A11, chunk.index);
+    for (std::size_t w = chunk.begin; w < chunk.end; ++w) {
+      for (int b = 0; b < 64; ++b) {
+        if (((words[w] >> b) & 1) == 0) continue;
+        const std::size_t index = w * 64 + static_cast<std::size_t>(b);
+        const std::size_t r = static_cast<std::size_t>(resolution);
+        for (int k = 0; k < kProbes; ++k) {
+          x.push_back((static_cast<float>(index % r) + random.uniform()) / static_cast<float>(resolution));
+          y.push_back((static_cast<float>(index / r % r) + random.uniform()) / static_cast<float>(resolution));
+          z.push_back((static_cast<float>(index / (r * r)) + random.uniform()) / static_cast<float>(resolution));
+        }
+        bits.push_back(index);
+      }
+    }
+    evaluate_points(field, levels, {x.data(), y.data(), z.data(), x.size()}, batch);
+    for (std::size_t i = 0; i < bits.size(); ++i) {
+      float densest = 0;
+      for (std::size_t k = 0; k < kProbes; ++k) {
+        const float raw = batch.geometry[(i * kProbes + k) * FieldConfig::kGeometry];
+        densest = std::max(densest, std::exp(std::min(raw, kMaxRawDensity)));
+      }
+      if (1 - std::exp(-densest * cell) < kVisible) words[bits[i] >> 6] &= ~(std::uint64_t{1} << (bits[i] & 63));
+    }
+  });
+}
+
+} // namespace
+
+Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
+                  const TrainerConfig& trainer, Progress& progress, TrainingReport* report) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begin = Clock::now();
+  constexpr float kRestartFactor = 0.3F;
+  constexpr std::size_t kMaxRestarts = 3;
+  RaySampler sampler(pixels, label, motion, config, trainer.sampling);
+  Field field(config);
+  field.occupancy = sampler.seed_occupancy();
+  sampler.set_occupancy(field.occupancy);
+  if (sampler.own_pixel_count() == 0) {
+    throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
+  }
+
+  const std::size_t chunks = static_cast<std::size_t>(trainer.rays_per_step / TrainerConfig::kRaysPerChunk);
+  const std::size_t steps = std::max<std::size_t>(1, trainer.rays / static_cast<std::size_t>(trainer.rays_per_step));
+  TrainingReport result;
+  float restart_factor = 1;
+  initialise(field, trainer.seed);
+  auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss);
+  for (std::size_t step = 0; step < steps; ++step) {
+    progress.check();
+    const auto fill = [&](std::size_t chunk, RayBatch& batch) {
+      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
+      sampler.draw(random, TrainerConfig::kRaysPerChunk, batch);
+    };
+    const double done = static_cast<double>(step) / static_cast<double>(steps);
+    const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, done, restart_factor));
+    result.samples += taken.samples;
+    result.rays += static_cast<std::size_t>(trainer.rays_per_step);
+    ++result.steps;
+    result.final_loss = taken.loss;
+    if (is_dead(taken, step) && result.restarts < kMaxRestarts) {
+      progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", step));
+      ++result.restarts;
+      restart_factor *= kRestartFactor;
+      initialise(field, trainer.seed + result.restarts);
+      optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss);
+      step = 0;
+    }
+    if (step % 64 == 0 || step + 1 == steps) progress.advance(step + 1, fmt::format("loss {:.4f}", taken.loss));
+  }
+  prune(field);
+  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  if (report != nullptr) *report = result;
+  return field;
+}
+
+} // namespace kinora::fields

@@ -1,0 +1,181 @@
+// A small analytic scene is learnt from its frames and drawn again: the whole room, end to end.
+#include <gtest/gtest.h>
+
+#include "core/metrics.h"
+#include "core/parallel.h"
+#include "fields/renderer.h"
+#include "fields/trainer.h"
+
+namespace kinora::fields {
+namespace {
+
+constexpr int kWidth = 80;
+constexpr int kHeight = 60;
+
+/// A chequered ball of radius 0.3 m in front of a striped wall, seen from a camera that circles it.
+struct Scene {
+  Eigen::Vector3d centre{0, 0, 2};
+  double radius = 0.3;
+  double wall = 2.6;
+
+  ingest::Frame frame(int index, double angle) const {
+    ingest::Frame f;
+    f.index = index;
+    f.camera.intrinsics = {kWidth, kHeight, 80, 80, (kWidth - 1) / 2.0, (kHeight - 1) / 2.0};
+    f.camera.camera_to_world = SE3::Identity();
+    f.camera.camera_to_world.translate(centre)
+        .rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()))
+        .translate(-centre);
+    f.color = ColorImage(kWidth, kHeight, 3);
+    f.depth = DepthImage(kWidth, kHeight);
+    f.labels = LabelImage(kWidth, kHeight);
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) shade(f, u, v);
+    }
+    f.clean_depth = f.depth;
+    return f;
+  }
+
+private:
+  void shade(ingest::Frame& f, int u, int v) const {
+    const Eigen::Vector3d o = f.camera.camera_to_world.translation();
+    const Eigen::Vector3d d = f.camera.camera_to_world.linear() * f.camera.intrinsics.unproject(u, v, 1);
+    const Eigen::Vector3d oc = o - centre;
+    const double b = oc.dot(d) / d.squaredNorm();
+    const double disc = b * b - (oc.squaredNorm() - radius * radius) / d.squaredNorm();
+    double depth = (wall - o.z()) / d.z();
+    const bool ball = disc > 0;
+    if (ball) depth = -b - std::sqrt(disc);
+    const Eigen::Vector3d p = o + depth * d;
+    const double wave = 0.5 + 0.4 * std::sin((ball ? 20 : 8) * p.x()) * (ball ? std::cos(20 * p.y()) : 1.0);
+    const Eigen::Vector3d rgb = ball ? Eigen::Vector3d(wave, 0.3, 1 - wave) : Eigen::Vector3d(0.2, wave, 0.4);
+    for (int c = 0; c < 3; ++c) f.color.at(u, v, c) = static_cast<std::uint8_t>(std::lround(255 * rgb[c]));
+    f.depth.at(u, v) = static_cast<float>(depth);
+    f.labels.at(u, v) = ball ? 2 : 0;
+  }
+};
+
+PixelStore store_of(const Scene& scene) {
+  PixelStore store(1'000'000, 12);
+  for (int i = 0; i < 12; ++i) store.add(scene.frame(i, 0.05 * (i - 6)), i);
+  return store;
+}
+
+TrainerConfig short_training() {
+  TrainerConfig trainer;
+  trainer.rays = 500'000;
+  trainer.rays_per_step = 1024;
+  return trainer;
+}
+
+TEST(Training, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
+  const Scene scene;
+  const PixelStore store = store_of(scene);
+  const auto still = tracking::Motion::still();
+  Progress progress;
+  std::vector<DrawableField> fields;
+  for (const int label : {0, 2}) {
+    fields.emplace_back(
+        train_field(store, label, still, choose_field_config(store, label, still), short_training(), progress));
+  }
+  const ingest::Frame held_out = scene.frame(0, 0.125);
+  const std::vector<PosedField> layers = {{&fields[0], SE3::Identity()}, {&fields[1], SE3::Identity()}};
+  const Picture picture = render(layers, held_out.camera);
+  EXPECT_GT(compare_images(picture.color, held_out.color).psnr_full, 24);
+
+  const Picture ball = render(std::span(layers).subspan(1), held_out.camera);
+  const ImageMetrics alone = compare_images(ball.color, held_out.color, held_out.labels);
+  EXPECT_GT(alone.psnr_inside, 24);
+  EXPECT_GT(alone.iou, 0.93);
+
+  std::vector<float> errors;
+  std::size_t right_layer = 0;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      errors.push_back(std::abs(picture.depth.at(u, v) - held_out.depth.at(u, v)));
+      right_layer += picture.front.at(u, v) == (held_out.labels.at(u, v) == 2 ? 2 : 1) ? 1U : 0U;
+    }
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.012F);
+  EXPECT_GT(static_cast<double>(right_layer) / errors.size(), 0.97);
+}
+
+TEST(Training, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const PixelStore store = store_of(Scene{});
+  const auto still = tracking::Motion::still();
+  const FieldConfig config = choose_field_config(store, 2, still);
+  TrainerConfig trainer = short_training();
+  trainer.rays = 100'000;
+  Progress progress;
+  std::vector<Field> fields;
+  for (const int threads : {1, 2, 7}) {
+    set_thread_count(threads);
+    fields.push_back(train_field(store, 2, still, config, trainer, progress));
+  }
+  set_thread_count(0);
+  for (const std::size_t other : {1, 2}) {
+    EXPECT_EQ(fields[0].table, fields[other].table);
+    EXPECT_EQ(fields[0].color_net, fields[other].color_net);
+    EXPECT_EQ(fields[0].occupancy.words(), fields[other].occupancy.words());
+  }
+}
+
+TEST(Training, FollowsARigidLayerThatMoves) {
+  // The same ball, but now the ball moves and the camera stands: canonical space is that of frame 0.
+  const Scene scene;
+  PixelStore store(1'000'000, 8);
+  std::vector<tracking::Motion::Pose> poses;
+  for (int i = 0; i < 8; ++i) {
+    Scene moved = scene;
+    moved.centre += Eigen::Vector3d(0.03 * i, -0.01 * i, 0.02 * i);
+    ingest::Frame frame = moved.frame(i, 0);
+    frame.camera.camera_to_world = SE3::Identity();
+    // The chequers are fixed in space, not on the ball: colour it evenly instead.
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        if (frame.labels.at(u, v) == 2) std::fill_n(frame.color.pixel(u, v), 3, std::uint8_t{200});
+      }
+    }
+    store.add(frame, i);
+    tracking::Motion::Pose pose;
+    pose.canonical_to_world.translation() = moved.centre - scene.centre;
+    poses.push_back(pose);
+  }
+  const auto motion = tracking::Motion::rigid(poses);
+  Progress progress;
+  const DrawableField ball(
+      train_field(store, 2, motion, choose_field_config(store, 2, motion), short_training(), progress));
+  for (const int at : {0, 7}) {
+    Scene moved = scene;
+    moved.centre += Eigen::Vector3d(0.03 * at, -0.01 * at, 0.02 * at);
+    const ingest::Frame truth = moved.frame(at, 0);
+    const PosedField posed{&ball, motion.canonical_to_world(at)};
+    const Picture picture = render({&posed, 1}, truth.camera);
+    EXPECT_GT(compare_images(picture.color, truth.color, truth.labels).iou, 0.93) << "frame " << at;
+  }
+}
+
+TEST(Renderer, AcceptsEveryCamera) {
+  const PixelStore store = store_of(Scene{});
+  const auto still = tracking::Motion::still();
+  TrainerConfig trainer = short_training();
+  trainer.rays = 50'000;
+  Progress progress;
+  const DrawableField ball(train_field(store, 2, still, choose_field_config(store, 2, still), trainer, progress));
+  const PosedField posed{&ball, SE3::Identity()};
+  Camera camera = Scene{}.frame(0, 0).camera;
+  camera.camera_to_world.translation() = Eigen::Vector3d(0, 0, 2); // inside
+  EXPECT_EQ(render({&posed, 1}, camera).color.width(), kWidth);
+  camera.camera_to_world.translation() = Eigen::Vector3d(0, 0, 9); // behind, looking away
+  const Picture away = render({&posed, 1}, camera);
+  EXPECT_TRUE(std::all_of(away.color.values().begin(), away.color.values().end(), [](auto v) { return v == 0; }));
+  camera.intrinsics = {1, 1, 80, 80, 0, 0};
+  EXPECT_EQ(render({&posed, 1}, camera).depth.pixel_count(), 1U);
+  EXPECT_EQ(render({}, camera).color.at(0, 0, 3), 0);
+  camera.intrinsics.width = 0;
+  EXPECT_ANY_THROW(render({&posed, 1}, camera));
+}
+
+} // namespace
+} // namespace kinora::fields
