@@ -2,11 +2,14 @@
 #include <iterator>
 
 #include "kinora/plugin.h"
+#include "mp4/format.h"
+#include "png/format.h"
 #include "rgbd_folder/formats.h"
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
-  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat};
+  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kPngFormat,
+                                                &kMp4Format};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

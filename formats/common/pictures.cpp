@@ -1,0 +1,33 @@
+#include "common/pictures.h"
+
+#include "core/error.h"
+
+namespace kinora::formats {
+namespace {
+
+template <class T> Image<T> copy_of(const KinoraImage& image) {
+  Image<T> copy(image.width, image.height, image.channels);
+  const std::size_t row_bytes =
+      sizeof(T) * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+  for (int v = 0; v < image.height; ++v)
+    std::memcpy(copy.pixel(0, v), static_cast<const std::byte*>(image.data) + image.row_bytes * v, row_bytes);
+  return copy;
+}
+
+bool has_pixels(const KinoraImage& image) { return image.data != nullptr && image.width > 0 && image.height > 0; }
+
+} // namespace
+
+ColorImage color_of(const KinoraImage& image) {
+  if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_U8 || (image.channels != 3 && image.channels != 4))
+    throw Error(ErrorCode::kUsage, "a picture must have 8 bits and 3 or 4 channels");
+  return copy_of<std::uint8_t>(image);
+}
+
+DepthImage16 depth_of(const KinoraImage& image) {
+  if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_U16 || image.channels != 1)
+    throw Error(ErrorCode::kUsage, "a depth picture must have 16 bits and one channel");
+  return copy_of<std::uint16_t>(image);
+}
+
+} // namespace kinora::formats
