@@ -51,7 +51,7 @@ LabelImage cut_mask(const LabelImage& labels, int label, const Box& box) {
   return inner;
 }
 
-// Logarithm of luminance: lighting that changes slowly over the surface becomes an offset that the local mean removes.
+// Logarithm of luminance: a surface that turns in the light changes by an offset only.
 Image<float> log_luminance(const ColorImage& color, const Box& box) {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(i) / 255.0F;
@@ -60,40 +60,6 @@ Image<float> log_luminance(const ColorImage& color, const Box& box) {
     for (int u = 0; u < result.width(); ++u) {
       const std::uint8_t* c = color.pixel(box.u0 + u, box.v0 + v);
       result.at(u, v) = std::log(0.08F + 0.299F * table[c[0]] + 0.587F * table[c[1]] + 0.114F * table[c[2]]);
-    }
-  }
-  return result;
-}
-
-// Mean of the values on the mask within a square window, by summed areas.
-Image<float> local_mean(const Image<float>& values, const LabelImage& mask, int radius) {
-  const int width = values.width();
-  const int height = values.height();
-  Image<double> sums(width + 1, height + 1, 2);
-  for (int v = 0; v < height; ++v) {
-    double row_sum = 0;
-    double row_count = 0;
-    for (int u = 0; u < width; ++u) {
-      if (mask.at(u, v) != 0) {
-        row_sum += values.at(u, v);
-        row_count += 1;
-      }
-      sums.at(u + 1, v + 1, 0) = sums.at(u + 1, v, 0) + row_sum;
-      sums.at(u + 1, v + 1, 1) = sums.at(u + 1, v, 1) + row_count;
-    }
-  }
-  Image<float> result(width, height);
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      if (mask.at(u, v) == 0) continue;
-      const int u0 = std::max(0, u - radius);
-      const int v0 = std::max(0, v - radius);
-      const int u1 = std::min(width, u + radius + 1);
-      const int v1 = std::min(height, v + radius + 1);
-      const auto total = [&](int c) {
-        return sums.at(u1, v1, c) - sums.at(u0, v1, c) - sums.at(u1, v0, c) + sums.at(u0, v0, c);
-      };
-      result.at(u, v) = static_cast<float>(total(0) / total(1));
     }
   }
   return result;
@@ -120,6 +86,21 @@ Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
     }
   }
   return result;
+}
+
+// Off the label, its mean: what lies beside the object must not leak into the coarse levels.
+void fill_outside(Image<float>& values, const LabelImage& mask) {
+  double sum = 0;
+  double count = 0;
+  for (std::size_t i = 0; i < mask.values().size(); ++i) {
+    if (mask.values()[i] == 0) continue;
+    sum += values.values()[i];
+    count += 1;
+  }
+  const float mean = count > 0 ? static_cast<float>(sum / count) : 0.0F;
+  for (std::size_t i = 0; i < mask.values().size(); ++i) {
+    if (mask.values()[i] == 0) values.values()[i] = mean;
+  }
 }
 
 Image<float> halved(const Image<float>& values) {
@@ -228,16 +209,8 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   view.planes = fit_depth_planes(cut(frame.clean_depth, box), view.intrinsics, view.mask);
   measure_depth(view);
   if (view.empty()) return view;
-  const int side = std::min(tight.u1 - tight.u0, tight.v1 - tight.v0);
-  const Image<float> luminance = log_luminance(frame.color, box);
-  Image<float> texture = luminance;
-  const Image<float> mean = local_mean(luminance, view.mask, std::clamp(side / 6, 4, 32));
-  for (int v = 0; v < texture.height(); ++v) {
-    for (int u = 0; u < texture.width(); ++u) {
-      texture.at(u, v) = view.mask.at(u, v) != 0 ? luminance.at(u, v) - mean.at(u, v) : 0.0F;
-    }
-  }
-  view.texture = smoothed(texture, view.mask);
+  view.texture = smoothed(log_luminance(frame.color, box), view.mask);
+  fill_outside(view.texture, view.mask);
   Image<float> level = view.texture;
   for (std::size_t l = 0; l < view.pyramid.size(); ++l) {
     view.pyramid[l] = with_gradient(level, 1.0F / static_cast<float>(1U << l));

@@ -1,4 +1,4 @@
-// What one frame shows of one label: a crop with depth, fitted planes and a texture that does not depend on lighting.
+// What one frame shows of one label: a crop with depth, fitted planes and texture.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct ObjectView {
   DepthImage depth;     ///< all measured depth in the crop: what may stand in front
   LabelImage mask;      ///< 1 where the label is, 2 where it is at least two pixels from the label's border
   DepthPlanes planes;   ///< of the label's clean depth
-  Image<float> texture; ///< log luminance minus its mean around the pixel within the label; 0 elsewhere
+  Image<float> texture; ///< log luminance, slightly smoothed; its mean off the label
   std::array<TextureLevel, kLevels> pyramid;
   std::size_t depth_pixels = 0;                       ///< pixels with a plane
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero(); ///< mean of their points, in the camera

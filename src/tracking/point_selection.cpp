@@ -10,7 +10,7 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kDirections = 27;
+constexpr std::size_t kDirections = ModelPoint::kDirections;
 constexpr float kFacingCosine = 0.17F;
 constexpr int kCell = 4; // pixels; a few of the model's points fall into each cell
 
@@ -34,14 +34,6 @@ Eigen::Vector2f visible_pixel(const SurfacePoint& surface, const FloatPose& pose
     return nowhere;
   }
   return {u, v};
-}
-
-std::size_t direction_of(const Eigen::Vector3f& normal) {
-  std::size_t index = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    index = 3 * index + (normal[axis] < -0.38F ? 0U : normal[axis] > 0.38F ? 2U : 1U);
-  }
-  return index;
 }
 
 // The largest number that may be drawn from each bin such that at most `limit` are drawn in all.
@@ -79,7 +71,7 @@ std::vector<ModelPoint> select_points(std::span<const SurfacePoint> surface, con
     const std::size_t count = std::min(bin.size(), quota);
     for (std::size_t k = 0; k < count; ++k) {
       const SurfacePoint& chosen = surface[bin[k * bin.size() / count]];
-      points.push_back({chosen.position, chosen.normal, {chosen.intensity, kNone, kNone}});
+      points.push_back({chosen.position, chosen.normal, {chosen.intensity, kNone, kNone}, direction_of(chosen.normal)});
     }
   }
   return points;

@@ -81,7 +81,7 @@ std::optional<Residual> geometric_of(const Projected& p, const ObjectView& view,
 }
 
 std::optional<Residual> photometric_of(const Projected& p, const ModelPoint& model, const ObjectView& view,
-                                       const Pivot& pivot, int level) {
+                                       const Pivot& pivot, int level, const LightOffsets& light) {
   const float expected = model.texture[static_cast<std::size_t>(level)];
   if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != 2) return std::nullopt;
   const double z = p.point.z();
@@ -93,12 +93,17 @@ std::optional<Residual> photometric_of(const Projected& p, const ModelPoint& mod
   const Eigen::Vector3d gradient(image.du * fx, image.dv * fy,
                                  -(image.du * fx * p.point.x() + image.dv * fy * p.point.y()) / z);
   Residual r;
-  r.value = image.value - expected;
+  r.value = image.value - expected - light[model.direction];
   r.sigma = 1;
   r.jacobian.head<3>() = gradient;
   r.jacobian.tail<3>() = (p.point - pivot.centre).cross(gradient) / pivot.radius;
   return r;
 }
+
+struct TextureModel {
+  LightOffsets light{};
+  double sigma = kMinTextureSigma;
+};
 
 /// The quadratic model of the cost about one pose.
 struct System {
@@ -119,7 +124,7 @@ struct System {
 };
 
 System build_system(std::span<const ModelPoint> points, const ObjectView& view, const SE3& pose, const Pivot& pivot,
-                    const Stage& stage, double texture_sigma, double photometric_share) {
+                    const Stage& stage, const TextureModel& texture, double photometric_share) {
   System system;
   for (const ModelPoint& point : points) {
     const std::optional<Projected> p = project(point, view, pose);
@@ -134,8 +139,8 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
     } else {
       system.cost += kMissingCost;
     }
-    if (const auto r = photometric_of(*p, point, view, pivot, stage.level)) {
-      system.add(*r, texture_sigma, photometric_share);
+    if (const auto r = photometric_of(*p, point, view, pivot, stage.level, texture.light)) {
+      system.add(*r, texture.sigma, photometric_share);
       ++system.photometric;
     } else {
       system.cost += photometric_share * kMissingCost;
@@ -145,18 +150,29 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
   return system;
 }
 
-// Robust standard deviation of the texture residuals at a pose: how far the model's texture can be trusted there.
-double texture_sigma(std::span<const ModelPoint> points, const ObjectView& view, const SE3& pose, const Pivot& pivot,
-                     int level) {
-  std::vector<double> sizes;
-  sizes.reserve(points.size());
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// How the texture of image and model differ at a pose: by light, and by what cannot be explained.
+TextureModel measure_texture(std::span<const ModelPoint> points, const ObjectView& view, const SE3& pose, int level) {
+  const Pivot anywhere{Eigen::Vector3d::Zero(), 1.0};
+  TextureModel model;
+  std::array<std::vector<double>, ModelPoint::kDirections> differences;
   for (const ModelPoint& point : points) {
-    if (const auto r = photometric_residual(point, view, pose, pivot, level)) sizes.push_back(std::abs(r->value));
+    const auto r = photometric_residual(point, view, pose, anywhere, level);
+    if (r) differences[point.direction].push_back(r->value);
   }
-  if (sizes.empty()) return kMinTextureSigma;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(kMinTextureSigma, 1.4826 * *middle);
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    if (differences[i].empty()) continue;
+    model.light[i] = median(differences[i]);
+    for (const double difference : differences[i]) sizes.push_back(std::abs(difference - model.light[i]));
+  }
+  if (!sizes.empty()) model.sigma = std::max(kMinTextureSigma, 1.4826 * median(sizes));
+  return model;
 }
 
 struct Extent {
@@ -186,9 +202,9 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
                const SE3& prior, const AlignmentConfig& config, Alignment& alignment) {
   const auto pivot_at = [&extent](const SE3& pose) { return Pivot{pose * extent.centre, extent.radius}; };
   Pivot pivot = pivot_at(alignment.model_to_camera);
-  const double sigma = texture_sigma(points, view, alignment.model_to_camera, pivot, stage.level);
+  const TextureModel texture = measure_texture(points, view, alignment.model_to_camera, stage.level);
   const auto build = [&](const SE3& pose) {
-    return build_system(points, view, pose, pivot_at(pose), stage, sigma, config.photometric_share);
+    return build_system(points, view, pose, pivot_at(pose), stage, texture, config.photometric_share);
   };
   System system = build(alignment.model_to_camera);
   double damping = 1e-3;
@@ -222,6 +238,14 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
 
 } // namespace
 
+std::uint8_t direction_of(const Eigen::Vector3f& normal) {
+  std::uint32_t index = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    index = 3 * index + (normal[axis] < -0.38F ? 0U : normal[axis] > 0.38F ? 2U : 1U);
+  }
+  return static_cast<std::uint8_t>(index);
+}
+
 SE3 step_about(const Pivot& pivot, const Twist& step, const SE3& model_to_camera) {
   Twist rotation = Twist::Zero();
   rotation.tail<3>() = step.tail<3>() / pivot.radius;
@@ -240,9 +264,10 @@ std::optional<Residual> geometric_residual(const ModelPoint& point, const Object
 }
 
 std::optional<Residual> photometric_residual(const ModelPoint& point, const ObjectView& view,
-                                             const SE3& model_to_camera, const Pivot& pivot, int level) {
+                                             const SE3& model_to_camera, const Pivot& pivot, int level,
+                                             const LightOffsets& light) {
   const std::optional<Projected> p = project(point, view, model_to_camera);
-  return p ? photometric_of(*p, point, view, pivot, level) : std::nullopt;
+  return p ? photometric_of(*p, point, view, pivot, level, light) : std::nullopt;
 }
 
 DampedStep solve_with_prior(const Matrix6& information, const Twist& gradient, const Twist& toward_prior,
@@ -273,6 +298,7 @@ AlignmentQuality judge_pose(std::span<const ModelPoint> points, const ObjectView
   double sum_aa = 0;
   double sum_bb = 0;
   double sum_ab = 0;
+  const TextureModel texture = measure_texture(points, view, model_to_camera, 0);
   for (const ModelPoint& point : points) {
     const std::optional<Projected> p = project(point, view, model_to_camera);
     if (!p) continue;
@@ -281,7 +307,7 @@ AlignmentQuality judge_pose(std::span<const ModelPoint> points, const ObjectView
       const auto r = geometric_of(*p, view, pivot, {0.10, 0.7});
       if (r && std::abs(r->value) < 3 * r->sigma + 0.005) distances.push_back(std::abs(r->value));
     }
-    if (const auto r = photometric_of(*p, point, view, pivot, 0)) {
+    if (const auto r = photometric_of(*p, point, view, pivot, 0, texture.light)) {
       const double b = point.texture[0];
       const double a = r->value + b;
       n += 1;
@@ -294,9 +320,7 @@ AlignmentQuality judge_pose(std::span<const ModelPoint> points, const ObjectView
   }
   quality.inliers = distances.size();
   if (!distances.empty()) {
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    quality.median_distance = *middle;
+    quality.median_distance = median(distances);
   }
   if (n > 30) {
     const double variance_a = sum_aa / n - sum_a * sum_a / (n * n);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -19,7 +20,16 @@ struct ModelPoint {
   Eigen::Vector3f normal; ///< unit, out of the surface
   /// Texture expected at each level of ObjectView::pyramid; NaN where none is.
   std::array<float, ObjectView::kLevels> texture;
+  /// Which way the normal points, below kDirections: points of one direction are lit alike.
+  std::uint8_t direction;
+  static constexpr std::size_t kDirections = 27;
 };
+
+/// One of 27: each axis of the normal negative, about zero or positive.
+std::uint8_t direction_of(const Eigen::Vector3f& normal);
+
+/// Texture of the image minus that of the model that lighting explains, by direction of the normal.
+using LightOffsets = std::array<double, ModelPoint::kDirections>;
 
 /// Steps are taken about a point of the camera's space: translation, and rotation × radius, both in metres.
 struct Pivot {
@@ -48,11 +58,12 @@ struct Gates {
 std::optional<Residual> geometric_residual(const ModelPoint& point, const ObjectView& view, const SE3& model_to_camera,
                                            const Pivot& pivot, const Gates& gates);
 
-/// Texture of the image minus that of the model; sigma is 1. Nothing if the point faces away, has no texture at that
-/// level, lies within two pixels of the label's border, or something measured stands before it by more than
-/// max(3 cm, 3σ).
+/// Texture of the image minus that of the model and the light's offset; sigma is 1. Nothing if the point faces away,
+/// has no texture at that level, lies within two pixels of the label's border, or something measured stands before it
+/// by more than max(3 cm, 3σ).
 std::optional<Residual> photometric_residual(const ModelPoint& point, const ObjectView& view,
-                                             const SE3& model_to_camera, const Pivot& pivot, int level);
+                                             const SE3& model_to_camera, const Pivot& pivot, int level,
+                                             const LightOffsets& light = {});
 
 /// How well a pose explains the view, at the finest level.
 struct AlignmentQuality {

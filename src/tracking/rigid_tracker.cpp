@@ -16,7 +16,8 @@ constexpr double kVelocityShare = 0.95; // of the last motion that the next one 
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
 
-// About a pixel's footprint, but no more than a hundred voxels across the object.
+// About a pixel's footprint and no finer than the sensor's noise, which would only be modelled as roughness; no more
+// than a hundred voxels across the object.
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
   double squared = 0;
   for (int v = 0; v < view.mask.height(); ++v) {
