@@ -43,10 +43,10 @@ TEST(Random, UniformFillsTheUnitIntervalEvenly) {
     ++single[static_cast<std::size_t>(f * 20)];
     ++both[static_cast<std::size_t>(d * 20)];
   }
-  // Binomial with p = 1/20: mean 10000, standard deviation 97.
+  constexpr int kMean = kDraws / 20; // binomial: standard deviation 97
   for (std::size_t bin = 0; bin < 20; ++bin) {
-    EXPECT_NEAR(single[bin], kDraws / 20, 500);
-    EXPECT_NEAR(both[bin], kDraws / 20, 500);
+    EXPECT_NEAR(single[bin], kMean, 500);
+    EXPECT_NEAR(both[bin], kMean, 500);
   }
 }
 

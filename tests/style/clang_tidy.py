@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Runs clang-tidy with the repository's .clang-tidy on every source that a build folder compiles.
+
+usage: clang_tidy.py ROOT BUILD [--jobs N]
+
+A file that was clean is not looked at again until it, a header of ours that it includes, its compiler flags, the
+configuration or the version of clang-tidy changes. What was clean is remembered in $KINORA_TIDY_CACHE, or else in
+$XDG_CACHE_HOME/kinora-tidy (normally ~/.cache/kinora-tidy), as empty files named by hash: it serves all checkouts.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
+# Flags that change what clang reads; the rest is for g++ alone.
+KEPT_FLAGS = re.compile(r"-(D|U|std=|m|O|fPIC|fPIE|pthread).*")
+FLAGS_WITH_VALUE = ("-I", "-isystem")
+
+
+def cache_folder():
+    default = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "kinora-tidy"
+    folder = pathlib.Path(os.environ.get("KINORA_TIDY_CACHE") or default)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def kept_flags(entry):
+    """The flags of one entry of compile_commands.json that clang needs, without those of the precompiled header."""
+    words = shlex.split(entry["command"])[1:]
+    flags = []
+    for i, word in enumerate(words):
+        if word in FLAGS_WITH_VALUE:
+            flags += [word, words[i + 1]]
+        elif word.startswith(FLAGS_WITH_VALUE) or KEPT_FLAGS.fullmatch(word):
+            flags.append(word)
+    return flags
+
+
+class Headers:
+    """Contents of the repository's files and of what they include, read once."""
+
+    def __init__(self, root):
+        self.root = root
+        self.texts = {}
+        self.direct = {}
+
+    def text(self, path):
+        if path not in self.texts:
+            self.texts[path] = path.read_text(encoding="utf-8")
+        return self.texts[path]
+
+    def includes(self, path):
+        if path not in self.direct:
+            folders = (path.parent, *(self.root / f for f in ("src", "include", "formats", "tests", "")))
+            found = []
+            for name in INCLUDE.findall(self.text(path)):
+                candidates = (folder / name for folder in folders)
+                found += [c.resolve() for c in candidates if c.is_file()][:1]
+            self.direct[path] = found
+        return self.direct[path]
+
+    def closure(self, path):
+        seen, waiting = set(), [path]
+        while waiting:
+            current = waiting.pop()
+            if current not in seen:
+                seen.add(current)
+                waiting += self.includes(current)
+        return sorted(seen)
+
+
+class Precompiled:
+    """One clang precompiled header per set of flags, made when it is first needed."""
+
+    def __init__(self, header, folder):
+        self.header = header
+        self.folder = folder
+        self.made = {}
+
+    def flags(self, flags):
+        language = tuple(f for f in flags if not f.startswith(("-D", "-I")))
+        if language not in self.made:
+            name = hashlib.sha256(" ".join(language).encode()).hexdigest()[:16]
+            output = self.folder / f"{name}.pch"
+            command = ["clang++-14", "-w", "-x", "c++-header", *language, str(self.header), "-o", str(output)]
+            self.made[language] = output if subprocess.run(command, check=False).returncode == 0 else None
+        output = self.made[language]
+        return ["-include-pch", str(output)] if output else ["-include", str(self.header)]
+
+
+def tidy(path, flags):
+    command = ["clang-tidy-14", "--quiet", str(path), "--", "-w", *flags]
+    result = subprocess.run(command, check=False, capture_output=True, text=True)
+    return result.returncode, result.stdout + result.stderr
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__)
+    parser.add_argument("root", type=pathlib.Path)
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    arguments = parser.parse_args()
+    root, build = arguments.root.resolve(), arguments.build.resolve()
+
+    version = subprocess.run(["clang-tidy-14", "--version"], check=True, capture_output=True, text=True).stdout
+    headers = Headers(root)
+    pch_header = root / "cmake/pch.h"
+    common = [version, headers.text(root / ".clang-tidy"), headers.text(pch_header)]
+    cache = cache_folder()
+
+    waiting = []
+    entries = {pathlib.Path(e["file"]).resolve(): e for e in json.loads((build / "compile_commands.json").read_text())}
+    entries = {path: e for path, e in sorted(entries.items()) if root in path.parents and build not in path.parents}
+    for path, entry in entries.items():
+        flags = kept_flags(entry)
+        portable = " ".join(flags).replace(str(build), "<build>").replace(str(root), "<root>")
+        contents = [headers.text(p) for p in headers.closure(path)]
+        key = hashlib.sha256("\0".join([*common, portable, *contents]).encode()).hexdigest()
+        if not (cache / key).exists():
+            waiting.append((path, flags, cache / key))
+
+    print(f"clang-tidy: {len(entries)} files, {len(entries) - len(waiting)} were clean before and did not change")
+    folder = build / "style"
+    folder.mkdir(exist_ok=True)
+    precompiled = Precompiled(pch_header, folder)
+    jobs = [(path, flags + precompiled.flags(flags), mark) for path, flags, mark in waiting]
+    failed = 0
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        for (path, _, mark), (code, output) in zip(jobs, pool.map(lambda job: tidy(*job[:2]), jobs)):
+            print(f"{path.relative_to(root)}: {'clean' if code == 0 else 'NOT CLEAN'}", flush=True)
+            if code == 0:
+                mark.touch()
+            else:
+                failed += 1
+                print(output)
+    if failed:
+        sys.exit(f"{failed} files are not clean")
+
+
+if __name__ == "__main__":
+    main()
