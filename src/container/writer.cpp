@@ -36,6 +36,7 @@ std::uint64_t ticks(std::int64_t time_ns) {
 [[noreturn]] void misuse(const std::string& sentence) { throw Error(ErrorCode::kFailure, sentence); }
 
 void check_head(const FileHead& head) {
+  if (head.tracks.empty()) misuse("a file needs at least one track");
   std::set<std::uint16_t> ids;
   for (const Track& track : head.tracks) {
     if (!track.codec.starts_with(kCodecPrefix))

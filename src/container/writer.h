@@ -24,7 +24,8 @@ struct FileHead {
 /// Error(kFailure) when the call itself breaks a rule below. Without finish() the file stays incomplete.
 class Writer {
 public:
-  /// Creates or replaces the file. Codecs begin with "S_KINORA/"; track ids and attachment names are unique.
+  /// Creates or replaces the file. There is at least one track; codecs begin with "S_KINORA/"; track ids and
+  /// attachment names are unique.
   Writer(const std::filesystem::path& path, const FileHead& head);
   ~Writer();
   Writer(const Writer&) = delete;

@@ -18,8 +18,13 @@ struct ByteAccount {
   std::size_t total = 0;
 };
 
+/// The clip as a reader of its file will see it, up to Clip::times, which a file keeps to the nanosecond: fields and
+/// poses are quantised (field_codec.h, pose_codec.h). Throws Error(kFailure) if the clip cannot be stored.
+Clip as_stored(const Clip& clip);
+
 /// Writes to `path` (the caller gives a .part name and renames). The same clip gives the same bytes.
-/// Throws Error(kUnwritableOutput) naming the path, also when the disk is full.
+/// Throws Error(kUnwritableOutput) naming the path, also when the disk is full; kFailure if the clip contradicts itself
+/// (sizes, times that do not increase, two layers of one name, numbers that are not finite).
 void write_clip(const Clip& clip, const std::filesystem::path& path);
 
 /// Reads and checks everything: sizes, ranges, checksums. The file is not trusted.

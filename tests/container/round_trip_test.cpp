@@ -158,7 +158,8 @@ TEST(ContainerWriter, RefusesTracksAndAttachmentsThatCannotBeToldApart) {
   EXPECT_THROW(Writer(folder / "a.mkv", {"clip", {track, track}, {}, {}, 0}), Error);
   EXPECT_THROW(Writer(folder / "a.mkv", {"clip", {{1, "V_VP9", "", {}}}, {}, {}, 0}), Error);
   const Attachment attachment{"a.json", "application/json", "", {}};
-  EXPECT_THROW(Writer(folder / "a.mkv", {"clip", {}, {attachment, attachment}, {}, 0}), Error);
+  EXPECT_THROW(Writer(folder / "a.mkv", {"clip", {track}, {attachment, attachment}, {}, 0}), Error);
+  EXPECT_THROW(Writer(folder / "a.mkv", {"clip", {}, {}, {}, 0}), Error);
 }
 
 TEST(ContainerReader, AccountsForEveryByteOfAPayload) {
