@@ -17,7 +17,8 @@ constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kHuber = 1.5;
 constexpr double kMissingCost = 2.0; // of a point without correspondence, in units of ρ: leaving the label does not pay
 constexpr double kMinTextureSigma = 0.02;
-constexpr double kStillStep = 2e-5; // metres
+constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
+constexpr double kStillStep = 2e-5;   // metres
 
 struct Stage {
   int level;
@@ -107,14 +108,15 @@ struct TextureModel {
 
 /// The quadratic model of the cost about one pose.
 struct System {
-  Matrix6 information = Matrix6::Zero();
+  Matrix6 depth_information = Matrix6::Zero();
+  Matrix6 texture_information = Matrix6::Zero();
   Twist gradient = Twist::Zero();
   double cost = 0;
   double normal_information = 0; ///< Σ of the geometric weights: information if all normals pointed one way
   std::size_t geometric = 0;
   std::size_t photometric = 0;
 
-  void add(const Residual& r, double sigma, double share) {
+  void add(const Residual& r, double sigma, double share, Matrix6& information) {
     const double normalised = r.value / sigma;
     const double weight = share * huber_weight(normalised) / (sigma * sigma);
     information.selfadjointView<Eigen::Lower>().rankUpdate(r.jacobian, weight);
@@ -133,20 +135,24 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
       continue;
     }
     if (const auto r = geometric_of(*p, view, pivot, stage.gates)) {
-      system.add(*r, r->sigma, 1.0);
+      system.add(*r, r->sigma, 1.0, system.depth_information);
       system.normal_information += huber_weight(r->value / r->sigma) / (r->sigma * r->sigma);
       ++system.geometric;
     } else {
       system.cost += kMissingCost;
     }
     if (const auto r = photometric_of(*p, point, view, pivot, stage.level, texture.light)) {
-      system.add(*r, texture.sigma, photometric_share);
-      ++system.photometric;
+      const double footprint = p->point.z() / view.intrinsics.fx;
+      if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
+        system.add(*r, texture.sigma, photometric_share, system.texture_information);
+        ++system.photometric;
+      }
     } else {
       system.cost += photometric_share * kMissingCost;
     }
   }
-  system.information = system.information.selfadjointView<Eigen::Lower>();
+  system.depth_information = system.depth_information.selfadjointView<Eigen::Lower>();
+  system.texture_information = system.texture_information.selfadjointView<Eigen::Lower>();
   return system;
 }
 
@@ -212,9 +218,13 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
     ++alignment.iterations;
     pivot = pivot_at(alignment.model_to_camera);
     const double weak_below = config.weak_share * std::max(1.0, system.normal_information);
+    // Noise in the normals pretends to some information in every direction; so depth must give a share of what it gives
+    // along the normals. Texture counts by what it can resolve.
+    const double tolerance = config.texture_tolerance;
+    const Matrix6 support = system.depth_information + weak_below * tolerance * tolerance * system.texture_information;
     const DampedStep solved =
-        solve_with_prior(system.information, system.gradient, step_between(pivot, alignment.model_to_camera, prior),
-                         weak_below, damping);
+        solve_with_prior(system.depth_information + system.texture_information, support, system.gradient,
+                         step_between(pivot, alignment.model_to_camera, prior), weak_below, damping);
     alignment.eigenvalues = solved.eigenvalues;
     alignment.directions = solved.directions;
     alignment.weak_directions = solved.weak_directions;
@@ -270,20 +280,22 @@ std::optional<Residual> photometric_residual(const ModelPoint& point, const Obje
   return p ? photometric_of(*p, point, view, pivot, level, light) : std::nullopt;
 }
 
-DampedStep solve_with_prior(const Matrix6& information, const Twist& gradient, const Twist& toward_prior,
-                            double weak_below, double damping) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(information);
+DampedStep solve_with_prior(const Matrix6& information, const Matrix6& support, const Twist& gradient,
+                            const Twist& toward_prior, double weak_below, double damping) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(support);
   DampedStep result{Twist::Zero(), solver.eigenvalues(), solver.eigenvectors(), 0};
-  for (int i = 0; i < 6; ++i) {
-    const Twist direction = result.directions.col(i);
-    const double value = result.eigenvalues[i];
-    if (!(value > weak_below)) {
-      ++result.weak_directions;
-      result.step += direction * direction.dot(toward_prior);
-    } else {
-      result.step -= direction * (direction.dot(gradient) / (value * (1 + damping)));
-    }
+  while (result.weak_directions < 6 && !(result.eigenvalues[result.weak_directions] > weak_below)) {
+    ++result.weak_directions;
   }
+  const auto weak = result.directions.leftCols(result.weak_directions);
+  result.step = weak * (weak.transpose() * toward_prior);
+  const int strong_count = 6 - result.weak_directions;
+  if (strong_count == 0) return result;
+  const auto strong = result.directions.rightCols(strong_count);
+  Eigen::MatrixXd system = strong.transpose() * information * strong;
+  system.diagonal() *= 1 + damping;
+  const Eigen::VectorXd rest = strong.transpose() * (gradient + information * result.step);
+  result.step -= strong * system.ldlt().solve(rest);
   return result;
 }
 

@@ -82,12 +82,13 @@ struct AlignmentConfig {
   bool coarse = true;       ///< false: only the finest stage
   double weak_share = 0.01; ///< a direction is weak if its information is below this share of what the same points
                             ///< would give along their normals
-  double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of the texture term
+  double texture_tolerance = 0.003; ///< metres; texture that fixes a direction to this supports it, whatever depth says
+  double photometric_share = 0.3;   ///< neighbouring pixels are not independent: weight of the texture term
 };
 
 struct Alignment {
   SE3 model_to_camera = SE3::Identity();
-  /// Of the last step's system about the pivot, ascending; 1/m².
+  /// How the data support each direction about the pivot, ascending; 1/m².
   Twist eigenvalues = Twist::Zero();
   Eigen::Matrix<double, 6, 6> directions = Eigen::Matrix<double, 6, 6>::Identity(); ///< columns: eigenvectors
   int weak_directions = 0; ///< the first so many were left to the prior
@@ -101,15 +102,16 @@ struct Alignment {
 Alignment align(std::span<const ModelPoint> points, const ObjectView& view, const SE3& start, const SE3& prior,
                 const AlignmentConfig& config = {});
 
-/// Solves information · step = −gradient in the eigenbasis. Directions with an eigenvalue below `weak_below` are pulled
-/// to `toward_prior` instead (a step); all others are damped by the factor 1 + damping. Finite for every finite input.
+/// Solves information · step = −gradient. Directions in which `support` (symmetric) has an eigenvalue below
+/// `weak_below` are taken from `toward_prior` (a step); the others are solved for, their diagonal damped by the factor
+/// 1 + damping. Finite for every finite input.
 struct DampedStep {
   Twist step;
-  Twist eigenvalues;
+  Twist eigenvalues; ///< of the support, ascending
   Eigen::Matrix<double, 6, 6> directions;
   int weak_directions;
 };
-DampedStep solve_with_prior(const Eigen::Matrix<double, 6, 6>& information, const Twist& gradient,
-                            const Twist& toward_prior, double weak_below, double damping);
+DampedStep solve_with_prior(const Eigen::Matrix<double, 6, 6>& information, const Eigen::Matrix<double, 6, 6>& support,
+                            const Twist& gradient, const Twist& toward_prior, double weak_below, double damping);
 
 } // namespace kinora::tracking

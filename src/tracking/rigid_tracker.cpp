@@ -27,11 +27,11 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   }
   const double size = 3.0 * std::sqrt(squared / static_cast<double>(view.depth_pixels));
   const double footprint = view.centroid.z() / view.intrinsics.fx;
+  const double sigma = ingest::depth_sigma(view.centroid.z());
+  const double wanted = std::max({1.1 * footprint, 1.1 * sigma, size / 100});
   TsdfConfig config;
-  config.voxel_size =
-      requested > 0 ? requested : std::clamp(std::max(1.1 * footprint, size / 100), kMinVoxel, kMaxVoxel);
-  config.truncation =
-      std::clamp(4 * ingest::depth_sigma(view.centroid.z()), 4 * config.voxel_size, 7 * config.voxel_size);
+  config.voxel_size = requested > 0 ? requested : std::clamp(wanted, kMinVoxel, kMaxVoxel);
+  config.truncation = std::clamp(4 * sigma, 4 * config.voxel_size, 7 * config.voxel_size);
   return config;
 }
 

@@ -200,6 +200,10 @@ void TsdfVolume::integrate(const DepthPlanes& view, const Image<float>& intensit
   if (!fits) {
     throw Error(ErrorCode::kFailure, "the images to fuse differ in size from each other or from their camera");
   }
+  // Beyond a hundred kilometres from the origin, brick coordinates would overflow.
+  if (!((camera_to_volume.translation() - origin_).norm() < 1e5) || !camera_to_volume.linear().allFinite()) {
+    throw Error(ErrorCode::kFailure, "the pose of an image to fuse is not finite or lies too far from the volume");
+  }
   const SE3 volume_to_camera = camera_to_volume.inverse();
   const View local{view.planes,
                    view.weights,

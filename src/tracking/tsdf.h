@@ -50,7 +50,7 @@ public:
 
   /// Fuses the planes of one image (all of one size, that of the intrinsics). `intensity` may be empty (then nothing is
   /// fused of it). Pixels without plane teach nothing, neither surface nor emptiness.
-  /// Throws Error(kFailure) if sizes differ.
+  /// Throws Error(kFailure) if sizes differ or the pose is not finite.
   void integrate(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
                  const SE3& camera_to_volume);
 

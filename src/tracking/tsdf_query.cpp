@@ -92,7 +92,7 @@ struct TsdfVolume::Neighbourhood {
 namespace {
 
 // Bricks' coordinates are kept to 21 bits an axis.
-bool is_addressable(const Eigen::Vector3d& grid) { return grid.cwiseAbs().maxCoeff() < 8e6; }
+bool is_addressable(const Eigen::Vector3d& grid) { return (grid.array().abs() < 8e6).all(); }
 
 Index3 base_voxel(const Eigen::Vector3d& grid) {
   return {static_cast<int>(std::floor(grid.x())), static_cast<int>(std::floor(grid.y())),
