@@ -1,8 +1,9 @@
 // Trains the background of a capture and prints speed against error, as it is before any coding:
-//   bench_train_still CAPTURE [million rays] [hold out every N]
+//   bench_train_still CAPTURE [million rays] [hold out every N] [levels] [log2 table size] [occupancy resolution]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 
 #include "core/image_codec.h"
 #include "core/metrics.h"
@@ -45,7 +46,7 @@ Quality quality_of(const fields::Picture& picture, const ingest::Frame& frame) {
   return {psnr_over(shown, frame.color, measured).value_or(0), errors.empty() ? 0 : errors[errors.size() / 2]};
 }
 
-void run(const char* path, double million_rays, int holdout) {
+void run(const char* path, double million_rays, int holdout, int levels, int log2_table, int occupancy) {
   Progress progress;
   const host::PluginTable plugins = host::PluginTable::builtin();
   const auto capture = ingest::Capture::open(plugins, path, {}, progress);
@@ -57,17 +58,23 @@ void run(const char* path, double million_rays, int holdout) {
     if (!held_out(i)) store.add(frames[i], static_cast<int>(i));
   }
   const auto motion = tracking::Motion::still();
-  const fields::FieldConfig config = fields::choose_field_config(store, 0, motion);
+  fields::FieldConfig config = fields::choose_field_config(store, 0, motion);
+  if (levels > 0) config.levels = levels;
+  if (log2_table > 0) config.log2_table_size = log2_table;
+  if (occupancy > 0) config.occupancy_resolution = occupancy;
   std::printf("%s: box %.2f m, levels %d, finest %d, table 2^%d, %s\n", path, config.box.side, config.levels,
               config.finest_resolution, config.log2_table_size, fields::kernels::instruction_set());
   fields::TrainerConfig trainer;
   trainer.rays = static_cast<std::size_t>(million_rays * 1e6);
   fields::TrainingReport report;
+  const std::clock_t cpu_begin = std::clock();
   const fields::DrawableField field(fields::train_field(store, 0, motion, config, trainer, progress, &report));
-  std::printf("training: %.1f s, %.2f M rays/s, %.1f samples/ray, loss %.4f, occupied %zu\n", report.seconds,
-              static_cast<double>(report.rays) / report.seconds / 1e6,
-              static_cast<double>(report.samples) / static_cast<double>(report.rays), report.final_loss,
-              field.field().occupancy.count());
+  const double cpu_seconds = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+  std::printf(
+      "training: %.1f s, %.1f s of processors, %.2f M rays/s and core, %.1f samples/ray, loss %.4f, occupied %zu\n",
+      report.seconds, cpu_seconds, static_cast<double>(report.rays) / cpu_seconds / 1e6,
+      static_cast<double>(report.samples) / static_cast<double>(report.rays), report.final_loss,
+      field.field().occupancy.count());
   Quality trained, unseen;
   int trained_count = 0, unseen_count = 0;
   const Clock::time_point begin = Clock::now();
@@ -101,11 +108,15 @@ void run(const char* path, double million_rays, int holdout) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: bench_train_still CAPTURE [million rays] [hold out every N]\n");
+    std::fprintf(
+        stderr,
+        "usage: bench_train_still CAPTURE [million rays] [hold out every N] [levels] [log2 table] [occupancy]\n");
     return 2;
   }
   try {
-    run(argv[1], argc > 2 ? std::atof(argv[2]) : 20, argc > 3 ? std::atoi(argv[3]) : 10);
+    const auto number = [&](int i, double otherwise) { return argc > i ? std::atof(argv[i]) : otherwise; };
+    run(argv[1], number(2, 20), static_cast<int>(number(3, 10)), static_cast<int>(number(4, 0)),
+        static_cast<int>(number(5, 0)), static_cast<int>(number(6, 0)));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_train_still: %s\n", error.what());
     return 1;

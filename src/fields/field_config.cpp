@@ -78,14 +78,14 @@ FieldConfig choose_field_config(const PixelStore& pixels, int label, const track
   config.box = box_around(seen.points, margin);
   const double wanted = config.box.side / footprint;
   config.finest_resolution = static_cast<int>(std::clamp(wanted, 64.0, 2048.0));
-  config.occupancy_resolution = config.finest_resolution >= 512 ? 256 : (config.finest_resolution >= 192 ? 128 : 64);
-  config.levels = config.finest_resolution > 384 ? 6 : 4;
+  config.occupancy_resolution = config.finest_resolution > 1024 ? 256 : (config.finest_resolution >= 192 ? 128 : 64);
+  config.levels = config.finest_resolution > 1024 ? 6 : 4;
   // A surface at resolution r touches about s·r² cells; s is measured at a resolution that the points can fill.
   constexpr int kProbe = 64;
   const double share = static_cast<double>(touched_cells(seen.points, config.box, kProbe)) / (kProbe * kProbe);
   const double finest = share * config.finest_resolution * config.finest_resolution;
   const int log2_entries = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(std::max(finest, 1.0))));
-  config.log2_table_size = std::clamp(log2_entries, 13, 17);
+  config.log2_table_size = std::clamp(log2_entries, 13, 16);
   return config;
 }
 

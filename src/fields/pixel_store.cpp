@@ -31,10 +31,12 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
         continue;
       }
       --missing;
+      const float clean = frame.clean_depth.at(u, v);
+      const float depth = clean > 0 ? clean : -frame.depth.at(u, v);
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       pixels_.push_back({static_cast<std::uint16_t>(u),
                          static_cast<std::uint16_t>(v),
-                         frame.clean_depth.at(u, v),
+                         depth,
                          {rgb[0], rgb[1], rgb[2]},
                          frame.labels.empty() ? std::uint8_t{0} : frame.labels.at(u, v)});
     }

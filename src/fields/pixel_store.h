@@ -14,7 +14,7 @@ namespace kinora::fields {
 /// 12 bytes.
 struct StoredPixel {
   std::uint16_t u, v;
-  float depth; ///< metres, cleaned; 0 where nothing trustworthy was measured
+  float depth; ///< metres; negative where it was measured but cleaned away; 0 where nothing was measured
   std::array<std::uint8_t, 3> color;
   std::uint8_t label;
 };

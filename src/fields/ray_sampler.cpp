@@ -45,7 +45,9 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     const StoredFrame& stored = pixels.frames()[f];
     if (motion.health(static_cast<std::size_t>(stored.frame)) == tracking::Health::kLost) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
-      if (pixels.pixels()[i].label == label) own_.push_back({f, static_cast<std::uint32_t>(i)});
+      const StoredPixel& pixel = pixels.pixels()[i];
+      // A mask says that a pixel is the layer's even where no depth was measured; for the background nothing does.
+      if (pixel.label == label && (label != 0 || pixel.depth != 0)) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
 }
@@ -148,6 +150,11 @@ void RaySampler::append_own(const PixelRef& ref, Random& random, RayBatch& batch
     for (int i = 0; i < sampling_.surface_samples; ++i) {
       append_sample(ray, pixel.depth - band + step * (static_cast<float>(i) + random.uniform()), step, batch);
     }
+  } else if (pixel.depth < 0) {
+    const float depth = -pixel.depth;
+    const float reach = 2 * surface_band(config_, depth);
+    append_in_occupied(ray, std::max(sampling_.near_depth, depth - reach), depth + reach, sampling_.surface_samples,
+                       random, batch);
   } else {
     append_in_occupied(ray, sampling_.near_depth, kFarthest, sampling_.unmeasured_samples, random, batch);
   }

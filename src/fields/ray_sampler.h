@@ -14,8 +14,9 @@
 namespace kinora::fields {
 
 struct SamplingConfig {
-  int surface_samples = 5;    ///< stratified within the band around a measured depth
-  int free_samples = 2;       ///< at most, in occupied space before the band
+  int surface_samples =
+      5;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
+  int free_samples = 2; ///< at most, in occupied space before the band
   int unmeasured_samples = 8; ///< in occupied space, for a pixel of the layer whose depth is not known
   int emptiness_samples = 4;  ///< in occupied space before another layer's surface
   float near_depth = 0.05F;   ///< metres; nothing is modelled nearer to a camera
