@@ -1,0 +1,92 @@
+// Mutated payloads and attachments under checksums that are right: what a hostile writer would make.
+#include <gtest/gtest.h>
+
+#include "container/ebml_builder.h"
+#include "container/writer.h"
+#include "core/error.h"
+#include "encode/clip_io.h"
+#include "encode/field_codec.h"
+#include "encode/pose_codec.h"
+#include "encode/sample_clip.h"
+#include "fuzz/mutate.h"
+
+namespace kinora::encode {
+namespace {
+
+using container::testing::load;
+using container::testing::TemporaryFolder;
+
+// Same tracks, attachments and payloads as `path`, with damage in some of them.
+void write_mutated(const std::filesystem::path& path, const std::filesystem::path& to, Random& random) {
+  container::Reader reader(path);
+  container::FileHead head;
+  head.kind = "clip";
+  for (const container::StoredTrack& track : reader.tracks()) head.tracks.push_back(track.track);
+  for (const container::StoredAttachment& stored : reader.attachments()) {
+    Bytes bytes = reader.read_attachment(stored);
+    if (random.below(4) == 0) bytes = fuzz::mutate(std::move(bytes), random);
+    head.attachments.push_back({stored.name, stored.media_type, stored.description, std::move(bytes)});
+  }
+  container::Writer writer(to, head);
+  container::Payload payload;
+  while (reader.next(payload)) {
+    if (random.below(6) == 0) payload.bytes = fuzz::mutate(std::move(payload.bytes), random);
+    if (random.below(30) == 0) continue;
+    writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
+    if (random.below(30) == 0) writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
+  }
+  writer.finish();
+}
+
+TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
+  const TemporaryFolder folder;
+  write_clip(testing::sample_clip(1, 4, true), folder / "a.mkv");
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    Random random(7, i);
+    write_mutated(folder / "a.mkv", folder / "b.mkv", random);
+    try {
+      read_clip(folder / "b.mkv");
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.code() == ErrorCode::kCorruptInput || error.code() == ErrorCode::kNotRecognised)
+          << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, FieldDecoderRefusesOrDecodesMutatedPayloads) {
+  const Bytes payload = encode_field(testing::random_field(2));
+  for (std::uint64_t i = 0; i < 1500; ++i) {
+    Random random(8, i);
+    Bytes mutated = payload;
+    // Most damage goes to the header, where the numbers are that decide about memory.
+    Bytes header(mutated.begin(), mutated.begin() + 72);
+    header = fuzz::mutate(std::move(header), random);
+    header.resize(72);
+    std::copy(header.begin(), header.end(), mutated.begin());
+    if (i % 3 == 0) mutated = fuzz::mutate(payload, random);
+    AllocationBudget budget(mutated.size());
+    try {
+      decode_field(mutated, "mutated", budget);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, PoseDecoderRefusesOrDecodesMutatedPayloads) {
+  Random poses(9);
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    Random random(10, i);
+    const Bytes payload = encode_pose({testing::random_pose(poses), tracking::Health::kTracked});
+    try {
+      const SE3 pose = decode_pose(fuzz::mutate(payload, random), "mutated").canonical_to_world;
+      EXPECT_TRUE(pose.matrix().allFinite());
+      EXPECT_NEAR(pose.linear().determinant(), 1, 1e-12);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
+    }
+  }
+}
+
+} // namespace
+} // namespace kinora::encode
