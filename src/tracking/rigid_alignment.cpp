@@ -15,7 +15,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kHuber = 1.5;
-constexpr double kMissingCost = 2.0; // of a point without correspondence, in units of ρ: leaving the label does not pay
 constexpr double kMinTextureSigma = 0.02;
 constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
 constexpr double kStillStep = 2e-5;   // metres
@@ -23,22 +22,27 @@ constexpr double kStillStep = 2e-5;   // metres
 struct Stage {
   int level;
   Gates gates;
+  double huber; ///< of the distances, in σ: far from the solution, few distances are within the noise
   int iterations;
 };
 
 constexpr std::array<Stage, 3> kStages = {{
-    {2, {0.10, 0.70}, 6},
-    {1, {0.05, 0.80}, 6},
-    {0, {0.03, 0.866}, 10},
+    {2, {0.10, 0.70}, 12, 15},
+    {1, {0.05, 0.80}, 4, 12},
+    {0, {0.03, 0.866}, kHuber, 10},
 }};
 
-double huber(double r) {
+// Of a point without correspondence, and the most that a point with one can cost: neither losing nor finding a bad
+// correspondence pays.
+double largest_cost(double limit) { return 2 * limit * limit; }
+
+double huber(double r, double limit) {
   const double a = std::abs(r);
-  return a <= kHuber ? 0.5 * r * r : kHuber * (a - 0.5 * kHuber);
+  return std::min(largest_cost(limit), a <= limit ? 0.5 * r * r : limit * (a - 0.5 * limit));
 }
-double huber_weight(double r) {
+double huber_weight(double r, double limit) {
   const double a = std::abs(r);
-  return a <= kHuber ? 1.0 : kHuber / a;
+  return a <= limit ? 1.0 : limit / a;
 }
 
 /// A model point in the camera, and the crop pixel it falls on.
@@ -116,12 +120,12 @@ struct System {
   std::size_t geometric = 0;
   std::size_t photometric = 0;
 
-  void add(const Residual& r, double sigma, double share, Matrix6& information) {
+  void add(const Residual& r, double sigma, double limit, double share, Matrix6& information) {
     const double normalised = r.value / sigma;
-    const double weight = share * huber_weight(normalised) / (sigma * sigma);
+    const double weight = share * huber_weight(normalised, limit) / (sigma * sigma);
     information.selfadjointView<Eigen::Lower>().rankUpdate(r.jacobian, weight);
     gradient += weight * r.value * r.jacobian;
-    cost += share * huber(normalised);
+    cost += share * huber(normalised, limit);
   }
 };
 
@@ -131,24 +135,24 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
   for (const ModelPoint& point : points) {
     const std::optional<Projected> p = project(point, view, pose);
     if (!p) {
-      system.cost += (1 + photometric_share) * kMissingCost;
+      system.cost += largest_cost(stage.huber) + photometric_share * largest_cost(kHuber);
       continue;
     }
     if (const auto r = geometric_of(*p, view, pivot, stage.gates)) {
-      system.add(*r, r->sigma, 1.0, system.depth_information);
-      system.normal_information += huber_weight(r->value / r->sigma) / (r->sigma * r->sigma);
+      system.add(*r, r->sigma, stage.huber, 1.0, system.depth_information);
+      system.normal_information += huber_weight(r->value / r->sigma, stage.huber) / (r->sigma * r->sigma);
       ++system.geometric;
     } else {
-      system.cost += kMissingCost;
+      system.cost += largest_cost(stage.huber);
     }
     if (const auto r = photometric_of(*p, point, view, pivot, stage.level, texture.light)) {
       const double footprint = p->point.z() / view.intrinsics.fx;
       if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
-        system.add(*r, texture.sigma, photometric_share, system.texture_information);
+        system.add(*r, texture.sigma, kHuber, photometric_share, system.texture_information);
         ++system.photometric;
       }
     } else {
-      system.cost += photometric_share * kMissingCost;
+      system.cost += photometric_share * largest_cost(kHuber);
     }
   }
   system.depth_information = system.depth_information.selfadjointView<Eigen::Lower>();
