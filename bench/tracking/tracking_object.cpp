@@ -1,0 +1,104 @@
+// Follows the object of a capture and compares it with the ground truth beside it: error at the object's centroid and
+// milliseconds per frame. Usage: bench_tracking_object CAPTURE [LABEL]
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <numbers>
+
+#include "core/error.h"
+#include "host/plugin_table.h"
+#include "ingest/capture.h"
+#include "ingest/ground_truth.h"
+#include "tracking/rigid_tracker.h"
+
+namespace {
+
+using namespace kinora;
+
+struct Total {
+  double sum = 0;
+  double largest = 0;
+  int count = 0;
+  void add(double value) {
+    sum += value;
+    largest = std::max(largest, value);
+    ++count;
+  }
+  double mean() const { return count > 0 ? sum / count : 0.0; }
+};
+
+double at_fraction(std::vector<double> values, double fraction) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(values.size())))];
+}
+
+class PoseErrors {
+public:
+  explicit PoseErrors(const std::optional<ingest::GroundTruth>& truth) {
+    if (!truth || !truth->object_centroid()) return;
+    poses_ = truth->object_to_camera();
+    centroid_ = *truth->object_centroid();
+  }
+
+  /// The motion since the first tracked frame against the true one, at the centroid. The capture camera is the world.
+  void add(int frame, const tracking::Motion::Pose& pose) {
+    const auto now = poses_.find(frame);
+    if (now == poses_.end() || pose.health == tracking::Health::kLost) return;
+    if (!first_) first_ = now->second;
+    const SE3 motion = now->second * first_->inverse();
+    const Eigen::Vector3d start = *first_ * centroid_;
+    translation.add(1e3 * (pose.canonical_to_world * start - motion * start).norm());
+    rotation.add(180 / std::numbers::pi * rotation_angle(pose.canonical_to_world.inverse() * motion));
+  }
+
+  Total translation; ///< millimetres
+  Total rotation;    ///< degrees
+
+private:
+  std::map<int, SE3> poses_;
+  Eigen::Vector3d centroid_ = Eigen::Vector3d::Zero();
+  std::optional<SE3> first_;
+};
+
+void run(const std::string& folder, int label) {
+  Progress silent;
+  const host::PluginTable plugins = host::PluginTable::builtin();
+  const auto capture = ingest::Capture::open(plugins, folder, {}, silent);
+  PoseErrors errors(ingest::GroundTruth::read(folder));
+  tracking::RigidTracker tracker(label);
+  std::vector<double> milliseconds;
+  int not_tracked = 0;
+  while (const auto frame = capture->next()) {
+    const auto start = std::chrono::steady_clock::now();
+    const tracking::RigidTrackingResult result = tracker.track(*frame);
+    milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    if (result.pose.health != tracking::Health::kTracked) ++not_tracked;
+    errors.add(frame->index, result.pose);
+  }
+  std::printf("frames %zu, not tracked %d\n", milliseconds.size(), not_tracked);
+  if (errors.translation.count > 0) {
+    std::printf("translation at the centroid: mean %.2f mm, worst %.2f mm\n", errors.translation.mean(),
+                errors.translation.largest);
+    std::printf("rotation: mean %.2f degrees, worst %.2f degrees\n", errors.rotation.mean(), errors.rotation.largest);
+  }
+  std::printf("per frame: median %.1f ms, 99th percentile %.1f ms\n", at_fraction(milliseconds, 0.5),
+              at_fraction(milliseconds, 0.99));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: %s CAPTURE [LABEL]\n", argv[0]);
+    return 2;
+  }
+  try {
+    run(argv[1], argc > 2 ? std::stoi(argv[2]) : 2);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
