@@ -15,6 +15,9 @@ constexpr std::size_t kBufferBytes = 1 << 16;
 
 FileSource::FileSource(const std::filesystem::path& path) : name_(path.string()) {
   std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw Error(ErrorCode::kNotRecognised, fmt::format("{} does not exist; name a Kinora file", name_));
+  }
   if (!std::filesystem::is_regular_file(path, error)) {
     throw Error(ErrorCode::kNotRecognised, fmt::format("{} is not a file; name a Kinora file", name_));
   }
