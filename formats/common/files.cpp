@@ -30,7 +30,7 @@ std::vector<std::byte> read_file(const fs::path& path) {
   const File file(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (!file) throw Error(ErrorCode::kCorruptInput, path.string() + ": cannot be opened: " + std::strerror(errno));
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-  const std::size_t got = std::fread(bytes.data(), 1, bytes.size(), file.get());
+  const std::size_t got = bytes.empty() ? 0 : std::fread(bytes.data(), 1, bytes.size(), file.get());
   if (std::ferror(file.get()) != 0)
     throw Error(ErrorCode::kCorruptInput, path.string() + ": cannot be read: " + std::strerror(errno));
   bytes.resize(got);
@@ -48,7 +48,7 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes) {
   };
   File file(std::fopen(path.c_str(), "wb"), &std::fclose);
   if (!file) fail();
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
+  if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
   if (std::fclose(file.release()) != 0) fail();
 }
 
