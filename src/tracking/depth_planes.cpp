@@ -15,7 +15,7 @@ namespace {
 constexpr int kRadius = 2;
 constexpr int kSums = 9;
 constexpr float kMinNeighbours = 6;
-constexpr std::size_t kRowsPerChunk = 16;
+constexpr std::size_t kRowsPerChunk = 120;
 
 // Depth with a border of kRadius invalid pixels, inverse depth, and the gate of each pixel; 0 where not allowed.
 struct PaddedDepth {

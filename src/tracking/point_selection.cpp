@@ -81,9 +81,10 @@ void add_coarse_texture(const ObjectView& view, const SE3& model_to_camera, Mode
   // The residual against a texture of zero is the image's own texture, with every test of visibility made.
   ModelPoint probe = point;
   probe.texture.fill(0.0F);
-  const Pivot pivot{Eigen::Vector3d::Zero(), 1.0};
+  const auto projected = project(probe, view, model_to_camera);
+  if (!projected) return;
   for (int level = 1; level < ObjectView::kLevels; ++level) {
-    const auto seen = photometric_residual(probe, view, model_to_camera, pivot, level);
+    const auto seen = photometric_residual(*projected, probe, view, Pivot(), level);
     if (seen) point.texture[static_cast<std::size_t>(level)] = static_cast<float>(seen->value);
   }
 }

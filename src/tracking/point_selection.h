@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tracking/object_view.h"
-#include "tracking/rigid_alignment.h"
+#include "tracking/residuals.h"
 #include "tracking/tsdf.h"
 
 namespace kinora::tracking {

@@ -11,8 +11,10 @@ namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kMaxKeyframes = 16;
-constexpr double kKeyframeAngle = 0.4;  // radians between stored directions of view
-constexpr double kVelocityShare = 0.95; // of the last motion that the next one is expected to repeat
+constexpr double kKeyframeAngle = 0.4;       // radians between stored directions of view
+constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
+constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
+constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
 
@@ -44,7 +46,7 @@ SE3 with_orthonormal_rotation(SE3 pose) {
 
 struct RigidTracker::Candidate {
   Alignment alignment;
-  AlignmentQuality quality;
+  PoseQuality quality;
   double score = -1;
 };
 
@@ -138,16 +140,20 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   const SE3& pose = candidate.alignment.model_to_camera;
   const std::vector<ModelPoint> seen = visible_points(view, pose);
   candidate.quality = judge_pose(seen, view, pose);
-  if (!seen.empty()) {
-    candidate.score = static_cast<double>(candidate.quality.inliers) / static_cast<double>(seen.size()) +
-                      candidate.quality.texture_correlation;
-  }
+  const PoseQuality& quality = candidate.quality;
+  candidate.score = quality.inlier_share() + quality.explained_share + quality.texture_correlation;
   return candidate;
 }
 
-bool RigidTracker::is_healthy(const AlignmentQuality& quality) const {
+bool RigidTracker::is_healthy(const PoseQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
-         (quality.texture_correlation == 0 || quality.texture_correlation >= config_.min_correlation);
+         (!quality.has_texture() || quality.texture_correlation >= config_.min_correlation);
+}
+
+// Without the support of the last frame the view itself must be convincing.
+bool RigidTracker::is_found_again(const PoseQuality& quality) const {
+  return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
+         (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
 // Other places to look, as poses of the model in the camera: where it was last, and there moved so that the visible
@@ -179,14 +185,20 @@ void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, Ri
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
   Candidate best = attempt(view, prior, prior);
-  if (!is_healthy(best.quality)) {
+  bool believed = unseen_ == 0 && is_healthy(best.quality);
+  const bool doubtful = best.quality.has_texture() && best.quality.texture_correlation < kDoubtfulCorrelation;
+  if (!believed || doubtful) {
+    bool elsewhere = false;
     for (const SE3& start : starts(view, frame.camera.camera_to_world, unseen_ > 0)) {
       Candidate other = attempt(view, start, start);
-      if (other.score > best.score) best = std::move(other);
+      if (other.score < best.score + kClearlyBetter) continue;
+      best = std::move(other);
+      elsewhere = true;
     }
+    if (elsewhere || unseen_ > 0) believed = is_found_again(best.quality);
   }
   result.quality = best.quality;
-  if (is_healthy(best.quality)) {
+  if (believed) {
     accept(frame, view, best, result);
   } else {
     result.pose.health = Health::kLost;

@@ -8,6 +8,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/motion.h"
+#include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
 #include "tracking/tsdf.h"
 
@@ -26,11 +27,11 @@ struct RigidTrackerConfig {
 
 /// One frame's answer.
 struct RigidTrackingResult {
-  Motion::Pose pose;        ///< canonical = world at the object's first frame; identity before it
-  bool visible = false;     ///< enough of its pixels were measured
-  std::size_t pixels = 0;   ///< of the label, with clean depth
-  AlignmentQuality quality; ///< of the accepted, or the best refused pose
-  int weak_directions = 0;  ///< left to the motion prior, of six
+  Motion::Pose pose;       ///< canonical = world at the object's first frame; identity before it
+  bool visible = false;    ///< enough of its pixels were measured
+  std::size_t pixels = 0;  ///< of the label, with clean depth
+  PoseQuality quality;     ///< of the accepted, or the best refused pose
+  int weak_directions = 0; ///< left to the motion prior, of six
   /// The weak directions in the world, as twists about the object's centre: metres, and radians × radius.
   std::vector<Twist> weak;
   bool relocalised = false; ///< found again after having been held or lost
@@ -68,7 +69,8 @@ private:
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
   std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, bool everywhere) const;
   std::vector<ModelPoint> visible_points(const ObjectView& view, const SE3& model_to_camera) const;
-  bool is_healthy(const AlignmentQuality& quality) const;
+  bool is_healthy(const PoseQuality& quality) const;
+  bool is_found_again(const PoseQuality& quality) const;
 
   int label_;
   RigidTrackerConfig config_;

@@ -9,7 +9,7 @@ namespace kinora::tracking {
 namespace {
 
 constexpr int kSide = TsdfVolume::kBrickSide;
-constexpr std::size_t kBricksPerChunk = 16;
+constexpr std::size_t kBricksPerChunk = 256;
 
 using Index3 = std::array<int, 3>;
 

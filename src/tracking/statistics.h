@@ -1,0 +1,17 @@
+// Order statistics that the room shares.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace kinora::tracking {
+
+/// The middle value (the upper of two); reorders `values`, which must not be empty.
+inline double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+} // namespace kinora::tracking
