@@ -28,6 +28,7 @@ namespace {
 constexpr std::size_t kClusterBytes = 1 << 20;
 constexpr std::uint64_t kClusterTicks = 5000; // a block's time has 16 bits relative to its cluster
 constexpr int kSizeBytes = 8;
+constexpr std::size_t kLargestElement = (std::size_t{1} << 31) - 64; // libmatroska counts in 32 bits
 
 std::uint64_t ticks(std::int64_t time_ns) {
   return (static_cast<std::uint64_t>(time_ns) + kTimestampScaleNs / 2) / kTimestampScaleNs;
@@ -45,6 +46,8 @@ void check_head(const FileHead& head) {
   }
   std::set<std::string> names;
   for (const Attachment& attachment : head.attachments) {
+    if (attachment.bytes.size() > kLargestElement)
+      misuse(fmt::format("attachment {} has 2 GB or more", attachment.name));
     if (!names.insert(attachment.name).second) misuse(fmt::format("two attachments are named {}", attachment.name));
   }
 }
@@ -79,6 +82,7 @@ public:
     if (place == places_.end()) misuse(fmt::format("there is no track {} to write to", track));
     if (time_ns < last_time_ns_)
       misuse(fmt::format("a payload at {} ns comes after one at {} ns", time_ns, last_time_ns_));
+    if (bytes.size() > kLargestElement) misuse(fmt::format("a payload of track {} has 2 GB or more", track));
     Bytes block = wrap_payload(track, time_ns, key, bytes);
     digest(block);
     const std::uint64_t time = ticks(time_ns);

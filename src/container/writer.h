@@ -31,7 +31,7 @@ public:
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// Times are not negative and never decrease from call to call, over all tracks.
+  /// Times are not negative and never decrease from call to call, over all tracks; bytes are fewer than 2 GB.
   void write(std::uint16_t track, std::int64_t time_ns, bool key, std::span<const std::byte> bytes);
   /// Writes cues, sizes, duration and identifiers, and closes the file. Nothing may follow.
   void finish();

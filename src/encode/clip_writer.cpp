@@ -25,7 +25,7 @@ using container::Payload;
 
 std::vector<std::int64_t> times_in_ns(const std::vector<double>& times) {
   constexpr double kNanoseconds = 1e9;
-  constexpr double kLongest = 4e6; // seconds; beyond, a double in seconds is coarser than a nanosecond
+  constexpr double kLongest = 1e6; // seconds; far beyond, a double in seconds is coarser than a nanosecond
   std::vector<std::int64_t> result;
   for (const double time : times) {
     if (!(time >= 0 && time < kLongest)) refuse(fmt::format("the time {} s is out of range", time));
@@ -33,6 +33,15 @@ std::vector<std::int64_t> times_in_ns(const std::vector<double>& times) {
     if (result.size() > 1 && result.back() <= result[result.size() - 2]) refuse("the frames' times do not increase");
   }
   return result;
+}
+
+bool is_utf8(const std::string& text) {
+  try {
+    nlohmann::json(text).dump();
+  } catch (const nlohmann::json::type_error&) {
+    return false;
+  }
+  return true;
 }
 
 void check(const Clip& clip) {
@@ -46,6 +55,7 @@ void check(const Clip& clip) {
   }
   std::set<std::string> names;
   for (const Layer& layer : clip.layers) {
+    if (!is_utf8(layer.name)) refuse("a layer's name is not UTF-8");
     if (!names.insert(layer.name).second) refuse(fmt::format("two layers are named {}", layer.name));
     if (layer.motion.kind() == tracking::MotionKind::kRigid && layer.motion.poses().size() != frames) {
       refuse(fmt::format("layer {} has {} poses for {} frames", layer.name, layer.motion.poses().size(), frames));

@@ -15,9 +15,9 @@ struct QuantisedLevel {
 
 inline constexpr int kMinExponent = -60;
 inline constexpr int kMaxExponent = 40;
-/// The root mean square of a level is at least this many steps (fewer only where a level holds values 500 times its
-/// root mean square), so that |error| ≤ step / 2 ≤ rms / (2 · kStepsPerRms): 0.9 % root mean square.
-inline constexpr int kStepsPerRms = 32;
+/// The root mean square of a level is at least this many steps (fewer only where a level holds values 1000 times its
+/// root mean square), so that |error| ≤ step / 2 ≤ rms / (2 · kStepsPerRms): 1.8 % root mean square.
+inline constexpr int kStepsPerRms = 16;
 
 /// Rounds to the nearest multiple of a power of two that depends on the values alone. Values that already are such
 /// multiples stay as they are: quantise(dequantise(q)) = q. Thread-safe.

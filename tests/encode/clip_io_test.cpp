@@ -213,6 +213,9 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.held_out.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world.pop_back(); });
   expect_refused([](Clip& clip) { clip.layers[1].name = clip.layers[0].name; });
+  expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
+  expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
+  expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });
   expect_refused([](Clip& clip) { clip.layers[1].motion = tracking::Motion::rigid({{}}); });
   expect_refused([](Clip& clip) { clip.layers[0].field.color_net[0] = std::nanf(""); });
   expect_refused([](Clip& clip) { clip.intrinsics.fx = 0; });

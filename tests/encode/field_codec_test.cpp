@@ -44,7 +44,7 @@ TEST(FieldCodec, KeepsConfigurationAndOccupancyExactly) {
   EXPECT_EQ(back.occupancy.words(), field.occupancy.words());
 }
 
-TEST(FieldCodec, KeepsTouchedParametersWithinAPercentAndForgetsTheOthers) {
+TEST(FieldCodec, KeepsTouchedParametersWithinTwoPercentAndForgetsTheOthers) {
   const Field field = random_field(2);
   const Field back = decode(encode_field(field));
   const auto levels = fields::grid_levels(field.config);
@@ -64,7 +64,7 @@ TEST(FieldCodec, KeepsTouchedParametersWithinAPercentAndForgetsTheOthers) {
     power += std::pow(field.table[i], 2);
   }
   EXPECT_GT(power, 0);
-  EXPECT_LT(std::sqrt(error / power), 0.01);
+  EXPECT_LT(std::sqrt(error / power), 0.02);
   for (std::size_t i = 0; i < field.density_net.size(); ++i) {
     EXPECT_NEAR(back.density_net[i], field.density_net[i], std::abs(field.density_net[i]) * 0x1p-11 + 1e-7);
   }
