@@ -1,0 +1,46 @@
+#include "cli/clip_input.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace kinora::cli {
+
+void require_input(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return;
+  throw Error(ErrorCode::kUsage, fmt::format("{} does not exist; is the name right?", path.string()));
+}
+
+encode::Clip open_clip(const std::filesystem::path& path, encode::ByteAccount* account) {
+  require_input(path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw Error(ErrorCode::kNotRecognised,
+                fmt::format("{} is a folder, not a clip; make a clip of a capture with kinora encode", path.string()));
+  }
+  return encode::read_clip(path, account);
+}
+
+double frames_per_second(const encode::Clip& clip) {
+  const std::size_t count = clip.times.size();
+  const double duration = count > 1 ? clip.times.back() - clip.times.front() : 0;
+  return duration > 0 ? static_cast<double>(count - 1) / duration : 30;
+}
+
+std::vector<int> frames_in_range(const std::string& range, std::size_t count) {
+  const ingest::FrameRange wanted = range.empty() ? ingest::FrameRange{} : ingest::FrameRange::parse(range);
+  std::vector<int> frames;
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    if (wanted.contains(i)) frames.push_back(i);
+  }
+  if (frames.empty()) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--frames {} names none of the {} frames, which count from 0", range, count));
+  }
+  return frames;
+}
+
+} // namespace kinora::cli

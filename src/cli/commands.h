@@ -1,0 +1,16 @@
+// The subcommands: each adds itself to the command line.
+#pragma once
+
+#include "cli/context.h"
+
+namespace kinora::cli {
+
+void add_info(CLI::App& app, Context& context);
+void add_formats(CLI::App& app, Context& context);
+void add_probe(CLI::App& app, Context& context);
+void add_encode(CLI::App& app, Context& context);
+void add_render(CLI::App& app, Context& context);
+void add_motion(CLI::App& app, Context& context);
+void add_eval(CLI::App& app, Context& context);
+
+} // namespace kinora::cli

@@ -1,0 +1,188 @@
+// kinora encode: a capture becomes a clip.
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/output_file.h"
+#include "cli/quality_text.h"
+#include "cli/text.h"
+#include "core/error.h"
+#include "encode/pipeline.h"
+#include "player/evaluate.h"
+
+namespace kinora::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Frames of each group (trained, held out) that the report compares: enough for a mean, few enough to be quick.
+constexpr int kComparedFrames = 10;
+
+struct Options {
+  std::filesystem::path capture;
+  std::filesystem::path clip;
+  std::string preset = "balanced";
+  std::string frames;
+  std::string format;
+  bool no_masks = false;
+  int holdout = 0;
+  std::uint64_t seed = 1;
+  std::filesystem::path report;
+};
+
+class Stopwatch {
+public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+double rounded(double value) { return std::round(value * 1000) / 1000; }
+
+ingest::CaptureOptions capture_options(const Options& options) {
+  ingest::CaptureOptions out;
+  out.format = options.format;
+  if (!options.frames.empty()) out.frames = ingest::FrameRange::parse(options.frames);
+  out.use_masks = !options.no_masks;
+  return out;
+}
+
+encode::EncodeOptions encode_options(const Options& options) {
+  auto out = encode::EncodeOptions::of(encode::parse_preset(options.preset));
+  if (options.holdout == 1) {
+    throw Error(ErrorCode::kUsage, "--holdout 1 would leave no frame to train on; use 2 or more, such as 10");
+  }
+  out.holdout = options.holdout;
+  out.use_masks = !options.no_masks;
+  out.seed = options.seed;
+  out.frames = capture_options(options).frames;
+  return out;
+}
+
+Json file_json(const std::filesystem::path& path, const encode::ByteAccount& account) {
+  Json parts = Json::array();
+  for (const auto& entry : account.entries) parts.push_back({{"name", entry.name}, {"bytes", entry.bytes}});
+  return {{"path", path.string()}, {"bytes", account.total}, {"parts", std::move(parts)}};
+}
+
+std::size_t bytes_of_layer(const std::string& name, const encode::ByteAccount& account) {
+  std::size_t bytes = 0;
+  for (const auto& entry : account.entries) {
+    if (entry.name == "field " + name || entry.name == "motion " + name) bytes += entry.bytes;
+  }
+  return bytes;
+}
+
+void add_quality(Json& report, Json evaluation) {
+  for (Json& layer : report["layers"]) {
+    for (const Json& judged : evaluation["layers"]) {
+      if (judged["name"] != layer["name"]) continue;
+      layer["quality"] = judged;
+      layer["quality"].erase("name");
+    }
+  }
+  report["evaluation"] = std::move(evaluation);
+}
+
+std::string summary(const Json& report) {
+  const Json& capture = report["capture"];
+  const Json& file = report["file"];
+  const auto frames = capture["frames_used"].get<std::size_t>();
+  std::string text =
+      fmt::format("{}: {}, {} frames ({} held out, {} skipped), {:.2f} s per frame\n", file["path"].get<std::string>(),
+                  format_bytes(file["bytes"].get<std::size_t>()), frames, capture["frames_held_out"].get<int>(),
+                  capture["skipped"].size(), report["timing"]["total_s"].get<double>() / static_cast<double>(frames));
+  Table table({"layer", "motion", "bytes", "parameters", "why"});
+  for (const Json& layer : report["layers"]) {
+    table.add({layer["name"], layer["motion"]["kind"], format_bytes(layer["bytes"].get<std::size_t>()),
+               layer["parameters"].dump(), layer["why"]});
+  }
+  for (const Json& left_out : report["not_modelled"]) {
+    table.add({left_out["name"], "none", "", "", left_out["why"]});
+  }
+  text += table.str();
+  if (report.contains("evaluation")) text += quality_table(report["evaluation"]);
+  return text;
+}
+
+void run(const Options& options, Context& context) {
+  const encode::EncodeOptions how = encode_options(options);
+  require_input(options.capture);
+  OutputFile out(options.clip, context.shared.overwrite, {options.capture});
+  std::optional<OutputFile> report_file;
+  if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
+
+  const Stopwatch watch;
+  const auto capture =
+      ingest::Capture::open(context.plugins(), options.capture, capture_options(options), context.progress);
+  encode::EncodeResult result = encode::encode_capture(*capture, how, context.progress);
+  context.progress.stage("writing", 0);
+  encode::write_clip(result.clip, out.writing_path());
+  out.commit();
+  result.report["timing"]["total_s"] = rounded(watch.seconds());
+  result.report["timing"]["ms_per_frame"] =
+      rounded(1000 * watch.seconds() / static_cast<double>(result.clip.times.size()));
+
+  encode::ByteAccount account;
+  result.clip = encode::Clip{};
+  if (out.can_be_read_back()) {
+    encode::Clip clip = encode::read_clip(options.clip, &account);
+    if (report_file || context.shared.json) {
+      const Stopwatch evaluation_watch;
+      const player::Player player(std::move(clip));
+      add_quality(result.report, player::evaluate_against(options.capture, context.plugins(), player,
+                                                          {kComparedFrames, false, options.format}, context.progress));
+      result.report["timing"]["evaluation_s"] = rounded(evaluation_watch.seconds());
+    }
+  }
+  result.report["file"] = file_json(options.clip, account);
+  for (Json& layer : result.report["layers"]) layer["bytes"] = bytes_of_layer(layer["name"], account);
+  if (report_file) write_text(*report_file, result.report.dump(1) + "\n");
+  if (context.shared.json) {
+    context.print_json(result.report);
+  } else {
+    context.print(summary(result.report));
+  }
+}
+
+} // namespace
+
+void add_encode(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = context.add_command(app, "encode", "Make a clip of a capture",
+                                          "  kinora encode capture/ clip.mkv\n"
+                                          "  kinora encode capture/ clip.mkv --holdout 10 --report report.json\n"
+                                          "  kinora encode capture/ draft.mkv --preset fast --frames 0:30",
+                                          [options, &context] { run(*options, context); });
+  command.add_option("CAPTURE", options->capture, "The capture to read: a folder of RGB-D frames")
+      ->required()
+      ->type_name("PATH");
+  command.add_option("CLIP", options->clip, "The clip to write, a Matroska file")->required()->type_name("FILE");
+  command.add_option("--preset", options->preset, "How long to train: fast, balanced or best")
+      ->check(CLI::IsMember({"fast", "balanced", "best"}))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
+      ->type_name("A:B:S");
+  command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
+      ->type_name("NAME");
+  command.add_flag("--no-masks", options->no_masks, "Do not read masks; everything is one still layer");
+  command.add_option("--holdout", options->holdout, "Keep frames N-1, 2N-1, ... out of the training, to judge by them")
+      ->check(CLI::Range(0, 1'000'000))
+      ->type_name("N");
+  command.add_option("--seed", options->seed, "Begin the training's random numbers here")
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option("--report", options->report, "Compare the clip with the capture and write all numbers here, as JSON")
+      ->type_name("FILE");
+  context.add_overwrite(command);
+}
+
+} // namespace kinora::cli

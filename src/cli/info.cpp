@@ -1,0 +1,176 @@
+// kinora info: what an input is, what it holds, and where every byte went.
+#include <map>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/text.h"
+#include "core/error.h"
+
+namespace kinora::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+Json intrinsics_json(const Intrinsics& camera) {
+  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+          {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+}
+
+Json layer_json(const encode::Layer& layer, std::size_t frames) {
+  std::map<std::string, int> health;
+  for (std::size_t i = 0; i < frames; ++i) ++health[std::string(tracking::name_of(layer.motion.health(i)))];
+  return {{"name", layer.name},
+          {"label", layer.label},
+          {"motion", tracking::name_of(layer.motion.kind())},
+          {"frames", health},
+          {"parameters", layer.field.parameter_count()},
+          {"box_side_m", layer.field.config.box.side}};
+}
+
+Json clip_json(const fs::path& path) {
+  encode::ByteAccount account;
+  const encode::Clip clip = open_clip(path, &account);
+  Json out = {{"schema", "kinora.info/1"},
+              {"path", path.string()},
+              {"kind", "clip"},
+              {"bytes", account.total},
+              {"frames", clip.times.size()},
+              {"frames_per_second", frames_per_second(clip)},
+              {"duration_s", clip.times.back() - clip.times.front()},
+              {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
+              {"intrinsics", intrinsics_json(clip.intrinsics)},
+              {"layers", Json::array()},
+              {"parts", Json::array()},
+              {"metadata", clip.metadata}};
+  for (const encode::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
+  for (const auto& entry : account.entries) out["parts"].push_back({{"name", entry.name}, {"bytes", entry.bytes}});
+  return out;
+}
+
+// Bytes by folder of the capture, files directly inside it under their own names.
+Json parts_of_folder(const fs::path& path, std::size_t& total) {
+  std::map<std::string, std::pair<std::size_t, std::size_t>> parts; // files, bytes
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(path, fs::directory_options::skip_permission_denied, error), end;
+       !error && it != end; it.increment(error)) {
+    if (!it->is_regular_file(error)) continue;
+    const fs::path inside = it->path().lexically_relative(path);
+    auto& [files, bytes] = parts[inside.has_parent_path() ? inside.begin()->string() + "/" : inside.string()];
+    const std::uintmax_t size = it->file_size(error);
+    if (error) continue;
+    ++files;
+    bytes += size;
+    total += size;
+  }
+  Json out = Json::array();
+  for (const auto& [name, part] : parts) {
+    out.push_back({{"name", name}, {"files", part.first}, {"bytes", part.second}});
+  }
+  return out;
+}
+
+Json capture_json(const fs::path& path, Context& context) {
+  const auto capture = ingest::Capture::open(context.plugins(), path, {}, context.progress);
+  const ingest::CaptureInfo& info = capture->info();
+  std::size_t total = 0;
+  Json parts = parts_of_folder(path, total);
+  Json labels = Json::object();
+  for (const auto& [label, what] : info.labels) {
+    labels[std::to_string(label)] = {{"name", what.name}, {"kind", what.kind}};
+  }
+  return {{"schema", "kinora.info/1"},
+          {"path", path.string()},
+          {"kind", "capture"},
+          {"format", info.format},
+          {"bytes", total},
+          {"frames", info.frame_count},
+          {"frames_per_second", info.frames_per_second},
+          {"camera", info.has_poses ? "moving" : "still"},
+          {"has_masks", info.has_masks},
+          {"intrinsics", intrinsics_json(info.intrinsics)},
+          {"labels", labels},
+          {"parts", std::move(parts)}};
+}
+
+std::string parts_text(const Json& info) {
+  Table table({"part", "bytes", "share"});
+  const auto total = info["bytes"].get<double>();
+  for (const Json& part : info["parts"]) {
+    const auto bytes = part["bytes"].get<std::size_t>();
+    std::string name = part["name"];
+    if (part.value("files", std::size_t{1}) != 1) name += fmt::format(" ({} files)", part["files"].get<std::size_t>());
+    table.add({name, format_bytes(bytes),
+               fmt::format("{:.1f} %", total > 0 ? 100.0 * static_cast<double>(bytes) / total : 0)});
+  }
+  return "Where every byte went:\n" + table.str();
+}
+
+std::string size_text(const Json& info) {
+  const Json& camera = info["intrinsics"];
+  return fmt::format("{}x{} pixels", camera["width"].get<int>(), camera["height"].get<int>());
+}
+
+std::string clip_text(const Json& info) {
+  std::string text = fmt::format(
+      "{}: a Kinora clip (volumetric video), {}\n{} frames, {:.2f} s at {:.4g} frames/s; taken by a {} camera of {}\n",
+      info["path"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
+      info["duration_s"].get<double>(), info["frames_per_second"].get<double>(), info["camera"].get<std::string>(),
+      size_text(info));
+  Table table({"layer", "motion", "tracked", "held", "lost", "parameters"});
+  for (const Json& layer : info["layers"]) {
+    const Json& health = layer["frames"];
+    table.add({layer["name"], layer["motion"], std::to_string(health.value("tracked", 0)),
+               std::to_string(health.value("held", 0)), std::to_string(health.value("lost", 0)),
+               layer["parameters"].dump()});
+  }
+  return text + table.str() + parts_text(info);
+}
+
+std::string capture_text(const Json& info) {
+  return fmt::format("{}: a capture (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n",
+                     info["path"].get<std::string>(), info["format"].get<std::string>(),
+                     format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
+                     info["frames_per_second"].get<double>(), size_text(info), info["camera"].get<std::string>(),
+                     info["has_masks"].get<bool>() ? "with masks" : "without masks") +
+         parts_text(info);
+}
+
+// A clip is told by its content; anything else may be a capture.
+Json info_of(const fs::path& path, Context& context) {
+  require_input(path);
+  if (fs::is_regular_file(path)) {
+    try {
+      return clip_json(path);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kNotRecognised) throw;
+      context.progress.detail(error.what());
+    }
+  }
+  return capture_json(path, context);
+}
+
+void run(const fs::path& input, Context& context) {
+  const Json info = info_of(input, context);
+  if (context.shared.json) {
+    context.print_json(info);
+  } else {
+    context.print(info["kind"] == "clip" ? clip_text(info) : capture_text(info));
+  }
+}
+
+} // namespace
+
+void add_info(CLI::App& app, Context& context) {
+  const auto input = std::make_shared<fs::path>();
+  CLI::App& command = context.add_command(app, "info", "What an input is, what it holds, and where every byte went",
+                                          "  kinora info clip.mkv\n  kinora info capture/ --json",
+                                          [input, &context] { run(*input, context); });
+  command.add_option("INPUT", *input, "A clip or a capture")->required()->type_name("PATH");
+}
+
+} // namespace kinora::cli

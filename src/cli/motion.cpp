@@ -1,0 +1,82 @@
+// kinora motion: where every layer is at every frame, as JSON.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/output_file.h"
+
+namespace kinora::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Options {
+  std::filesystem::path clip;
+  std::filesystem::path out;
+};
+
+Json matrix_json(const SE3& transform) {
+  Json rows = Json::array();
+  for (int r = 0; r < 4; ++r) {
+    rows.push_back({transform(r, 0), transform(r, 1), transform(r, 2), transform(r, 3)});
+  }
+  return rows;
+}
+
+std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (motion.health(i) != tracking::Health::kLost) return i;
+  }
+  return 0;
+}
+
+Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
+  const std::size_t count = clip.times.size();
+  const bool rigid = layer.motion.kind() == tracking::MotionKind::kRigid;
+  const double first = static_cast<double>(first_frame_of(layer.motion, count));
+  const SE3 world_to_canonical = layer.motion.canonical_to_world(first).inverse();
+  Json frames = Json::array();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double frame = static_cast<double>(i);
+    Json entry = {{"frame", i},
+                  {"capture_frame", clip.capture_frames[i]},
+                  {"time", clip.times[i]},
+                  {"health", tracking::name_of(layer.motion.health(i))}};
+    if (rigid) entry["transform"] = matrix_json(layer.motion.canonical_to_world(frame) * world_to_canonical);
+    if (clip.camera_to_world.size() > 1) {
+      entry["camera_to_world"] = matrix_json(clip.capture_camera(frame).camera_to_world);
+    }
+    frames.push_back(std::move(entry));
+  }
+  return {{"name", layer.name}, {"kind", tracking::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
+}
+
+void run(const Options& options, Context& context) {
+  OutputFile out(options.out, context.shared.overwrite, {options.clip});
+  const encode::Clip clip = open_clip(options.clip);
+  Json motion = {{"schema", "kinora.motion/1"}, {"fps", frames_per_second(clip)}, {"layers", Json::array()}};
+  for (const encode::Layer& layer : clip.layers) motion["layers"].push_back(layer_json(layer, clip));
+  write_text(out, motion.dump(1) + "\n");
+  if (context.shared.json) {
+    context.print_json({{"schema", "kinora.written/1"}, {"output", options.out.string()}});
+  } else {
+    context.print(fmt::format("{}: motion of {} layers over {} frames\n", options.out.string(), clip.layers.size(),
+                              clip.times.size()));
+  }
+}
+
+} // namespace
+
+void add_motion(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = context.add_command(app, "motion", "Write where every layer is at every frame, as JSON",
+                                          "  kinora motion clip.mkv --out motion.json",
+                                          [options, &context] { run(*options, context); });
+  command.add_option("CLIP", options->clip, "The clip to read")->required()->type_name("FILE");
+  command.add_option("--out", options->out, "The JSON file to write")->required()->type_name("FILE");
+  context.add_overwrite(command);
+}
+
+} // namespace kinora::cli

@@ -1,0 +1,215 @@
+#include "cli/picture_output.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/output_file.h"
+#include "core/error.h"
+#include "host/picture_writer.h"
+
+namespace kinora::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kDefaultFormat = "png";
+
+host::Picture picture_for(const fields::Picture& drawn, const std::string& name, double seconds, bool with_depth) {
+  host::Picture picture{name, seconds, drawn.color, {}};
+  if (!with_depth) return picture;
+  picture.depth = DepthImage16(drawn.depth.width(), drawn.depth.height());
+  for (std::size_t i = 0; i < drawn.depth.pixel_count(); ++i) {
+    const double millimetres = std::round(1000.0 * drawn.depth.data()[i]);
+    picture.depth.data()[i] = static_cast<std::uint16_t>(std::clamp(millimetres, 0.0, 65535.0));
+  }
+  return picture;
+}
+
+/// A writer that puts files into a folder beside the output, from where each is moved to its place when it is whole.
+class StagedWriter {
+public:
+  StagedWriter(const KinoraFormat& format, fs::path folder, const host::Options& options)
+      : folder_(std::move(folder)), writer_(make_folder(folder_, format, options)) {}
+  StagedWriter(const StagedWriter&) = delete;
+  StagedWriter& operator=(const StagedWriter&) = delete;
+  ~StagedWriter() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  void write(const host::Picture& picture) { writer_.write(picture); }
+  void finish() { writer_.finish(); }
+
+  /// Moves every file to where `place` says. Throws Error(kUnwritableOutput).
+  void move_files(const std::function<fs::path(const fs::path& inside)>& place) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      if (entry.is_regular_file()) files.push_back(entry.path());
+    }
+    for (const fs::path& file : files) {
+      const fs::path target = place(file.lexically_relative(folder_));
+      std::error_code error;
+      if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
+      fs::rename(file, target, error);
+      if (error) {
+        throw Error(ErrorCode::kUnwritableOutput,
+                    fmt::format("{} cannot be written: {}", target.string(), error.message()));
+      }
+    }
+  }
+
+private:
+  static host::PictureWriter make_folder(const fs::path& folder, const KinoraFormat& format,
+                                         const host::Options& options) {
+    std::error_code error;
+    fs::remove_all(folder, error);
+    fs::create_directories(folder, error);
+    if (error) {
+      throw Error(ErrorCode::kUnwritableOutput,
+                  fmt::format("{} cannot be written: {}", folder.string(), error.message()));
+    }
+    return {format, folder, options};
+  }
+
+  fs::path folder_;
+  host::PictureWriter writer_;
+};
+
+class FilmOutput : public PictureOutput {
+public:
+  FilmOutput(const PictureRequest& request, const host::PluginTable& plugins)
+      : file_(request.path, request.overwrite, request.inputs),
+        writer_(plugins.writer_for(request.path), file_.writing_path(), request.options) {}
+  void add(const fields::Picture& picture, const std::string& name, double seconds) override {
+    writer_.write(picture_for(picture, name, seconds, false));
+  }
+  void finish() override {
+    writer_.finish();
+    file_.commit();
+  }
+
+private:
+  OutputFile file_;
+  host::PictureWriter writer_;
+};
+
+/// One picture, and its depth beside it.
+class SinglePictureOutput : public PictureOutput {
+public:
+  SinglePictureOutput(const PictureRequest& request, const host::PluginTable& plugins)
+      : path_(request.path), file_(request.path, request.overwrite, request.inputs),
+        writer_(plugins.writer_for(request.path), fs::path(request.path) += ".parts", request.options) {
+    if (!request.depth) return;
+    depth_file_ = std::make_unique<OutputFile>(path_.parent_path() / (path_.stem().string() + ".depth.png"),
+                                               request.overwrite, request.inputs);
+    with_depth_ = true;
+  }
+  void add(const fields::Picture& picture, const std::string& /*name*/, double seconds) override {
+    writer_.write(picture_for(picture, "picture", seconds, with_depth_));
+  }
+  void finish() override {
+    writer_.finish();
+    writer_.move_files([this](const fs::path& inside) {
+      const bool is_depth = inside.stem().extension() == ".depth";
+      return is_depth && depth_file_ ? depth_file_->writing_path() : file_.writing_path();
+    });
+    if (depth_file_) depth_file_->commit();
+    file_.commit();
+  }
+
+private:
+  fs::path path_;
+  OutputFile file_;
+  StagedWriter writer_;
+  std::unique_ptr<OutputFile> depth_file_;
+  bool with_depth_ = false;
+};
+
+class FolderOutput : public PictureOutput {
+public:
+  FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
+               const host::Options& options)
+      : path_(checked(request, names, format)), depth_(request.depth), writer_(format, path_ / ".part", options) {}
+  void add(const fields::Picture& picture, const std::string& name, double seconds) override {
+    writer_.write(picture_for(picture, name, seconds, depth_));
+    move();
+  }
+  void finish() override {
+    writer_.finish();
+    move();
+  }
+
+private:
+  void move() {
+    writer_.move_files([this](const fs::path& inside) { return path_ / inside; });
+  }
+
+  static fs::path checked(const PictureRequest& request, const std::vector<std::string>& names,
+                          const KinoraFormat& format) {
+    std::error_code error;
+    if (fs::exists(request.path, error) && !fs::is_directory(request.path, error)) {
+      throw Error(ErrorCode::kUnwritableOutput,
+                  fmt::format("{} cannot be written: it is not a folder; name a folder, a .png or a .mp4",
+                              request.path.string()));
+    }
+    const std::string extension = std::string(format.extensions).substr(0, std::string(format.extensions).find(' '));
+    for (const std::string& name : names) {
+      const fs::path file = request.path / (name + extension);
+      if (request.overwrite || !fs::exists(file, error)) continue;
+      throw Error(ErrorCode::kUnwritableOutput,
+                  fmt::format("{} cannot be written: it exists already; add --overwrite to replace it, or give another "
+                              "folder",
+                              file.string()));
+    }
+    return request.path;
+  }
+
+  fs::path path_;
+  bool depth_;
+  StagedWriter writer_;
+};
+
+bool has_extension(const KinoraFormat& format, const std::string& extension) {
+  return (" " + std::string(format.extensions) + " ").find(" " + extension + " ") != std::string::npos;
+}
+
+// Extensions that are surely no name of a folder.
+constexpr std::array<std::string_view, 14> kPictureExtensions{
+    ".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".bmp", ".webp", ".mp4", ".mkv", ".mov", ".avi", ".webm", ".gif"};
+
+} // namespace
+
+OutputKind output_kind(const fs::path& path, const host::PluginTable& plugins) {
+  std::error_code ignored;
+  std::string extension = path.extension().string();
+  if (extension.empty() || fs::is_directory(path, ignored)) return OutputKind::kFolder;
+  for (const host::FormatEntry& entry : plugins.formats()) {
+    if (!host::supports(*entry.format, KINORA_WRITES_PICTURES) || !has_extension(*entry.format, extension)) continue;
+    return host::supports(*entry.format, KINORA_WRITES_FILM) ? OutputKind::kFilm : OutputKind::kPicture;
+  }
+  const bool surely_file =
+      std::find(kPictureExtensions.begin(), kPictureExtensions.end(), extension) != kPictureExtensions.end();
+  if (surely_file) plugins.writer_for(path); // throws, and lists what can be written
+  return OutputKind::kFolder;
+}
+
+std::unique_ptr<PictureOutput> PictureOutput::open(const PictureRequest& request, const std::vector<std::string>& names,
+                                                   const host::PluginTable& plugins) {
+  switch (output_kind(request.path, plugins)) {
+  case OutputKind::kFilm:
+    return std::make_unique<FilmOutput>(request, plugins);
+  case OutputKind::kPicture:
+    return std::make_unique<SinglePictureOutput>(request, plugins);
+  case OutputKind::kFolder:
+    break;
+  }
+  host::Options options = request.options;
+  const auto chosen = options.extract("format");
+  const KinoraFormat& format = plugins.find(chosen ? chosen.mapped() : std::string(kDefaultFormat));
+  return std::make_unique<FolderOutput>(request, names, format, options);
+}
+
+} // namespace kinora::cli

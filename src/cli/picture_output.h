@@ -1,0 +1,43 @@
+// Where drawn pictures go: one picture, a folder of pictures, or a film.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/context.h"
+#include "fields/renderer.h"
+#include "host/options.h"
+
+namespace kinora::cli {
+
+enum class OutputKind { kPicture, kFolder, kFilm };
+
+struct PictureRequest {
+  std::filesystem::path path;
+  host::Options options; ///< of the writer; "format" chooses it where the path does not
+  bool overwrite = false;
+  bool depth = false; ///< depth pictures beside the colour ones
+  std::vector<std::filesystem::path> inputs;
+};
+
+/// .mp4 and other film extensions: a film; an extension of a picture format: one picture; else a folder.
+/// Throws Error(kUsage) for extensions of pictures and films that no format writes.
+OutputKind output_kind(const std::filesystem::path& path, const host::PluginTable& plugins);
+
+/// Nothing of an output is seen under its name until it is whole: a film appears at finish(), a folder's pictures one
+/// by one.
+class PictureOutput {
+public:
+  /// Checks everything that can be checked before drawing. `names`: of all pictures to come.
+  /// Throws Error: kUnwritableOutput, kUsage.
+  static std::unique_ptr<PictureOutput> open(const PictureRequest& request, const std::vector<std::string>& names,
+                                             const host::PluginTable& plugins);
+  virtual ~PictureOutput() = default;
+  /// `seconds` from the start, increasing.
+  virtual void add(const fields::Picture& picture, const std::string& name, double seconds) = 0;
+  virtual void finish() = 0;
+};
+
+} // namespace kinora::cli

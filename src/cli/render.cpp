@@ -1,0 +1,184 @@
+// kinora render: a clip drawn from any camera, at any of its times.
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/picture_output.h"
+#include "core/error.h"
+#include "player/camera_file.h"
+
+namespace kinora::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path clip;
+  std::filesystem::path out;
+  std::filesystem::path cameras;
+  double orbit = 0;
+  bool has_orbit = false;
+  bool capture_view = false;
+  std::string frames;
+  std::string size;
+  std::vector<std::string> layers;
+  std::vector<std::string> passes{"rgb"};
+  std::vector<std::string> writer_options;
+};
+
+std::pair<int, int> parse_size(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  int width = 0;
+  int height = 0;
+  const auto number = [](std::string_view part, int& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size();
+  };
+  const bool understood = cross != std::string::npos && number(std::string_view(text).substr(0, cross), width) &&
+                          number(std::string_view(text).substr(cross + 1), height);
+  if (!understood || width < 1 || height < 1 || width > 16384 || height > 16384) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--size {} is no size; give WIDTHxHEIGHT in pixels, such as 640x480", text));
+  }
+  return {width, height};
+}
+
+bool wants_depth(const std::vector<std::string>& passes) {
+  bool rgb = false;
+  bool depth = false;
+  for (const std::string& pass : passes) {
+    if (pass == "rgb") {
+      rgb = true;
+    } else if (pass == "depth") {
+      depth = true;
+    } else {
+      throw Error(ErrorCode::kUsage, fmt::format("there is no pass \"{}\"; this version draws rgb and depth", pass));
+    }
+  }
+  if (!rgb) throw Error(ErrorCode::kUsage, "--passes needs rgb, which the other passes stand beside: rgb,depth");
+  return depth;
+}
+
+std::vector<player::View> views_of(const Options& options, const player::Player& player, Context& context) {
+  if (options.cameras.empty()) {
+    const std::vector<int> frames = frames_in_range(options.frames, player.frame_count());
+    return options.has_orbit ? player::orbit_views(player, frames, options.orbit)
+                             : player::capture_views(player.clip(), frames);
+  }
+  const auto all = player::read_camera_file(options.cameras, player.clip(), context.progress);
+  std::vector<player::View> chosen;
+  for (const int i : frames_in_range(options.frames, all.size())) chosen.push_back(all[static_cast<std::size_t>(i)]);
+  return chosen;
+}
+
+// A film shows each view when the clip does; where that is not one after another, at the clip's pace.
+std::vector<double> show_times(const std::vector<player::View>& views, const encode::Clip& clip) {
+  std::vector<double> times;
+  for (const player::View& view : views) {
+    const auto before = static_cast<std::size_t>(view.frame);
+    const std::size_t after = std::min(before + 1, clip.times.size() - 1);
+    const double fraction = view.frame - static_cast<double>(before);
+    times.push_back(clip.times[before] + fraction * (clip.times[after] - clip.times[before]));
+  }
+  const bool increasing = std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end();
+  const double start = times.front();
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    times[i] = increasing ? times[i] - start : static_cast<double>(i) / frames_per_second(clip);
+  }
+  return times;
+}
+
+void run(const Options& options, Context& context) {
+  const bool depth = wants_depth(options.passes);
+  PictureRequest request{options.out,
+                         host::parse_options(options.writer_options),
+                         context.shared.overwrite,
+                         depth,
+                         {options.clip, options.cameras}};
+  const OutputKind kind = output_kind(options.out, context.plugins());
+  if (depth && kind == OutputKind::kFilm) {
+    throw Error(ErrorCode::kUsage, "a film has no place for depth; render --passes rgb,depth into a folder");
+  }
+  const player::Player player(open_clip(options.clip));
+  const player::LayerChoice layers =
+      options.layers.empty() ? player.all_layers() : player.choose_layers(options.layers, context.progress);
+  std::vector<player::View> views = views_of(options, player, context);
+  if (kind == OutputKind::kPicture) views.resize(1);
+  if (!options.size.empty()) {
+    const auto [width, height] = parse_size(options.size);
+    for (player::View& view : views) view.camera.intrinsics = view.camera.intrinsics.resized(width, height);
+  }
+  std::vector<std::string> names;
+  for (const player::View& view : views) names.push_back(view.name);
+  const std::vector<double> times = show_times(views, player.clip());
+
+  const auto output = PictureOutput::open(request, names, context.plugins());
+  context.progress.stage("drawing", views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    context.progress.check();
+    output->add(player.draw(views[i].camera, views[i].frame, layers), views[i].name, times[i]);
+    context.progress.advance(i + 1, "");
+  }
+  output->finish();
+  if (context.shared.json) {
+    context.print_json({{"schema", "kinora.render/1"},
+                        {"output", options.out.string()},
+                        {"pictures", views.size()},
+                        {"size", {views[0].camera.intrinsics.width, views[0].camera.intrinsics.height}}});
+  } else {
+    context.print(fmt::format("{}: {} picture{} of {}x{} pixels\n", options.out.string(), views.size(),
+                              views.size() == 1 ? "" : "s", views[0].camera.intrinsics.width,
+                              views[0].camera.intrinsics.height));
+  }
+}
+
+void add_view_options(CLI::App& command, Options& options) {
+  auto* cameras = command.add_option("--cameras", options.cameras,
+                                     "Draw from the cameras of this transforms.json (instant-ngp, nerfstudio)");
+  auto* orbit = command.add_option_function<double>(
+      "--orbit",
+      [&options](double degrees) {
+        options.orbit = degrees;
+        options.has_orbit = true;
+      },
+      "Stand this far to the right of the capture camera, around what the scene is about; a film swings to both sides");
+  auto* capture_view = command.add_flag("--capture-view", options.capture_view,
+                                        "Draw from where the capture camera stood (the default)");
+  cameras->type_name("FILE")->excludes(orbit)->excludes(capture_view);
+  orbit->type_name("DEGREES")->excludes(capture_view)->check(CLI::Range(-360.0, 360.0));
+}
+
+} // namespace
+
+void add_render(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = context.add_command(app, "render", "Draw a clip from any camera, as pictures or a film",
+                                          "  kinora render clip.mkv side.png --orbit 30 --frames 45\n"
+                                          "  kinora render clip.mkv film.mp4 --orbit 20 --size 960x720\n"
+                                          "  kinora render clip.mkv pictures/ --cameras transforms.json "
+                                          "--layers object --passes rgb,depth",
+                                          [options, &context] { run(*options, context); });
+  command.add_option("CLIP", options->clip, "The clip to draw")->required()->type_name("FILE");
+  command.add_option("OUT", options->out, "A .mp4 film, a .png of the first view, or a folder for one .png per view")
+      ->required()
+      ->type_name("PATH");
+  add_view_options(command, *options);
+  command
+      .add_option("--frames", options->frames, "Only these frames (or cameras of the file); counts from 0, B excluded")
+      ->type_name("A:B:S");
+  command.add_option("--size", options->size, "Size of the pictures; the field of view stays")->type_name("WxH");
+  command.add_option("--layers", options->layers, "Only these layers, such as person,object")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command.add_option("--passes", options->passes, "What to write: rgb, or rgb,depth (16-bit millimetres, .depth.png)")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  context.add_overwrite(command);
+}
+
+} // namespace kinora::cli

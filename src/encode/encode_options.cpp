@@ -1,0 +1,71 @@
+#include "encode/encode_options.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace kinora::encode {
+namespace {
+
+struct PresetBudget {
+  Preset preset;
+  const char* name;
+  std::size_t rays_per_frame;
+  std::size_t min_rays;
+  std::size_t max_rays;
+};
+
+constexpr std::array<PresetBudget, 3> kPresets{{
+    {Preset::kFast, "fast", 50'000, 1'000'000, 20'000'000},
+    {Preset::kBalanced, "balanced", 200'000, 2'000'000, 80'000'000},
+    {Preset::kBest, "best", 800'000, 8'000'000, 400'000'000},
+}};
+
+const PresetBudget& budget_of(Preset preset) {
+  for (const PresetBudget& budget : kPresets) {
+    if (budget.preset == preset) return budget;
+  }
+  throw Error(ErrorCode::kFailure, "a preset without a budget");
+}
+
+} // namespace
+
+Preset parse_preset(const std::string& name) {
+  for (const PresetBudget& budget : kPresets) {
+    if (name == budget.name) return budget.preset;
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("there is no preset \"{}\"; use fast, balanced or best", name));
+}
+
+std::string name_of(Preset preset) { return budget_of(preset).name; }
+
+EncodeOptions EncodeOptions::of(Preset preset) {
+  const PresetBudget& budget = budget_of(preset);
+  EncodeOptions options;
+  options.preset = preset;
+  options.rays_per_frame = budget.rays_per_frame;
+  options.min_rays = budget.min_rays;
+  options.max_rays = budget.max_rays;
+  return options;
+}
+
+std::size_t EncodeOptions::expected_frames(int frame_count) const {
+  const int end = frames.end < 0 ? frame_count : std::min(frames.end, frame_count);
+  return static_cast<std::size_t>(std::max(1, (end - frames.begin + frames.step - 1) / frames.step));
+}
+
+nlohmann::json EncodeOptions::json() const {
+  return {{"preset", name_of(preset)},
+          {"holdout", holdout},
+          {"use_masks", use_masks},
+          {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
+          {"seed", seed},
+          {"max_stored_pixels", max_stored_pixels},
+          {"rays_per_frame", rays_per_frame},
+          {"min_rays", min_rays},
+          {"max_rays", max_rays}};
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,38 @@
+// Everything that a run of the encoder depends on besides the capture.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "ingest/capture.h"
+
+namespace kinora::encode {
+
+enum class Preset { kFast, kBalanced, kBest };
+
+/// "fast", "balanced" or "best"; throws Error(kUsage) for anything else.
+Preset parse_preset(const std::string& name);
+std::string name_of(Preset preset);
+
+struct EncodeOptions {
+  Preset preset = Preset::kBalanced;
+  int holdout = 0;           ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
+  bool use_masks = true;     ///< false: labels are ignored and everything is one layer
+  ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
+  std::uint64_t seed = 1;
+  std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each
+  /// Rays that train all layers together: rays_per_frame × frames, kept within the bounds.
+  std::size_t rays_per_frame = 0;
+  std::size_t min_rays = 0;
+  std::size_t max_rays = 0;
+
+  /// The documented budget of a preset; `balanced` is the default.
+  static EncodeOptions of(Preset preset);
+  /// Frames within the range of a source of `frame_count` frames; at least 1.
+  std::size_t expected_frames(int frame_count) const;
+  nlohmann::json json() const;
+};
+
+} // namespace kinora::encode

@@ -1,0 +1,24 @@
+// Which labels of a capture become layers of a clip, under which name and with which motion.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "ingest/capture.h"
+#include "tracking/motion.h"
+
+namespace kinora::encode {
+
+struct LayerPlan {
+  int label = 0;
+  std::string name;
+  std::optional<tracking::MotionKind> motion; ///< nothing: not modelled
+  std::string why;                            ///< one sentence for the report
+};
+
+/// The label's default (0 background, still; 1 person, deforming; 2 object, rigid; n > 2 object(n−1), rigid), unless
+/// the capture's labels.json says otherwise. Deforming layers are not modelled.
+/// Throws Error(kCorruptInput) for a kind that does not exist.
+LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture);
+
+} // namespace kinora::encode

@@ -1,0 +1,246 @@
+#include "encode/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "encode/scene_tracker.h"
+#include "encode/stage_times.h"
+#include "fields/pixel_store.h"
+#include "fields/trainer.h"
+
+namespace kinora::encode {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What one pass over the frames leaves behind.
+struct Pass {
+  fields::PixelStore pixels;
+  SceneTracker scene;
+  Clip clip;                  ///< timeline and camera path
+  std::size_t unlabelled = 0; ///< frames without mask in a capture with masks: tracked nowhere, trained on nowhere
+  StageTimes times;
+};
+
+bool is_held_out(std::size_t frame, int holdout) {
+  return holdout > 0 && (frame + 1) % static_cast<std::size_t>(holdout) == 0;
+}
+
+void add_to_timeline(const ingest::Frame& frame, const ingest::CaptureInfo& info, bool held_out, Clip& clip) {
+  const double start = clip.capture_frames.empty() ? frame.time : clip.metadata["start_seconds"].get<double>();
+  clip.metadata["start_seconds"] = start;
+  clip.times.push_back(frame.time - start);
+  clip.capture_frames.push_back(frame.index);
+  clip.held_out.push_back(held_out);
+  if (info.has_poses || clip.camera_to_world.empty()) clip.camera_to_world.push_back(frame.camera.camera_to_world);
+}
+
+void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pass& pass, Progress& progress) {
+  const ingest::CaptureInfo& info = capture.info();
+  const bool masks = options.use_masks && info.has_masks;
+  progress.stage("reading and tracking", options.expected_frames(info.frame_count));
+  for (std::size_t i = 0;; ++i) {
+    progress.check();
+    auto frame = pass.times.measure("read", [&] { return capture.next(); });
+    if (!frame) break;
+    const bool held_out = is_held_out(i, options.holdout);
+    add_to_timeline(*frame, info, held_out, pass.clip);
+    const bool labelled = !masks || !frame->labels.empty();
+    if (!masks) frame->labels = {};
+    pass.scene.add(*frame, pass.times);
+    if (!labelled) {
+      ++pass.unlabelled;
+      progress.warn(fmt::format("frame {} has no mask, unlike others; it is not trained on", frame->index));
+    } else if (!held_out) {
+      pass.times.measure("store pixels", [&] { pass.pixels.add(*frame, static_cast<int>(i)); });
+    }
+    progress.advance(i + 1, "");
+  }
+  pass.clip.intrinsics = info.intrinsics;
+  if (pass.clip.times.empty()) {
+    throw Error(ErrorCode::kCorruptInput, "the capture has no usable frame in the range; look at the warnings above");
+  }
+}
+
+/// Pixels of each label that training may look at.
+std::map<int, std::size_t> stored_by_label(const fields::PixelStore& pixels) {
+  std::map<int, std::size_t> counts;
+  for (const fields::StoredPixel& pixel : pixels.pixels()) ++counts[pixel.label];
+  return counts;
+}
+
+struct LayerJob {
+  const TrackedLabel* label;
+  std::size_t rays;
+};
+
+// Empty if the label can be modelled.
+std::string why_not_modelled(const TrackedLabel& label) {
+  if (!label.plan.motion) return label.plan.why;
+  const auto lost = [](const auto& pose) { return pose.health == tracking::Health::kLost; };
+  if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
+    return "too little of it is measured in every frame to follow it";
+  }
+  return "";
+}
+
+// A layer's share of the rays grows with the square root of its pixels: small layers are looked at more closely.
+std::vector<LayerJob> share_rays(const Pass& pass, const EncodeOptions& options, Json& not_modelled) {
+  const auto counts = stored_by_label(pass.pixels);
+  std::vector<LayerJob> jobs;
+  double weights = 0;
+  for (const auto& [number, label] : pass.scene.labels()) {
+    const auto found = counts.find(number);
+    const std::string why = found == counts.end() ? "it is in no frame that is trained on" : why_not_modelled(label);
+    if (!why.empty()) {
+      not_modelled.push_back({{"name", label.plan.name}, {"label", number}, {"why", why}});
+      continue;
+    }
+    jobs.push_back({&label, found->second});
+    weights += std::sqrt(static_cast<double>(found->second));
+  }
+  const std::size_t budget =
+      std::clamp(options.rays_per_frame * pass.clip.times.size(), options.min_rays, options.max_rays);
+  for (LayerJob& job : jobs) {
+    const double share = std::sqrt(static_cast<double>(job.rays)) / weights;
+    job.rays = static_cast<std::size_t>(share * static_cast<double>(budget));
+  }
+  return jobs;
+}
+
+double round4(double value) { return std::round(value * 1e4) / 1e4; }
+
+Json config_json(const fields::FieldConfig& config) {
+  const Eigen::Vector3d& origin = config.box.origin;
+  return {{"box_origin_m", {origin.x(), origin.y(), origin.z()}},
+          {"box_side_m", config.box.side},
+          {"levels", config.levels},
+          {"features_per_level", fields::FieldConfig::kFeatures},
+          {"log2_table_size", config.log2_table_size},
+          {"coarsest_resolution", config.coarsest_resolution},
+          {"finest_resolution", config.finest_resolution},
+          {"occupancy_resolution", config.occupancy_resolution}};
+}
+
+Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
+  Json out = {{"kind", tracking::name_of(motion.kind())}};
+  if (label.poses.empty()) return out;
+  std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
+  for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+  out["frames"] = health;
+  out["relocalised"] = label.relocalised;
+  out["weak_directions_per_frame"] = round4(label.weak_directions / static_cast<double>(label.poses.size()));
+  out["largest_move_m"] = round4(SceneTracker::largest_move(label));
+  return out;
+}
+
+std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion) {
+  if (label.plan.motion == tracking::MotionKind::kRigid && motion.kind() == tracking::MotionKind::kStill) {
+    return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
+  }
+  return label.plan.why;
+}
+
+// Two labels may have been given one name.
+std::string unique_name(const std::string& wanted, const Clip& clip) {
+  std::string name = wanted;
+  const auto taken = [&] {
+    return std::any_of(clip.layers.begin(), clip.layers.end(), [&](const Layer& l) { return l.name == name; });
+  };
+  for (int i = 2; taken(); ++i) name = fmt::format("{}{}", wanted, i);
+  return name;
+}
+
+void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, Json& report, Progress& progress) {
+  const TrackedLabel& tracked = *job.label;
+  const int label = tracked.plan.label;
+  Layer layer{unique_name(tracked.plan.name, pass.clip), label, {}, pass.scene.motion_of(tracked)};
+  const fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion);
+  fields::TrainerConfig trainer;
+  trainer.seed = options.seed;
+  trainer.rays = job.rays;
+  fields::TrainingReport training;
+  progress.stage("training " + layer.name, trainer.rays / static_cast<std::size_t>(trainer.rays_per_step));
+  layer.field = pass.times.measure("train " + layer.name, [&] {
+    return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training);
+  });
+  const std::string why = reason_of(tracked, layer.motion);
+  const Json trainer_json = {{"seed", trainer.seed}, {"rays", trainer.rays}, {"rays_per_step", trainer.rays_per_step}};
+  pass.clip.metadata["layers"][layer.name] = {
+      {"label", label}, {"why", why}, {"field", config_json(config)}, {"trainer", trainer_json}};
+  report["layers"].push_back({{"name", layer.name},
+                              {"label", label},
+                              {"why", why},
+                              {"pixels_seen", tracked.pixels},
+                              {"parameters", layer.field.parameter_count()},
+                              {"occupied_cells", layer.field.occupancy.count()},
+                              {"motion", motion_json(tracked, layer.motion)},
+                              {"field", config_json(config)},
+                              {"training",
+                               {{"rays", training.rays},
+                                {"samples", training.samples},
+                                {"steps", training.steps},
+                                {"final_loss", training.final_loss},
+                                {"restarts", training.restarts}}}});
+  pass.clip.layers.push_back(std::move(layer));
+}
+
+Json capture_json(const ingest::Capture& capture, const Pass& pass) {
+  const ingest::CaptureInfo& info = capture.info();
+  Json skipped = Json::array();
+  for (const ingest::SkippedFrame& frame : capture.skipped()) {
+    skipped.push_back({{"frame", frame.index}, {"reason", frame.reason}});
+  }
+  const auto held_out = std::count(pass.clip.held_out.begin(), pass.clip.held_out.end(), true);
+  return {{"format", info.format},
+          {"size", {info.intrinsics.width, info.intrinsics.height}},
+          {"frames_in_source", info.frame_count},
+          {"frames_used", pass.clip.times.size()},
+          {"frames_held_out", held_out},
+          {"frames_without_mask", pass.unlabelled},
+          {"frames_per_second", info.frames_per_second},
+          {"has_poses", info.has_poses},
+          {"has_masks", info.has_masks},
+          {"stored_pixels", pass.pixels.pixels().size()},
+          {"skipped", skipped}};
+}
+
+Json camera_json(const ingest::CaptureInfo& info) {
+  return info.has_poses ? Json{{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}}
+                        : Json{{"path", "still"}, {"why", "the capture brings no camera poses"}};
+}
+
+} // namespace
+
+EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress) {
+  const ingest::CaptureInfo& info = capture.info();
+  Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
+            SceneTracker(info, options.use_masks && info.has_masks, progress),
+            {},
+            0,
+            {}};
+  pass_over_frames(capture, options, pass, progress);
+  Json report = {{"schema", "kinora.encode/1"}, {"layers", Json::array()}, {"not_modelled", Json::array()}};
+  const std::vector<LayerJob> jobs = share_rays(pass, options, report["not_modelled"]);
+  if (jobs.empty()) {
+    throw Error(ErrorCode::kFailure,
+                "nothing in this capture can be modelled: no still or rigid layer has a pixel with "
+                "measured depth; try --no-masks");
+  }
+  pass.clip.metadata["not_modelled"] = report["not_modelled"];
+  for (const LayerJob& job : jobs) train_layer(job, options, pass, report, progress);
+  const std::size_t frames = pass.clip.times.size();
+  pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", options.json()}};
+  pass.clip.metadata["frames_per_second"] = info.frames_per_second;
+  report["version"] = KINORA_VERSION;
+  report["config"] = options.json();
+  report["capture"] = capture_json(capture, pass);
+  report["camera"] = camera_json(info);
+  report["timing"] = {{"stages", pass.times.json(frames)}};
+  return {std::move(pass.clip), std::move(report)};
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,27 @@
+// From a capture to a clip: one pass over the frames that tracks and remembers pixels, then one training per layer.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "core/progress.h"
+#include "encode/clip.h"
+#include "encode/encode_options.h"
+#include "ingest/capture.h"
+
+namespace kinora::encode {
+
+struct EncodeResult {
+  Clip clip;
+  /// "kinora.encode/1": `capture` (what was read, skipped frames with reasons), `camera`, `layers` (what was modelled
+  /// and why, parameters, tracking health, training, milliseconds per frame), `not_modelled`, `config`, `timing`.
+  nlohmann::json report;
+};
+
+/// Models what the capture shows and no more. Without labels everything is the still layer `background`; a capture's
+/// poses are used where it has them, else the camera stands still. Same capture and options, same clip, for any number
+/// of threads; times are in the report alone. Memory: the stored pixels, one frame, a TSDF per rigid layer and the
+/// field in training.
+/// Throws Error: kCorruptInput if no frame is usable, kFailure if nothing can be modelled, kInterrupted.
+EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress);
+
+} // namespace kinora::encode

@@ -1,0 +1,102 @@
+#include "encode/scene_tracker.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kinora::encode {
+namespace {
+
+constexpr std::size_t kMinPixelsToBegin = 100; ///< measured pixels that a label needs in its first frame
+constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for a damaged mask
+/// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
+constexpr double kStillMove = 0.004;
+
+} // namespace
+
+struct SceneTracker::Sight {
+  std::size_t pixels = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(); ///< of camera-frame points
+  double squares = 0;                            ///< sum of their squared lengths
+};
+
+SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, bool use_masks, Progress& progress)
+    : capture_(capture), use_masks_(use_masks), progress_(progress) {}
+
+std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& frame) const {
+  std::array<Sight, 256> sights;
+  const bool labelled = use_masks_ && !frame.labels.empty();
+  for (int v = 0; v < frame.depth.height(); ++v) {
+    for (int u = 0; u < frame.depth.width(); ++u) {
+      const float depth = frame.depth.at(u, v);
+      if (!(depth > 0)) continue;
+      Sight& sight = sights[labelled ? frame.labels.at(u, v) : 0];
+      const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
+      ++sight.pixels;
+      sight.sum += point;
+      sight.squares += point.squaredNorm();
+    }
+  }
+  std::map<int, Sight> seen;
+  for (int label = 0; label < 256; ++label) {
+    if (sights[static_cast<std::size_t>(label)].pixels > 0) seen[label] = sights[static_cast<std::size_t>(label)];
+  }
+  return seen;
+}
+
+void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Frame& frame) {
+  if (labels_.size() >= kMaxLabels) {
+    if (!warned_of_crowd_) {
+      progress_.warn(fmt::format("frame {} shows more than {} labels; label {} and others after it are not modelled",
+                                 frame.index, kMaxLabels, label));
+      warned_of_crowd_ = true;
+    }
+    return;
+  }
+  TrackedLabel& tracked = labels_[label];
+  tracked.plan = plan_layer(label, capture_);
+  tracked.first_frame = frames_;
+  const Eigen::Vector3d mean = sight.sum / static_cast<double>(sight.pixels);
+  tracked.centre = frame.camera.camera_to_world * mean;
+  tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
+  if (!tracked.plan.motion) {
+    progress_.warn(fmt::format("{} (label {}) is not modelled: {}", tracked.plan.name, label, tracked.plan.why));
+  } else if (*tracked.plan.motion == tracking::MotionKind::kRigid) {
+    tracked.tracker = std::make_unique<tracking::RigidTracker>(label);
+    tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
+  }
+}
+
+void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
+  for (const auto& [label, sight] : sights_in(frame)) {
+    if (!labels_.contains(label) && sight.pixels >= kMinPixelsToBegin) begin_label(label, sight, frame);
+    if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += sight.pixels;
+  }
+  for (auto& [label, tracked] : labels_) {
+    if (!tracked.tracker) continue;
+    const auto result =
+        times.measure("track " + tracked.plan.name, [&, &t = tracked] { return t.tracker->track(frame); });
+    tracked.poses.push_back(result.pose);
+    tracked.relocalised += result.relocalised ? 1 : 0;
+    tracked.weak_directions += result.weak_directions;
+  }
+  ++frames_;
+}
+
+double SceneTracker::largest_move(const TrackedLabel& label) {
+  double largest = 0;
+  for (const auto& pose : label.poses) {
+    if (pose.health == tracking::Health::kLost) continue;
+    const double shift = (pose.canonical_to_world * label.centre - label.centre).norm();
+    const double turn = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * label.radius;
+    largest = std::max(largest, shift + turn);
+  }
+  return largest;
+}
+
+tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
+  const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
+  return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
+}
+
+} // namespace kinora::encode

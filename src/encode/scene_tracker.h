@@ -1,0 +1,59 @@
+// Finds the labels of a capture as its frames come by, and follows those that move.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "encode/layer_plan.h"
+#include "encode/stage_times.h"
+#include "ingest/frame.h"
+#include "tracking/rigid_tracker.h"
+
+namespace kinora::encode {
+
+/// One label's plan and what became of it.
+struct TrackedLabel {
+  LayerPlan plan;
+  int first_frame = 0;                       ///< of the timeline
+  std::size_t pixels = 0;                    ///< measured, over all frames
+  Eigen::Vector3d centre;                    ///< of its measured points in the first frame, world
+  double radius = 0;                         ///< root mean square distance of these points from the centre, metres
+  std::vector<tracking::Motion::Pose> poses; ///< one per frame so far, if rigid
+  int relocalised = 0;                       ///< times it was found again
+  int weak_directions = 0;                   ///< summed over frames, of six each: what geometry could not tell
+  std::unique_ptr<tracking::RigidTracker> tracker;
+};
+
+/// Not thread-safe.
+class SceneTracker {
+public:
+  SceneTracker(const ingest::CaptureInfo& capture, bool use_masks, Progress& progress);
+
+  /// The next frame of the timeline.
+  void add(const ingest::Frame& frame, StageTimes& times);
+
+  /// By label, in ascending order.
+  const std::map<int, TrackedLabel>& labels() const { return labels_; }
+  /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.
+  tracking::Motion motion_of(const TrackedLabel& label) const;
+  /// Greatest distance (metres) of the label's points from where they were in its first frame.
+  static double largest_move(const TrackedLabel& label);
+
+private:
+  struct Sight; ///< what one frame shows of a label
+  std::map<int, Sight> sights_in(const ingest::Frame& frame) const;
+  void begin_label(int label, const Sight& sight, const ingest::Frame& frame);
+
+  const ingest::CaptureInfo& capture_;
+  bool use_masks_;
+  Progress& progress_;
+  int frames_ = 0;
+  std::map<int, TrackedLabel> labels_;
+  bool warned_of_crowd_ = false;
+};
+
+} // namespace kinora::encode

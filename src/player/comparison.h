@@ -1,0 +1,50 @@
+// One drawn picture against one true picture, layer by layer, and the means over many.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "ingest/frame.h"
+#include "player/player.h"
+
+namespace kinora::player {
+
+/// Sums of named values over frames, for their means.
+class Means {
+public:
+  void add(const std::string& name, double value);
+  void add_frame() { ++frames_; }
+  int frames() const { return frames_; }
+  std::optional<double> mean(const std::string& name) const;
+  /// Rounded to four digits after the point (depths are in metres: to a tenth of a millimetre); null if not finite.
+  nlohmann::json json() const;
+
+private:
+  std::map<std::string, std::pair<double, int>> sums_;
+  int frames_ = 0;
+};
+
+/// What is drawn and where it is compared: one layer alone, or all that is modelled.
+struct Subject {
+  std::string name;
+  std::string region; ///< in words
+  LayerChoice layers;
+  std::set<int> labels;       ///< of the region; empty: every pixel
+  bool measured_only = false; ///< the region is cut to pixels with measured depth
+};
+
+/// One for each layer.
+std::vector<Subject> layer_subjects(const Player& player, bool masks);
+/// All layers together, where masks tell which pixels are modelled.
+Subject whole_subject(const Player& player);
+
+/// Adds the measures of evaluate.h to `means`; nothing if the frame shows nothing of the subject. Of the frame, only
+/// colour, depth and labels are looked at.
+void compare(const fields::Picture& picture, const ingest::Frame& frame, const Subject& subject, Means& means);
+
+} // namespace kinora::player

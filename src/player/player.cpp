@@ -1,0 +1,83 @@
+#include "player/player.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace kinora::player {
+namespace {
+
+std::optional<Eigen::Vector3d> occupied_centre(const fields::Field& field) {
+  const int n = field.occupancy.resolution();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  std::size_t count = 0;
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        if (!field.occupancy.at(x, y, z)) continue;
+        sum += Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+        ++count;
+      }
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return field.config.box.origin + sum * (field.config.box.side / (static_cast<double>(count) * n));
+}
+
+} // namespace
+
+Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
+  for (const encode::Layer& layer : clip_.layers) {
+    drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field));
+    centres_.push_back(occupied_centre(layer.field));
+  }
+}
+
+LayerChoice Player::all_layers() const {
+  LayerChoice choice(clip_.layers.size());
+  for (std::size_t i = 0; i < choice.size(); ++i) choice[i] = i;
+  return choice;
+}
+
+LayerChoice Player::choose_layers(std::span<const std::string> names, Progress& progress) const {
+  std::vector<std::string> known;
+  for (const encode::Layer& layer : clip_.layers) known.push_back(layer.name);
+  LayerChoice choice;
+  for (const std::string& name : names) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end()) {
+      progress.warn(fmt::format("the clip has no layer \"{}\", which is ignored; it has: {}", name,
+                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+    } else {
+      choice.push_back(static_cast<std::size_t>(found - known.begin()));
+    }
+  }
+  std::sort(choice.begin(), choice.end());
+  choice.erase(std::unique(choice.begin(), choice.end()), choice.end());
+  return choice;
+}
+
+std::optional<std::size_t> Player::layer_with_label(int label) const {
+  for (std::size_t i = 0; i < clip_.layers.size(); ++i) {
+    if (clip_.layers[i].label == label) return i;
+  }
+  return std::nullopt;
+}
+
+fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers) const {
+  std::vector<fields::PosedField> posed;
+  posed.reserve(layers.size());
+  for (const std::size_t i : layers) {
+    posed.push_back({drawables_.at(i).get(), clip_.layers[i].motion.canonical_to_world(frame)});
+  }
+  return fields::render(posed, camera);
+}
+
+std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {
+  const auto& centre = centres_.at(layer);
+  if (!centre) return std::nullopt;
+  return clip_.layers[layer].motion.canonical_to_world(frame) * *centre;
+}
+
+} // namespace kinora::player

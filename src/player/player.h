@@ -1,0 +1,48 @@
+// A clip that can be looked at: any frame or time, any camera, any of its layers.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "encode/clip.h"
+#include "fields/renderer.h"
+
+namespace kinora::player {
+
+/// Indices into Clip::layers, ascending.
+using LayerChoice = std::vector<std::size_t>;
+
+/// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
+class Player {
+public:
+  explicit Player(encode::Clip clip);
+
+  const encode::Clip& clip() const { return clip_; }
+  std::size_t frame_count() const { return clip_.times.size(); }
+
+  LayerChoice all_layers() const;
+  /// The layers with these names; names that the clip lacks are warned of and ignored, so the choice may be empty.
+  LayerChoice choose_layers(std::span<const std::string> names, Progress& progress) const;
+  std::optional<std::size_t> layer_with_label(int label) const;
+
+  /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`.
+  fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers) const;
+  /// The same at a time in seconds from the start.
+  fields::Picture draw_at(const Camera& camera, double seconds, const LayerChoice& layers) const {
+    return draw(camera, clip_.frame_at(seconds), layers);
+  }
+
+  /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.
+  std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
+
+private:
+  encode::Clip clip_;
+  std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
+  std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
+};
+
+} // namespace kinora::player
