@@ -177,11 +177,16 @@ void TsdfVolume::update(Brick& brick, const View& view) const {
         if (!(u > -0.5F && v > -0.5F && u < max_u && v < max_v)) continue;
         const int pixel_u = static_cast<int>(u + 0.5F);
         const int pixel_v = static_cast<int>(v + 0.5F);
-        const float weight = view.weights.at(pixel_u, pixel_v);
+        float weight = view.weights.at(pixel_u, pixel_v);
         if (weight <= 0) continue;
         const float* plane = view.planes.pixel(pixel_u, pixel_v);
         const float distance = plane[0] * p.x() + plane[1] * p.y() + plane[2] * p.z() + plane[3];
-        if (distance < -truncation) continue;
+        if (distance <= -truncation) continue;
+        // What lies behind the surface is a guess, worse with every step: near an edge it is outside again.
+        if (distance < 0) {
+          const float trust = 1.0F + distance / truncation;
+          weight *= trust * trust;
+        }
         const float old = brick.weight[i];
         const float share = weight / (old + weight);
         brick.distance[i] += share * (std::min(distance, truncation) - brick.distance[i]);

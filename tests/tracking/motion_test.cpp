@@ -1,0 +1,54 @@
+#include "tracking/motion.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tracking/synthetic_scene.h"
+
+namespace kinora::tracking {
+namespace {
+
+Motion two_poses() {
+  std::vector<Motion::Pose> poses(2);
+  poses[0].canonical_to_world = testing::pose_at({1, 2, 3}, 10, 0);
+  poses[1].canonical_to_world = testing::pose_at({2, 2, 3}, 50, 0);
+  poses[1].health = Health::kHeld;
+  return Motion::rigid(poses);
+}
+
+TEST(Motion, OfAStillLayerIsIdentityAndTracked) {
+  const Motion motion = Motion::still();
+  EXPECT_TRUE(motion.canonical_to_world(17.5).isApprox(SE3::Identity()));
+  EXPECT_EQ(motion.health(17), Health::kTracked);
+}
+
+TEST(Motion, ReturnsTheGivenPosesAtWholeFrames) {
+  const Motion motion = two_poses();
+  EXPECT_TRUE(motion.canonical_to_world(0).isApprox(motion.poses()[0].canonical_to_world, 1e-15));
+  EXPECT_TRUE(motion.canonical_to_world(1).isApprox(motion.poses()[1].canonical_to_world, 1e-15));
+  EXPECT_EQ(motion.health(0), Health::kTracked);
+  EXPECT_EQ(motion.health(1), Health::kHeld);
+}
+
+TEST(Motion, TurnsHalfWayBetweenTwoFrames) {
+  const Motion motion = two_poses();
+  const SE3 first = motion.canonical_to_world(0);
+  EXPECT_NEAR(rotation_angle(first.inverse() * motion.canonical_to_world(0.5)),
+              rotation_angle(first.inverse() * motion.canonical_to_world(1)) / 2, 1e-12);
+}
+
+TEST(Motion, IsClampedOutsideItsFrames) {
+  const Motion motion = two_poses();
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(motion.canonical_to_world(-infinity).isApprox(motion.canonical_to_world(0)));
+  EXPECT_TRUE(motion.canonical_to_world(infinity).isApprox(motion.canonical_to_world(1)));
+  EXPECT_TRUE(motion.canonical_to_world(std::numeric_limits<double>::quiet_NaN()).matrix().allFinite());
+  EXPECT_EQ(motion.health(1000), Health::kHeld);
+}
+
+TEST(Motion, RejectsARigidLayerWithoutPoses) { EXPECT_THROW(Motion::rigid({}), Error); }
+
+} // namespace
+} // namespace kinora::tracking
