@@ -101,7 +101,9 @@ void FolderReader::read_labels(const fs::path& path) {
   };
   const nlohmann::json json = nlohmann::json::parse(read_text(path), nullptr, false);
   if (!json.is_object()) fail("not a JSON object");
-  for (const auto& [key, value] : json.items()) {
+  for (const auto& item : json.items()) {
+    const std::string& key = item.key();
+    const nlohmann::json& value = item.value();
     const std::optional<double> label = parse_number(key);
     if (!label || *label < 0 || *label > 255 || *label != std::floor(*label))
       fail("\"" + key + "\" is not a label from 0 to 255");

@@ -84,7 +84,7 @@ fs::path find_image(const fs::path& folder, int frame) {
   const std::string digits = std::to_string(frame);
   const std::string name = std::string(6 - std::min<std::size_t>(digits.size(), 6), '0') + digits;
   for (const char* extension : {".png", ".jpg", ".jpeg"})
-    if (const fs::path path = folder / (name + extension); fs::exists(path)) return path;
+    if (fs::path path = folder / (name + extension); fs::exists(path)) return path;
   return {};
 }
 

@@ -47,7 +47,7 @@ ColorImage Undistortion::color(const ColorImage& distorted) const {
       for (int c = 0; c < channels; ++c) {
         const float top = (1 - a) * distorted.at(u, v, c) + a * distorted.at(u1, v, c);
         const float bottom = (1 - a) * distorted.at(u, v1, c) + a * distorted.at(u1, v1, c);
-        ideal.data()[i * channels + c] = static_cast<std::uint8_t>((1 - b) * top + b * bottom + 0.5F);
+        ideal.data()[i * channels + c] = static_cast<std::uint8_t>(std::lround((1 - b) * top + b * bottom));
       }
     }
   });
