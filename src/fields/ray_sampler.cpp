@@ -31,10 +31,8 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     const Eigen::Matrix3f rotation = (canonical_from_camera.linear() / config.box.side).cast<float>();
     const Intrinsics& k = stored.camera.intrinsics;
     FrameRays rays{};
-    for (int r = 0; r < 3; ++r) {
-      rays.origin[static_cast<std::size_t>(r)] = origin[r];
-      for (int c = 0; c < 3; ++c) rays.rotation[static_cast<std::size_t>(3 * r + c)] = rotation(r, c);
-    }
+    Eigen::Map<Eigen::Vector3f>(rays.origin.data()) = origin;
+    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rays.rotation.data()) = rotation;
     rays.fx = static_cast<float>(k.fx);
     rays.fy = static_cast<float>(k.fy);
     rays.cx = static_cast<float>(k.cx);

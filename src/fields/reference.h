@@ -147,7 +147,7 @@ void point_backward(const FieldConfig& config, std::span<const GridLevel> levels
                     Parameters<T>& gradient) {
   array<T, kH> hidden_gradient{};
   std::vector<T> encoding_gradient(s.encoding.size());
-  const std::size_t second = static_cast<std::size_t>(config.encoding_width() * kH);
+  const auto second = static_cast<std::size_t>(config.encoding_width()) * kH;
   dense_backward<T>(s.hidden, p.density_net.data() + second, geometry_gradient, hidden_gradient,
                     gradient.density_net.data() + second);
   relu_backward<T>(s.hidden, hidden_gradient);

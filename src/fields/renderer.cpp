@@ -120,7 +120,7 @@ void LayerTile::shade(const LayerView& view) {
 
 void LayerTile::march(const LayerView& view, const Intrinsics& intrinsics, int left, int top, int width, int height) {
   active_.clear();
-  rays_.resize(static_cast<std::size_t>(width * height));
+  rays_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (auto& samples : rays_) samples.clear();
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
@@ -158,7 +158,7 @@ public:
         opacities_(views.size()) {}
 
   void draw(int left, int top, int width, int height) {
-    const std::size_t pixels = static_cast<std::size_t>(width * height);
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     for (std::size_t l = 0; l < views_.size(); ++l) {
       layers_[l].march(views_[l], intrinsics_, left, top, width, height);
       colors_[l].input.assign(pixels * kG, 0.0F);

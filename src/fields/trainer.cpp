@@ -23,9 +23,10 @@ void initialise(Field& field, std::uint64_t seed) {
   constexpr int kG = FieldConfig::kGeometry;
   constexpr int kC = FieldConfig::kColorHidden;
   const int width = field.config.encoding_width();
+  const std::size_t first_size = field.density_net.size() - kH * kG;
   fill(field.table.data(), field.table.size(), 1e-4F);
-  fill(field.density_net.data(), static_cast<std::size_t>(width * kH), glorot(width, kH));
-  fill(field.density_net.data() + width * kH, kH * kG, glorot(kH, kG));
+  fill(field.density_net.data(), first_size, glorot(width, kH));
+  fill(field.density_net.data() + first_size, kH * kG, glorot(kH, kG));
   fill(field.color_net.data() + kColorFirst, kG * kC, glorot(kG, kC));
   fill(field.color_net.data() + kColorSecond, kC * kC, glorot(kC, kC));
   fill(field.color_net.data() + kColorThird, kC * FieldConfig::kColorOutputs, glorot(kC, 3));
@@ -60,10 +61,13 @@ void prune(Field& field) {
         if (((words[w] >> b) & 1) == 0) continue;
         const std::size_t index = w * 64 + static_cast<std::size_t>(b);
         const std::size_t r = static_cast<std::size_t>(resolution);
+        const std::size_t cell_x = index % r;
+        const std::size_t cell_y = index / r % r;
+        const std::size_t cell_z = index / (r * r);
         for (int k = 0; k < kProbes; ++k) {
-          x.push_back((static_cast<float>(index % r) + random.uniform()) / static_cast<float>(resolution));
-          y.push_back((static_cast<float>(index / r % r) + random.uniform()) / static_cast<float>(resolution));
-          z.push_back((static_cast<float>(index / (r * r)) + random.uniform()) / static_cast<float>(resolution));
+          x.push_back((static_cast<float>(cell_x) + random.uniform()) / static_cast<float>(resolution));
+          y.push_back((static_cast<float>(cell_y) + random.uniform()) / static_cast<float>(resolution));
+          z.push_back((static_cast<float>(cell_z) + random.uniform()) / static_cast<float>(resolution));
         }
         bits.push_back(index);
       }

@@ -98,9 +98,9 @@ TEST(FieldOptimizer, StaysFiniteWithRawDensitiesOfTenThousand) {
     Field field = testing::random_field(5, 0.0F);
     for (float& v : field.table) v = 100;
     std::fill(field.density_net.begin(), field.density_net.end(), 0.0F);
-    const int width = field.config.encoding_width();
-    for (int i = 0; i < width; ++i) field.density_net[static_cast<std::size_t>(i * FieldConfig::kHidden)] = 1;
-    field.density_net[static_cast<std::size_t>(width * FieldConfig::kHidden)] = sign * 10'000.0F / (100.0F * width);
+    const std::size_t width = field.density_net.size() / FieldConfig::kHidden - FieldConfig::kGeometry;
+    for (std::size_t i = 0; i < width; ++i) field.density_net[i * FieldConfig::kHidden] = 1;
+    field.density_net[width * FieldConfig::kHidden] = sign * 10'000.0F / (100.0F * static_cast<float>(width));
     FieldOptimizer optimizer(field, {});
     for (int step = 0; step < 3; ++step) {
       optimizer.step(kChunks, [](std::size_t c, RayBatch& batch) { batch = rays_of_chunk(c); }, {});
