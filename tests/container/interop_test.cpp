@@ -4,6 +4,7 @@
 #include <ebml/EbmlHead.h>
 #include <ebml/EbmlStream.h>
 #include <ebml/StdIOCallback.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <matroska/KaxBlock.h>
 #include <matroska/KaxCluster.h>
@@ -136,7 +137,7 @@ TEST(ContainerInterop, SurvivesRemuxingByMkvmerge) {
     write_sample(sample, folder / "a.mkv");
     const std::string a = (folder / "a.mkv").string();
     const std::string b = (folder / "b.mkv").string();
-    ASSERT_EQ(run("mkvmerge -q -o " + b + " " + a), 0);
+    ASSERT_EQ(run(fmt::format("mkvmerge -q -o {} {}", b, a)), 0);
     Reader reader(b);
     EXPECT_EQ(reader.tag(kKindTag), "clip");
     EXPECT_EQ(reader.tracks().size(), sample.head.tracks.size());
@@ -174,8 +175,8 @@ TEST(ContainerInterop, MkvinfoAndFfprobeListEveryTrack) {
   write_sample(sample, folder / "a.mkv");
   const std::string a = (folder / "a.mkv").string();
   const std::string log = (folder / "log").string();
-  EXPECT_EQ(run("mkvinfo " + a + " > " + log), 0);
-  EXPECT_EQ(run("ffprobe -hide_banner " + a + " >> " + log + " 2>&1"), 0);
+  EXPECT_EQ(run(fmt::format("mkvinfo {} > {}", a, log)), 0);
+  EXPECT_EQ(run(fmt::format("ffprobe -hide_banner {} >> {} 2>&1", a, log)), 0);
   const Bytes bytes = testing::load(log);
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const Track& track : sample.head.tracks) {

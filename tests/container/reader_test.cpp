@@ -8,7 +8,7 @@
 namespace kinora::container {
 namespace {
 
-using namespace testing; // NOLINT(google-build-using-namespace)
+using namespace testing;
 
 const Bytes kHello = bytes_of("hello");
 
@@ -181,7 +181,7 @@ TEST(ContainerReader, TellsOtherFilesFromDamagedOnes) {
   expect_not_recognised(ebml_head("webm") + element(ids::kSegment, tracks()));
   expect_not_recognised(element(ids::kEbml, text(ids::kDocType, "matroska") + number(ids::kEbmlMaxIdLength, 5)));
   EXPECT_THROW(Reader(std::filesystem::path("/nowhere/at/all.mkv")), Error);
-  EXPECT_THROW(Reader(std::filesystem::temp_directory_path()), Error);
+  EXPECT_THROW(Reader{std::filesystem::temp_directory_path()}, Error);
 }
 
 // A size that claims more than there is must not be believed, let alone allocated.

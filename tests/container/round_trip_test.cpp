@@ -9,8 +9,6 @@ namespace kinora::container {
 namespace {
 
 using testing::load;
-using testing::operator+;
-using testing::open;
 using testing::read_all;
 using testing::sample_file;
 using testing::SampleFile;
@@ -108,7 +106,8 @@ TEST(ContainerWriter, GivesOtherContentsAnotherIdentifier) {
   const Bytes a = load(folder / "a.mkv");
   const Bytes b = load(folder / "b.mkv");
   ASSERT_EQ(a.size(), b.size());
-  const Bytes uid_id = testing::id_bytes(0x73A4) + Bytes{std::byte{0x90}};
+  Bytes uid_id = testing::id_bytes(0x73A4);
+  uid_id.push_back(std::byte{0x90}); // 16 bytes
   const auto uid_at = std::search(a.begin(), a.end(), uid_id.begin(), uid_id.end()) - a.begin();
   ASSERT_LT(uid_at + 19, static_cast<std::ptrdiff_t>(a.size()));
   EXPECT_FALSE(std::equal(a.begin() + uid_at, a.begin() + uid_at + 19, b.begin() + uid_at));

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "container/ebml_builder.h"
@@ -118,7 +119,8 @@ TEST(ClipFile, SurvivesRemuxingByMkvmerge) {
   const TemporaryFolder folder;
   const Clip clip = sample_clip(22, 40, true);
   write_clip(clip, folder / "a.mkv");
-  ASSERT_EQ(std::system(("mkvmerge -q -o " + (folder / "b.mkv").string() + " " + (folder / "a.mkv").string()).c_str()),
+  ASSERT_EQ(std::system(
+                fmt::format("mkvmerge -q -o {} {}", (folder / "b.mkv").string(), (folder / "a.mkv").string()).c_str()),
             0);
   expect_equal(read_clip(folder / "b.mkv"), as_stored(clip));
 }

@@ -9,12 +9,7 @@
 namespace kinora::container {
 namespace {
 
-using testing::operator+;
-
-using testing::load;
-using testing::open;
-using testing::read_all;
-using testing::TemporaryFolder;
+using namespace testing;
 
 void expect_survives(const Bytes& file) {
   try {
@@ -30,7 +25,7 @@ TEST(ContainerFuzz, ReaderRefusesOrReadsMutatedFiles) {
   const TemporaryFolder folder;
   std::vector<Bytes> seeds;
   for (std::uint64_t seed = 31; seed < 35; ++seed) {
-    testing::write_sample(testing::sample_file(seed, 12, 200), folder / "a.mkv");
+    write_sample(sample_file(seed, 12, 200), folder / "a.mkv");
     seeds.push_back(load(folder / "a.mkv"));
   }
   for (std::uint64_t i = 0; i < 4000; ++i) {
@@ -41,11 +36,10 @@ TEST(ContainerFuzz, ReaderRefusesOrReadsMutatedFiles) {
 }
 
 TEST(ContainerFuzz, ReaderRefusesOrReadsMutatedFilesOfUnknownSizes) {
-  const Bytes frame = wrap_payload(7, 5, true, testing::bytes_of("hello"));
-  const Bytes cluster = testing::unknown_size(ids::kCluster, testing::simple_block(1, frame));
-  const Bytes seed = testing::ebml_head() +
-                     testing::unknown_size(ids::kSegment, testing::element(ids::kTracks, testing::track_entry(1, 7)) +
-                                                              cluster + cluster);
+  const Bytes frame = wrap_payload(7, 5, true, bytes_of("hello"));
+  const Bytes cluster = unknown_size(ids::kCluster, simple_block(1, frame));
+  const Bytes seed =
+      ebml_head() + unknown_size(ids::kSegment, element(ids::kTracks, track_entry(1, 7)) + cluster + cluster);
   for (std::uint64_t i = 0; i < 4000; ++i) {
     Random random(100, i);
     expect_survives(fuzz::mutate(seed, random));
