@@ -117,7 +117,8 @@ def main():
 
     waiting = []
     entries = {pathlib.Path(e["file"]).resolve(): e for e in json.loads((build / "compile_commands.json").read_text())}
-    entries = {path: e for path, e in sorted(entries.items()) if root in path.parents and build not in path.parents}
+    ours = (p for p in sorted(entries) if p.suffix == ".cpp" and root in p.parents and build not in p.parents)
+    entries = {path: entries[path] for path in ours}
     for path, entry in entries.items():
         flags = kept_flags(entry)
         portable = " ".join(flags).replace(str(build), "<build>").replace(str(root), "<root>")
