@@ -13,7 +13,6 @@
 namespace kinora::encode {
 namespace {
 
-using container::testing::load;
 using container::testing::TemporaryFolder;
 
 // Same tracks, attachments and payloads as `path`, with damage in some of them.
