@@ -38,9 +38,8 @@ KinoraStatus finish_mp4(KinoraWriter* writer, KinoraMessage* message) {
 void abandon_mp4(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {
-    {sizeof(KinoraOption), KINORA_PLUGIN_ABI, "fps", "number", "30",
-     "Nominal frames per second; the pictures' own times decide when each is shown."},
-    {sizeof(KinoraOption), KINORA_PLUGIN_ABI, "crf", "int", "18", "Quality from 0 (largest file) to 51 (smallest)."},
+    {"fps", "number", "30", "Nominal frames per second; the pictures' own times decide when each is shown.", nullptr},
+    {"crf", "int", "18", "Quality from 0 (largest file) to 51 (smallest).", nullptr},
 };
 
 constexpr KinoraFormat mp4_format() {

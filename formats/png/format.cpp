@@ -36,8 +36,9 @@ KinoraStatus finish_png(KinoraWriter* writer, KinoraMessage* message) {
 
 void abandon_png(KinoraWriter* writer) { delete self(writer); }
 
-const KinoraOption kOptions[] = {{sizeof(KinoraOption), KINORA_PLUGIN_ABI, "layout", "auto|folder|file", "auto",
-                                  "A folder of pictures or a single one; auto: a file if the path ends in .png."}};
+const KinoraOption kOptions[] = {{"layout", "auto|folder|file", "auto",
+                                  "A folder of pictures or a single one; auto: a file if the path ends in .png.",
+                                  nullptr}};
 
 constexpr KinoraFormat png_format() {
   auto format = make_struct<KinoraFormat>();

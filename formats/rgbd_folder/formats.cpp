@@ -50,8 +50,7 @@ KinoraStatus folder_seek(KinoraReader* reader, int64_t index, KinoraMessage* mes
 
 void folder_close(KinoraReader* reader) { delete reader; }
 
-const KinoraOption kOptions[] = {
-    {sizeof(KinoraOption), KINORA_PLUGIN_ABI, "masks", "bool", "true", "Read the masks of mask/ where there are any."}};
+const KinoraOption kOptions[] = {{"masks", "bool", "true", "Read the masks of mask/ where there are any.", nullptr}};
 
 /// A probe reads folders, and folders may vanish or be forbidden: then it is no folder of ours.
 template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* path, KinoraProbe* answer) {

@@ -142,13 +142,13 @@ enum { /* KinoraFormat.capabilities */
        /* All other bits are reserved and 0. */
 };
 
-/* An option that a user may set with -O name=value. */
+/* An option that a user may set with -O name=value. Embedded, for options stand in an array. */
 typedef struct KinoraOption {
-  KINORA_STRUCT_HEADER;
   const char* name;
   const char* type;          /* "int", "number", "bool" (true|false), "text", or words to choose from: "fast|small" */
   const char* default_value; /* as text */
   const char* help;          /* one sentence */
+  const void* reserved;      /* NULL */
 } KinoraOption;
 
 /* Checked by the host against the list before it is handed over; options not given are absent. Embedded. */
