@@ -68,16 +68,15 @@ void sum_row(const PaddedDepth& padded, std::size_t v, int width, RowSums& sums)
       const float* inverse = padded.inverse.data() + centre + shift;
       const float fu = static_cast<float>(du);
       const float fv = static_cast<float>(dv);
-      float* n = sums[0].data();
-      float* su = sums[1].data();
-      float* sv = sums[2].data();
-      float* suu = sums[3].data();
-      float* suv = sums[4].data();
-      float* svv = sums[5].data();
-      float* sw = sums[6].data();
-      float* swu = sums[7].data();
-      float* swv = sums[8].data();
-#pragma GCC ivdep
+      float* __restrict n = sums[0].data();
+      float* __restrict su = sums[1].data();
+      float* __restrict sv = sums[2].data();
+      float* __restrict suu = sums[3].data();
+      float* __restrict suv = sums[4].data();
+      float* __restrict svv = sums[5].data();
+      float* __restrict sw = sums[6].data();
+      float* __restrict swu = sums[7].data();
+      float* __restrict swv = sums[8].data();
       for (int u = 0; u < width; ++u) {
         const float m = std::fabs(other[u] - z[u]) < gate[u] ? 1.0F : 0.0F;
         const float w = m * inverse[u];

@@ -25,7 +25,7 @@ struct FloatPose {
 Eigen::Vector2f visible_pixel(const SurfacePoint& surface, const FloatPose& pose, const Intrinsics& camera, float& z) {
   const Eigen::Vector3f p = pose.rotation * surface.position + pose.translation;
   const Eigen::Vector3f n = pose.rotation * surface.normal;
-  const Eigen::Vector2f nowhere(-1, -1);
+  Eigen::Vector2f nowhere(-1, -1);
   z = p.z();
   if (p.z() < 0.05F || n.dot(p) > -kFacingCosine * p.norm()) return nowhere;
   const float u = static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx);

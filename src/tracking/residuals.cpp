@@ -40,11 +40,11 @@ std::optional<ProjectedPoint> project(const ModelPoint& model, const ObjectView&
   if (p.point.z() < 0.05 || p.normal.dot(p.point) > -kFacingCosine * p.point.norm()) return std::nullopt;
   p.u = view.intrinsics.fx * p.point.x() / p.point.z() + view.intrinsics.cx;
   p.v = view.intrinsics.fy * p.point.y() / p.point.z() + view.intrinsics.cy;
-  if (!(p.u > -0.5 && p.v > -0.5 && p.u < view.intrinsics.width - 0.5 && p.v < view.intrinsics.height - 0.5)) {
+  if (!(p.u > -0.49 && p.v > -0.49 && p.u < view.intrinsics.width - 0.51 && p.v < view.intrinsics.height - 0.51)) {
     return std::nullopt;
   }
-  p.pixel_u = static_cast<int>(p.u + 0.5);
-  p.pixel_v = static_cast<int>(p.v + 0.5);
+  p.pixel_u = static_cast<int>(std::lround(p.u));
+  p.pixel_v = static_cast<int>(std::lround(p.v));
   return p;
 }
 

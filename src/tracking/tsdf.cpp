@@ -175,8 +175,10 @@ void TsdfVolume::update(Brick& brick, const View& view) const {
         const float u = view.fx * p.x() * inverse + view.cx;
         const float v = view.fy * p.y() * inverse + view.cy;
         if (!(u > -0.5F && v > -0.5F && u < max_u && v < max_v)) continue;
-        const int pixel_u = static_cast<int>(u + 0.5F);
-        const int pixel_v = static_cast<int>(v + 0.5F);
+        const float shifted_u = u + 0.5F;
+        const float shifted_v = v + 0.5F;
+        const int pixel_u = static_cast<int>(shifted_u);
+        const int pixel_v = static_cast<int>(shifted_v);
         float weight = view.weights.at(pixel_u, pixel_v);
         if (weight <= 0) continue;
         const float* plane = view.planes.pixel(pixel_u, pixel_v);

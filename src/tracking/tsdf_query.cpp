@@ -28,9 +28,10 @@ struct TsdfVolume::Neighbourhood {
   /// The brick of a voxel at most one brick away from the base, or nullptr; `inside` receives the index in it.
   const Brick* brick_of(const Index3& voxel, std::size_t& inside) {
     const Index3 c = {voxel[0] >> 3, voxel[1] >> 3, voxel[2] >> 3};
-    inside = static_cast<std::size_t>(((voxel[2] & 7) * kSide + (voxel[1] & 7)) * kSide + (voxel[0] & 7));
-    const std::size_t slot = static_cast<std::size_t>(((c[2] - base_brick[2] + 1) * 3 + c[1] - base_brick[1] + 1) * 3 +
-                                                      c[0] - base_brick[0] + 1);
+    const int index = ((voxel[2] & 7) * kSide + (voxel[1] & 7)) * kSide + (voxel[0] & 7);
+    inside = static_cast<std::size_t>(index);
+    const int neighbour = ((c[2] - base_brick[2] + 1) * 3 + c[1] - base_brick[1] + 1) * 3 + c[0] - base_brick[0] + 1;
+    const auto slot = static_cast<std::size_t>(neighbour);
     if (!looked_up[slot]) {
       looked_up[slot] = true;
       const std::int32_t found = volume.find(c);

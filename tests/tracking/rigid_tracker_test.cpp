@@ -59,7 +59,7 @@ std::vector<SE3> carried_poses(int count) {
 TEST(RigidTracker, FollowsANoisyBoxWithinTwoMillimetresAndOneDegree) {
   SceneOptions options;
   options.noise = 1;
-  const Errors errors = follow({}, carried_poses(30), options);
+  const Errors errors = follow({}, carried_poses(16), options);
   EXPECT_LT(errors.metres, 0.002);
   EXPECT_LT(errors.degrees, 1.0);
 }
@@ -67,7 +67,7 @@ TEST(RigidTracker, FollowsANoisyBoxWithinTwoMillimetresAndOneDegree) {
 TEST(RigidTracker, FollowsABoxWithoutTexture) {
   SceneOptions options;
   options.noise = 1;
-  const Errors errors = follow({ShapeKind::kBox, {0.12, 0.09, 0.07}, false}, carried_poses(20), options);
+  const Errors errors = follow({ShapeKind::kBox, {0.12, 0.09, 0.07}, false}, carried_poses(10), options);
   EXPECT_LT(errors.metres, 0.004);
   EXPECT_LT(errors.degrees, 1.5);
 }
@@ -76,7 +76,7 @@ TEST(RigidTracker, FollowsANoisyBoxThreeMetresAway) {
   SceneOptions options;
   options.noise = 1;
   options.focal = 525;
-  std::vector<SE3> poses = carried_poses(15);
+  std::vector<SE3> poses = carried_poses(8);
   for (SE3& pose : poses) pose.translation().z() += 2;
   const Errors errors = follow({ShapeKind::kBox, {0.2, 0.15, 0.12}, true}, poses, options);
   EXPECT_LT(errors.metres, 0.008);
@@ -131,8 +131,8 @@ TEST(RigidTracker, FollowsABoxOfWhichHalfIsHidden) {
   options.noise = 1;
   RigidTracker tracker(2);
   Errors errors;
-  for (int i = 0; i < 20; ++i) {
-    options.occluded_columns = i < 5 ? 0 : 150 + static_cast<int>(28 * std::sin(0.15 * i));
+  for (int i = 0; i < 12; ++i) {
+    options.occluded_columns = i < 5 ? 0 : 115 + static_cast<int>(20 * std::sin(0.15 * i));
     const auto result = tracker.track(render_frame({}, carried(i), SE3::Identity(), i, options));
     EXPECT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
     add_error(result.pose.canonical_to_world, carried(0), carried(i), errors);
@@ -146,7 +146,7 @@ TEST(RigidTracker, DoesNotFuseAnOccluderThatCarriesTheObjectsLabel) {
   const SE3 pose = pose_at({0, 0, 1}, 20, 30);
   RigidTracker tracker(2);
   for (int i = 0; i < 8; ++i) {
-    options.occluded_columns = i < 3 ? 0 : 150;
+    options.occluded_columns = i < 3 ? 0 : 115;
     options.occluder_has_label = false;
     tracker.track(render_frame({}, pose, SE3::Identity(), i, options));
   }
@@ -249,7 +249,7 @@ TEST(RigidTracker, NamesTheWeakDirectionsOfABallAndDoesNotDriftInTheStrongOnes) 
   SceneOptions options;
   options.noise = 1;
   RigidTracker tracker(2);
-  for (int i = 0; i < 25; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const SE3 pose = pose_at({0.004 * i, -0.002 * i, 1 + 0.003 * i}, 0, 0);
     const auto result = tracker.track(render_frame(ball, pose, SE3::Identity(), i, options));
     ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;

@@ -20,9 +20,9 @@ struct Shape {
 };
 
 struct SceneOptions {
-  int width = 320;
-  int height = 240;
-  double focal = 280;
+  int width = 240;
+  int height = 180;
+  double focal = 240;
   double noise = 0; ///< in units of the sensor's σ(z)
   std::uint64_t seed = 1;
   int occluded_columns = 0;       ///< from the left: covered by another label's surface at 0.5 m
