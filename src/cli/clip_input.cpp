@@ -1,5 +1,6 @@
 #include "cli/clip_input.h"
 
+#include <cmath>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -27,7 +28,8 @@ encode::Clip open_clip(const std::filesystem::path& path, encode::ByteAccount* a
 double frames_per_second(const encode::Clip& clip) {
   const std::size_t count = clip.times.size();
   const double duration = count > 1 ? clip.times.back() - clip.times.front() : 0;
-  return duration > 0 ? static_cast<double>(count - 1) / duration : 30;
+  // Times are kept to the nanosecond: more digits of the rate than these mean nothing.
+  return duration > 0 ? std::round(static_cast<double>(count - 1) / duration * 1e6) / 1e6 : 30;
 }
 
 std::vector<int> frames_in_range(const std::string& range, std::size_t count) {

@@ -58,7 +58,7 @@ void run(const Options& options, Context& context) {
   const encode::Clip clip = open_clip(options.clip);
   Json motion = {{"schema", "kinora.motion/1"}, {"fps", frames_per_second(clip)}, {"layers", Json::array()}};
   for (const encode::Layer& layer : clip.layers) motion["layers"].push_back(layer_json(layer, clip));
-  write_text(out, motion.dump(1) + "\n");
+  write_text(out, motion.dump() + "\n");
   if (context.shared.json) {
     context.print_json({{"schema", "kinora.written/1"}, {"output", options.out.string()}});
   } else {

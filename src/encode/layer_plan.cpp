@@ -43,7 +43,7 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
     plan.motion = tracking::MotionKind::kRigid;
     plan.why = source + ": one pose per frame is tracked";
   } else if (kind == "deforming") {
-    plan.why = source + ": deforming layers are not modelled; its pixels only teach the other layers emptiness";
+    plan.why = source + ", which is not modelled; its pixels only teach the other layers where space is empty";
   } else {
     throw Error(ErrorCode::kCorruptInput, fmt::format("labels.json gives label {} the kind \"{}\"; use deforming, "
                                                       "rigid or still",

@@ -65,10 +65,23 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
   }
 }
 
-/// Pixels of each label that training may look at.
-std::map<int, std::size_t> stored_by_label(const fields::PixelStore& pixels) {
+/// Pixels with reliable depth of each label, in frames where the label's place is known.
+std::map<int, std::size_t> stored_by_label(const Pass& pass) {
   std::map<int, std::size_t> counts;
-  for (const fields::StoredPixel& pixel : pixels.pixels()) ++counts[pixel.label];
+  for (const fields::StoredFrame& frame : pass.pixels.frames()) {
+    std::array<std::size_t, 256> in_frame{};
+    for (std::size_t i = frame.begin; i < frame.end; ++i) {
+      const fields::StoredPixel& pixel = pass.pixels.pixels()[i];
+      if (pixel.depth > 0) ++in_frame[pixel.label];
+    }
+    for (const auto& [number, label] : pass.scene.labels()) {
+      const auto f = static_cast<std::size_t>(frame.frame);
+      const bool lost = f < label.poses.size() && label.poses[f].health == tracking::Health::kLost;
+      if (!lost && in_frame[static_cast<std::size_t>(number)] > 0) {
+        counts[number] += in_frame[static_cast<std::size_t>(number)];
+      }
+    }
+  }
   return counts;
 }
 
@@ -89,7 +102,7 @@ std::string why_not_modelled(const TrackedLabel& label) {
 
 // A layer's share of the rays grows with the square root of its pixels: small layers are looked at more closely.
 std::vector<LayerJob> share_rays(const Pass& pass, const EncodeOptions& options, Json& not_modelled) {
-  const auto counts = stored_by_label(pass.pixels);
+  const auto counts = stored_by_label(pass);
   std::vector<LayerJob> jobs;
   double weights = 0;
   for (const auto& [number, label] : pass.scene.labels()) {

@@ -1,0 +1,71 @@
+#include "player/player.h"
+
+#include <gtest/gtest.h>
+
+#include "encode/sample_clip.h"
+
+namespace kinora::player {
+namespace {
+
+class Warnings : public Progress {
+public:
+  void warn(const std::string& sentence) override { sentences.push_back(sentence); }
+  std::vector<std::string> sentences;
+};
+
+TEST(PlayerLayers, UnknownNamesAreIgnoredWithAWarningThatNamesTheLayersThereAre) {
+  const Player player(encode::testing::sample_clip(1, 3, false));
+  Warnings warnings;
+  const std::vector<std::string> names{"object", "person", "object"};
+  EXPECT_EQ(player.choose_layers(names, warnings), (LayerChoice{1}));
+  ASSERT_EQ(warnings.sentences.size(), 1U);
+  EXPECT_NE(warnings.sentences[0].find("\"person\""), std::string::npos);
+  EXPECT_NE(warnings.sentences[0].find("background, object"), std::string::npos);
+}
+
+TEST(PlayerLayers, NothingChosenDrawsNothing) {
+  const Player player(encode::testing::sample_clip(1, 3, false));
+  Camera camera = player.clip().capture_camera(0);
+  camera.intrinsics = camera.intrinsics.resized(16, 12);
+  const fields::Picture picture = player.draw(camera, 0, {});
+  ASSERT_EQ(picture.color.pixel_count(), 16U * 12U);
+  for (std::size_t i = 0; i < picture.color.pixel_count(); ++i) ASSERT_EQ(picture.color.data()[4 * i + 3], 0);
+}
+
+TEST(PlayerLayers, AreFoundByLabel) {
+  const Player player(encode::testing::sample_clip(1, 3, false));
+  EXPECT_EQ(player.layer_with_label(2), 1U);
+  EXPECT_EQ(player.layer_with_label(7), std::nullopt);
+}
+
+TEST(PlayerCentre, MovesWithTheLayer) {
+  encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+  fields::Field& field = clip.layers[1].field;
+  field.occupancy = fields::Occupancy(field.config.occupancy_resolution);
+  field.occupancy.set(10, 20, 30);
+  field.occupancy.set(12, 20, 30);
+  const double cell = field.config.box.side / field.config.occupancy_resolution;
+  const Eigen::Vector3d canonical = field.config.box.origin + cell * Eigen::Vector3d(11.5, 20.5, 30.5);
+  const SE3 pose = clip.layers[1].motion.canonical_to_world(1);
+  const Player player(std::move(clip));
+  EXPECT_LT((player.centre_of(1, 1).value() - pose * canonical).norm(), 1e-9);
+}
+
+TEST(PlayerCentre, OfAnEmptyLayerIsNothing) {
+  encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+  clip.layers[0].field.occupancy = fields::Occupancy(clip.layers[0].field.config.occupancy_resolution);
+  EXPECT_FALSE(Player(std::move(clip)).centre_of(0, 0).has_value());
+}
+
+TEST(PlayerTime, DrawingAtATimeIsDrawingAtItsFrame) {
+  const Player player(encode::testing::sample_clip(5, 4, true));
+  Camera camera = player.clip().capture_camera(2);
+  camera.intrinsics = camera.intrinsics.resized(24, 18);
+  const fields::Picture by_frame = player.draw(camera, 2, player.all_layers());
+  const fields::Picture by_time = player.draw_at(camera, player.clip().times[2], player.all_layers());
+  EXPECT_TRUE(std::equal(by_frame.color.values().begin(), by_frame.color.values().end(), by_time.color.values().begin(),
+                         by_time.color.values().end()));
+}
+
+} // namespace
+} // namespace kinora::player
