@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks what may be in the repository: no large files outside of samples, nothing unfinished, no paths of somebody's machine.
+"""Checks what may be in the repository: no large files outside of samples, no machine paths, nothing unfinished.
 
 usage: tracked_files_check.py ROOT
 """
