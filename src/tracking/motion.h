@@ -1,14 +1,16 @@
 // Where a layer's canonical points are at every frame of a clip.
 #pragma once
 
+#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "core/se3.h"
+#include "tracking/warp.h"
 
 namespace kinora::tracking {
 
-enum class MotionKind { kStill, kRigid };
+enum class MotionKind { kStill, kRigid, kDeforming };
 enum class Health { kTracked, kHeld, kLost };
 
 std::string_view name_of(MotionKind kind);
@@ -22,25 +24,40 @@ public:
     SE3 canonical_to_world = SE3::Identity();
     Health health = Health::kTracked;
   };
+  /// One frame of a deforming layer: a transform for each node of the graph.
+  struct Deformation {
+    std::vector<DualQuaternion> node_to_world;
+    Health health = Health::kTracked;
+  };
 
-  static Motion still() { return Motion(MotionKind::kStill, {}); }
-  /// One pose for each frame of the clip, in order. Throws Error(kFailure) if there is none.
+  static Motion still() { return Motion(MotionKind::kStill); }
+  /// One pose for each frame of the clip, in order; at least one.
   static Motion rigid(std::vector<Pose> poses);
+  /// One deformation for each frame of the clip, in order; at least one. Throws Error(kFailure) if a frame's number of
+  /// transforms is not that of the graph's nodes.
+  static Motion deforming(std::shared_ptr<const DeformationGraph> graph, std::vector<Deformation> deformations);
 
   MotionKind kind() const { return kind_; }
-  /// Empty for a still layer.
+  /// Empty unless the layer is rigid.
   const std::vector<Pose>& poses() const { return poses_; }
+  /// Null and empty unless the layer deforms.
+  const std::shared_ptr<const DeformationGraph>& graph() const { return graph_; }
+  const std::vector<Deformation>& deformations() const { return deformations_; }
 
-  /// At a whole or fractional frame; in between, along the screw from one pose to the next; clamped at both ends.
+  /// At a whole or fractional frame; in between, along the screw from one pose to the next (of each node); clamped at
+  /// both ends.
+  Warp warp(double frame) const;
+  /// The same of a still or rigid layer; throws Error(kFailure) for a deforming one, which has no single transform.
   SE3 canonical_to_world(double frame) const;
-  /// A still layer is always tracked; beyond the last frame, that of the last.
   Health health(std::size_t frame) const;
 
 private:
-  Motion(MotionKind kind, std::vector<Pose> poses) : kind_(kind), poses_(std::move(poses)) {}
+  explicit Motion(MotionKind kind) : kind_(kind) {}
 
   MotionKind kind_;
   std::vector<Pose> poses_;
+  std::shared_ptr<const DeformationGraph> graph_;
+  std::vector<Deformation> deformations_;
 };
 
 } // namespace kinora::tracking

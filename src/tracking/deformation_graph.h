@@ -1,0 +1,67 @@
+// The embedded deformation graph of a layer that bends: nodes in canonical space, and which of them move a point.
+// Source: Sumner, Schmid, Pauly, "Embedded Deformation for Shape Manipulation", SIGGRAPH 2007; weights as in
+// Jiang et al., "Instant-NVR", CVPR 2023, sec. 4.1: exp(−d²/r²) over the nearest nodes, less the weight that the first
+// node left out would have, so that the warp is continuous.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace kinora::tracking {
+
+/// The nearest points to a query among a fixed set; a uniform hash grid. Immutable, thread-safe.
+class NearestPoints {
+public:
+  NearestPoints() = default;
+  /// Finds points within `reach` metres (> 0) of a query. Keeps a copy of the points.
+  NearestPoints(std::span<const Eigen::Vector3d> points, double reach);
+
+  struct Neighbour {
+    int index;
+    double squared_distance;
+  };
+  /// Fills `found` with the nearest points within reach, nearest first (equal distances by index); returns how many.
+  std::size_t find(const Eigen::Vector3d& query, std::span<Neighbour> found) const;
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
+
+private:
+  std::size_t slot_of(long x, long y, long z) const;
+
+  double reach_ = 1;
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<std::uint32_t> begin_; // per slot, into order_; one more at the end
+  std::vector<std::uint32_t> order_; // point indices by slot
+};
+
+/// Which nodes move a canonical point, heaviest first; weights add up to 1. `count` 0: no node is near enough.
+struct Influence {
+  static constexpr int kMost = 4;
+  int count = 0;
+  std::array<int, kMost> nodes{};
+  std::array<double, kMost> weights{};
+};
+
+/// Immutable, thread-safe.
+class DeformationGraph {
+public:
+  /// `nodes`: canonical positions, metres. `weight_radius` r and `influence_radius` (farthest node that may move a
+  /// point) in metres, both > 0. Throws Error(kFailure) without nodes or with radii that are not positive.
+  DeformationGraph(std::vector<Eigen::Vector3d> nodes, double weight_radius, double influence_radius);
+
+  const std::vector<Eigen::Vector3d>& nodes() const { return nearest_.points(); }
+  double weight_radius() const { return weight_radius_; }
+  double influence_radius() const { return influence_radius_; }
+
+  Influence influence(const Eigen::Vector3d& canonical) const;
+
+private:
+  double weight_radius_;
+  double influence_radius_;
+  NearestPoints nearest_;
+};
+
+} // namespace kinora::tracking
