@@ -80,7 +80,7 @@ void run(const char* path, double million_rays, int holdout, int levels, int log
   const Clock::time_point begin = Clock::now();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!held_out(i) && i % 5 != 0) continue;
-    const fields::PosedField posed{&field, SE3::Identity()};
+    const fields::PosedField posed = fields::pose(field, tracking::Warp(SE3::Identity()));
     const fields::Picture picture = fields::render({&posed, 1}, frames[i].camera);
     const Quality q = quality_of(picture, frames[i]);
     Quality& sum = held_out(i) ? unseen : trained;

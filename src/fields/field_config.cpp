@@ -18,15 +18,21 @@ struct Observation {
 // A spread of at most about `kPoints` measured pixels of the layer.
 Observation observe(const PixelStore& store, int label, const tracking::Motion& motion) {
   constexpr std::size_t kPoints = 400'000;
-  const std::size_t stride = std::max<std::size_t>(1, store.pixels().size() / (4 * kPoints));
+  const auto wanted = [&](const StoredPixel& pixel) { return pixel.label == label && pixel.depth > 0; };
+  const std::size_t all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
+  const std::size_t stride = std::max<std::size_t>(1, all / kPoints);
   Observation seen;
+  std::size_t found = 0;
   for (const StoredFrame& frame : store.frames()) {
     if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
-    const SE3 to_canonical = motion.canonical_to_world(frame.frame).inverse() * frame.camera.camera_to_world;
+    const tracking::Warp warp = motion.warp(frame.frame);
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const StoredPixel& pixel = store.pixels()[i];
-      if (pixel.label != label || pixel.depth <= 0 || (label == 0 && i % stride != 0)) continue;
-      seen.points.push_back(to_canonical * frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth));
+      if (!wanted(pixel) || found++ % stride != 0) continue;
+      const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth);
+      const auto canonical = warp.to_canonical(frame.camera.camera_to_world * in_camera);
+      if (!canonical) continue;
+      seen.points.push_back(*canonical);
       seen.footprints.push_back(pixel.depth / frame.camera.intrinsics.fx);
     }
   }

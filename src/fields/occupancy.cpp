@@ -127,6 +127,15 @@ bool OccupiedIntervals::next(Interval& interval) {
   return inside;
 }
 
+bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& position) {
+  std::array<int, 3> cell{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(position[a] >= 0 && position[a] < 1)) return false;
+    cell[a] = cell_of(position[a] * static_cast<float>(occupancy.resolution()), occupancy.resolution());
+  }
+  return occupancy.at(cell[0], cell[1], cell[2]);
+}
+
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval) {
   const int resolution = occupancy.resolution();
   const float cells = static_cast<float>(resolution);

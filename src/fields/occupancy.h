@@ -60,6 +60,9 @@ private:
   float step_ = 0; // smallest advance, so that rounding never stops the walk
 };
 
+/// Whether a position relative to the box lies in an occupied cell; outside the box nothing does.
+bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& position);
+
 /// Marks every cell that the points origin + z · direction of a ray touch for z in the interval. Thread-safe.
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval);
 

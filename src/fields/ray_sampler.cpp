@@ -5,40 +5,23 @@
 #include <limits>
 
 #include "core/parallel.h"
-#include "ingest/sensor_noise.h"
+#include "fields/surface_band.h"
 
 namespace kinora::fields {
 namespace {
 
 constexpr float kFarthest = 1e6F; // metres
 
-float three_sigma(float depth) { return static_cast<float>(3.0 * ingest::depth_sigma(depth)); }
-
 } // namespace
-
-float surface_band(const FieldConfig& config, float depth) {
-  const double pose_error = std::min(0.02, 0.02 * config.box.side);
-  return std::max({three_sigma(depth), static_cast<float>(4 * config.cell_size()), static_cast<float>(pose_error)});
-}
 
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                        const SamplingConfig& sampling)
-    : pixels_(pixels), label_(label), config_(config), sampling_(sampling) {
-  for (const StoredFrame& stored : pixels.frames()) {
-    const SE3 canonical_from_camera = motion.canonical_to_world(stored.frame).inverse() * stored.camera.camera_to_world;
-    const Eigen::Vector3f origin =
-        ((canonical_from_camera.translation() - config.box.origin) / config.box.side).cast<float>();
-    const Eigen::Matrix3f rotation = (canonical_from_camera.linear() / config.box.side).cast<float>();
-    const Intrinsics& k = stored.camera.intrinsics;
-    FrameRays rays{};
-    Eigen::Map<Eigen::Vector3f>(rays.origin.data()) = origin;
-    Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rays.rotation.data()) = rotation;
-    rays.fx = static_cast<float>(k.fx);
-    rays.fy = static_cast<float>(k.fy);
-    rays.cx = static_cast<float>(k.cx);
-    rays.cy = static_cast<float>(k.cy);
-    frames_.push_back(rays);
+    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling) {
+  if (motion.kind() == tracking::MotionKind::kDeforming) {
+    warped_own_ = warp_measured_pixels(pixels, label, motion, config);
+    return;
   }
+  for (const StoredFrame& stored : pixels.frames()) frames_.push_back(frame_rays(stored));
   for (std::uint32_t f = 0; f < pixels.frames().size(); ++f) {
     const StoredFrame& stored = pixels.frames()[f];
     if (motion.health(static_cast<std::size_t>(stored.frame)) == tracking::Health::kLost) continue;
@@ -48,6 +31,21 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
       if (pixel.label == label && (label != 0 || pixel.depth != 0)) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
+}
+
+RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
+  const SE3 canonical_from_camera = motion_.canonical_to_world(frame.frame).inverse() * frame.camera.camera_to_world;
+  const Intrinsics& k = frame.camera.intrinsics;
+  FrameRays rays{};
+  Eigen::Map<Eigen::Vector3f>(rays.origin.data()) =
+      ((canonical_from_camera.translation() - config_.box.origin) / config_.box.side).cast<float>();
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rays.rotation.data()) =
+      (canonical_from_camera.linear() / config_.box.side).cast<float>();
+  rays.fx = static_cast<float>(k.fx);
+  rays.fy = static_cast<float>(k.fy);
+  rays.cx = static_cast<float>(k.cx);
+  rays.cy = static_cast<float>(k.cy);
+  return rays;
 }
 
 FieldRay RaySampler::ray_of(const PixelRef& ref) const {
@@ -66,25 +64,39 @@ FieldRay RaySampler::ray_of(const PixelRef& ref) const {
 
 Occupancy RaySampler::seed_occupancy() const {
   Occupancy occupancy(config_.occupancy_resolution);
-  parallel_for(own_.size(), 16384, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const float depth = pixels_.pixels()[own_[i].pixel].depth;
-      if (depth <= 0) continue;
-      const float band = surface_band(config_, depth);
-      mark_occupied(occupancy, ray_of(own_[i]), {depth - band, depth + band});
-    }
+  const auto mark = [&](std::size_t pixel, const FieldRay& ray) {
+    const float depth = pixels_.pixels()[pixel].depth;
+    if (depth <= 0) return;
+    const float band = surface_band(config_, depth);
+    mark_occupied(occupancy, ray, {depth - band, depth + band});
+  };
+  constexpr std::size_t kChunk = 16384;
+  parallel_for(own_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) mark(own_[i].pixel, ray_of(own_[i]));
+  });
+  parallel_for(warped_own_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) mark(warped_own_[i].pixel, warped_own_[i].ray);
   });
   return occupancy;
 }
 
 void RaySampler::set_occupancy(const Occupancy& occupancy) {
   distances_ = DistanceField(occupancy);
+  if (motion_.kind() == tracking::MotionKind::kDeforming) {
+    warped_space_ = warp_occupied_space(pixels_, label_, motion_, config_, occupancy, sampling_.near_depth);
+  } else {
+    find_others();
+  }
+}
+
+// The pixels of other layers that look through occupied space.
+void RaySampler::find_others() {
   constexpr std::size_t kChunk = 16384;
   const std::vector<StoredPixel>& all = pixels_.pixels();
   std::vector<std::vector<PixelRef>> found(chunk_count(all.size(), kChunk));
   parallel_for(all.size(), kChunk, [&](const Chunk& chunk) {
     const auto& frames = pixels_.frames();
-    std::uint32_t f = static_cast<std::uint32_t>(
+    auto f = static_cast<std::uint32_t>(
         std::upper_bound(frames.begin(), frames.end(), chunk.begin,
                          [](std::size_t at, const StoredFrame& frame) { return at < frame.end; }) -
         frames.begin());
@@ -134,59 +146,63 @@ void RaySampler::append_in_occupied(const FieldRay& ray, float near_depth, float
   }
 }
 
-void RaySampler::append_own(const PixelRef& ref, Random& random, RayBatch& batch) const {
-  const StoredPixel& pixel = pixels_.pixels()[ref.pixel];
-  const FieldRay ray = ray_of(ref);
+void RaySampler::append_own(const WarpedPixel& chosen, Random& random, RayBatch& batch) const {
+  const StoredPixel& pixel = pixels_.pixels()[chosen.pixel];
+  const FieldRay& ray = chosen.ray;
   RayTarget target;
   for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
+  const float depth = std::abs(pixel.depth);
+  const float band = surface_band(config_, depth);
   if (pixel.depth > 0) {
-    const float band = surface_band(config_, pixel.depth);
-    target.depth = pixel.depth;
+    target.depth = depth;
     target.inverse_band = 1.0F / band;
-    append_in_occupied(ray, sampling_.near_depth, pixel.depth - band, sampling_.free_samples, random, batch);
+    // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
+    if (warped_own_.empty()) {
+      append_in_occupied(ray, sampling_.near_depth, depth - band, sampling_.free_samples, random, batch);
+    }
     const float step = 2 * band / static_cast<float>(sampling_.surface_samples);
     for (int i = 0; i < sampling_.surface_samples; ++i) {
-      append_sample(ray, pixel.depth - band + step * (static_cast<float>(i) + random.uniform()), step, batch);
+      append_sample(ray, depth - band + step * (static_cast<float>(i) + random.uniform()), step, batch);
     }
   } else if (pixel.depth < 0) {
-    const float depth = -pixel.depth;
-    const float reach = 2 * surface_band(config_, depth);
-    append_in_occupied(ray, std::max(sampling_.near_depth, depth - reach), depth + reach, sampling_.surface_samples,
-                       random, batch);
+    append_in_occupied(ray, std::max(sampling_.near_depth, depth - 2 * band), depth + 2 * band,
+                       sampling_.surface_samples, random, batch);
   } else {
-    append_in_occupied(ray, sampling_.near_depth, kFarthest, sampling_.unmeasured_samples, random, batch);
+    append_in_occupied(ray, chosen.piece.begin, chosen.piece.end, sampling_.unmeasured_samples, random, batch);
   }
   batch.targets.push_back(target);
   batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
 }
 
-void RaySampler::append_other(const PixelRef& ref, Random& random, RayBatch& batch) const {
-  const StoredPixel& pixel = pixels_.pixels()[ref.pixel];
+void RaySampler::append_other(const WarpedPixel& chosen, Random& random, RayBatch& batch) const {
   RayTarget target;
   target.own = false;
-  append_in_occupied(ray_of(ref), sampling_.near_depth, pixel.depth - three_sigma(pixel.depth),
-                     sampling_.emptiness_samples, random, batch);
+  append_in_occupied(chosen.ray, chosen.piece.begin, chosen.piece.end, sampling_.emptiness_samples, random, batch);
   batch.targets.push_back(target);
   batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
 }
 
+WarpedPixel RaySampler::chosen(bool own, Random& random) const {
+  const auto any = [&random](const auto& list) { return list[random.below(static_cast<std::uint32_t>(list.size()))]; };
+  if (!warped_own_.empty()) {
+    if (!own) return any(warped_space_.before);
+    const std::size_t i = random.below(static_cast<std::uint32_t>(own_ray_count()));
+    return i < warped_own_.size() ? warped_own_[i] : warped_space_.unmeasured[i - warped_own_.size()];
+  }
+  const PixelRef ref = any(own ? own_ : others_);
+  const float depth = pixels_.pixels()[ref.pixel].depth;
+  return {ref.pixel, ray_of(ref), {sampling_.near_depth, own ? kFarthest : depth - three_sigma(depth)}};
+}
+
 void RaySampler::draw(Random& random, std::size_t count, RayBatch& batch) const {
-  const std::size_t from_others = others_.empty() ? 0 : (own_.empty() ? count : count / 4);
-  constexpr std::size_t kGroup = 32; // pixels looked up together, so that their cache misses overlap
-  std::array<PixelRef, kGroup> refs{};
-  for (std::size_t begin = 0; begin < count; begin += kGroup) {
-    const std::size_t size = std::min(kGroup, count - begin);
-    for (std::size_t i = 0; i < size; ++i) {
-      const std::vector<PixelRef>& source = begin + i < from_others ? others_ : own_;
-      refs[i] = source[random.below(static_cast<std::uint32_t>(source.size()))];
-      __builtin_prefetch(&pixels_.pixels()[refs[i].pixel]);
-    }
-    for (std::size_t i = 0; i < size; ++i) {
-      if (begin + i < from_others) {
-        append_other(refs[i], random, batch);
-      } else {
-        append_own(refs[i], random, batch);
-      }
+  const std::size_t from_others = other_ray_count() == 0 ? 0 : count / 4;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool own = i >= from_others;
+    const WarpedPixel ray = chosen(own, random);
+    if (own) {
+      append_own(ray, random, batch);
+    } else {
+      append_other(ray, random, batch);
     }
   }
 }

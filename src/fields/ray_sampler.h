@@ -9,6 +9,7 @@
 #include "fields/occupancy.h"
 #include "fields/pixel_store.h"
 #include "fields/ray_batch.h"
+#include "fields/warped_pixels.h"
 #include "tracking/motion.h"
 
 namespace kinora::fields {
@@ -22,15 +23,11 @@ struct SamplingConfig {
   float near_depth = 0.05F;   ///< metres; nothing is modelled nearer to a camera
 };
 
-/// Half width in metres of the band around a measured depth: three standard deviations of the sensor, at least four
-/// cells of the finest level, and room for a few centimetres of pose error where the layer is large.
-float surface_band(const FieldConfig& config, float depth);
-
 /// Rays of one layer. Pixels of the layer teach colour, opacity and depth; pixels of other layers teach emptiness
 /// in front of their surface less three standard deviations, and nothing behind. Immutable, so thread-safe.
 class RaySampler {
 public:
-  /// `pixels` must outlive the sampler.
+  /// `pixels` and `motion` must outlive the sampler.
   RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
              const SamplingConfig& sampling);
 
@@ -39,8 +36,8 @@ public:
   /// Samples are placed in this space from now on; finds the pixels of other layers that look through it.
   void set_occupancy(const Occupancy& occupancy);
 
-  std::size_t own_pixel_count() const { return own_.size(); }
-  std::size_t other_pixel_count() const { return others_.size(); }
+  std::size_t own_ray_count() const { return own_.size() + warped_own_.size() + warped_space_.unmeasured.size(); }
+  std::size_t other_ray_count() const { return others_.size() + warped_space_.before.size(); }
 
   /// Appends `count` randomly chosen rays, a quarter of them (if there are any) from other layers.
   void draw(Random& random, std::size_t count, RayBatch& batch) const;
@@ -56,20 +53,28 @@ private:
     std::uint32_t pixel;
   };
 
+  FrameRays frame_rays(const StoredFrame& frame) const;
   FieldRay ray_of(const PixelRef& ref) const;
-  void append_own(const PixelRef& ref, Random& random, RayBatch& batch) const;
-  void append_other(const PixelRef& ref, Random& random, RayBatch& batch) const;
+  WarpedPixel chosen(bool own, Random& random) const;
+  void find_others();
+  void append_own(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
+  void append_other(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
   void append_in_occupied(const FieldRay& ray, float near_depth, float far_depth, int count, Random& random,
                           RayBatch& batch) const;
   void append_sample(const FieldRay& ray, float depth, float depth_step, RayBatch& batch) const;
 
   const PixelStore& pixels_;
   int label_;
+  const tracking::Motion& motion_;
   FieldConfig config_;
   SamplingConfig sampling_;
+  // Of a layer that is still or rigid: rays are made when they are needed.
   std::vector<FrameRays> frames_;
   std::vector<PixelRef> own_;
   std::vector<PixelRef> others_;
+  // Of a layer that deforms: rays are warped once and kept.
+  std::vector<WarpedPixel> warped_own_;
+  WarpedSpace warped_space_;
   DistanceField distances_;
 };
 

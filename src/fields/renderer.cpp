@@ -26,6 +26,12 @@ DrawableField::DrawableField(Field field) {
 }
 const Field& DrawableField::field() const { return derived_->field; }
 
+PosedField pose(const DrawableField& field, const tracking::Warp& warp) {
+  if (warp.is_rigid()) return {&field, warp.rigid(), nullptr};
+  return {&field, SE3::Identity(),
+          std::make_shared<const LiveSpace>(field.field().config, field.field().occupancy, warp)};
+}
+
 namespace {
 
 constexpr int kTile = 16;           // pixels per side
@@ -35,9 +41,11 @@ constexpr float kOpaque = 0.004F;   // transmittance at which a ray ends
 constexpr int kSamplesPerRound = 4; // of each ray between two looks at its transmittance
 constexpr std::size_t kG = FieldConfig::kGeometry;
 
-/// A layer's camera, relative to the layer's box.
+/// A layer's camera, relative to the box that its rays walk through: the layer's own, or of its live space.
 struct LayerView {
   const DrawableField::Derived* layer;
+  const LiveSpace* live; ///< nullptr unless the layer deforms
+  const DistanceField* distances;
   Eigen::Vector3f origin;
   Eigen::Matrix3f rotation;
   float step; // metres between samples
@@ -73,6 +81,7 @@ private:
   };
 
   static bool advance(ActiveRay& ray);
+  void collect(const LayerView& view, std::uint32_t active);
   void shade(const LayerView& view);
 
   std::vector<ActiveRay> active_;
@@ -92,17 +101,27 @@ bool LayerTile::advance(ActiveRay& ray) {
   return true;
 }
 
+// Notes the ray's next sample, unless canonical space is empty there.
+void LayerTile::collect(const LayerView& view, std::uint32_t active) {
+  ActiveRay& ray = active_[active];
+  const float depth = ray.depth;
+  ray.depth += ray.step;
+  std::array<float, 3> position{};
+  for (std::size_t a = 0; a < 3; ++a) position[a] = ray.ray.origin[a] + depth * ray.ray.direction[a];
+  if (view.live != nullptr) {
+    const LiveSpace::Map* map = view.live->map_at(position);
+    if (map == nullptr) return;
+    position = map->apply(position);
+    if (!is_occupied(view.layer->field.occupancy, position)) return;
+  }
+  pending_.push_back({active, depth});
+  x_.push_back(position[0]);
+  y_.push_back(position[1]);
+  z_.push_back(position[2]);
+}
+
 void LayerTile::shade(const LayerView& view) {
   const std::size_t n = pending_.size();
-  x_.resize(n);
-  y_.resize(n);
-  z_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const FieldRay& ray = active_[pending_[i].active].ray;
-    x_[i] = ray.origin[0] + pending_[i].depth * ray.direction[0];
-    y_[i] = ray.origin[1] + pending_[i].depth * ray.direction[1];
-    z_[i] = ray.origin[2] + pending_[i].depth * ray.direction[2];
-  }
   evaluate_points(view.layer->field, view.layer->levels, {x_.data(), y_.data(), z_.data(), n}, points_);
   const float unit = 1.0F / static_cast<float>(view.layer->field.config.density_length());
   for (std::size_t i = 0; i < n; ++i) {
@@ -132,18 +151,17 @@ void LayerTile::march(const LayerView& view, const Intrinsics& intrinsics, int l
                  {direction.x(), direction.y(), direction.z()},
                  pixel_ray.norm()};
       ray.step = view.step / ray.ray.metres_per_depth;
-      ray.walk = OccupiedIntervals(view.layer->distances, ray.ray, kNearDepth, kFarDepth);
+      ray.walk = OccupiedIntervals(*view.distances, ray.ray, kNearDepth, kFarDepth);
       if (advance(ray)) active_.push_back(ray);
     }
   }
   while (!active_.empty()) {
     pending_.clear();
+    x_.clear();
+    y_.clear();
+    z_.clear();
     for (std::uint32_t a = 0; a < active_.size(); ++a) {
-      ActiveRay& ray = active_[a];
-      for (int k = 0; k < kSamplesPerRound && advance(ray); ++k) {
-        pending_.push_back({a, ray.depth});
-        ray.depth += ray.step;
-      }
+      for (int k = 0; k < kSamplesPerRound && advance(active_[a]); ++k) collect(view, a);
     }
     shade(view);
     std::erase_if(active_, [](ActiveRay& ray) { return ray.transmittance <= kOpaque || !advance(ray); });
@@ -255,11 +273,12 @@ Picture render(std::span<const PosedField> layers, const Camera& camera) {
   std::vector<LayerView> views;
   for (const PosedField& posed : layers) {
     const FieldConfig& config = posed.field->field().config;
-    const SE3 canonical_from_camera = posed.canonical_to_world.inverse() * camera.camera_to_world;
-    views.push_back({&posed.field->derived(),
-                     ((canonical_from_camera.translation() - config.box.origin) / config.box.side).cast<float>(),
-                     (canonical_from_camera.linear() / config.box.side).cast<float>(),
-                     static_cast<float>(config.cell_size())});
+    const FieldBox& box = posed.live ? posed.live->box() : config.box;
+    const SE3 box_from_camera = posed.canonical_to_world.inverse() * camera.camera_to_world;
+    views.push_back({&posed.field->derived(), posed.live.get(),
+                     posed.live ? &posed.live->distances() : &posed.field->derived().distances,
+                     ((box_from_camera.translation() - box.origin) / box.side).cast<float>(),
+                     (box_from_camera.linear() / box.side).cast<float>(), static_cast<float>(config.cell_size())});
   }
   Picture picture{ColorImage(intrinsics.width, intrinsics.height, 4), DepthImage(intrinsics.width, intrinsics.height),
                   LabelImage(intrinsics.width, intrinsics.height)};

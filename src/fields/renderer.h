@@ -7,6 +7,8 @@
 #include "core/camera.h"
 #include "core/image.h"
 #include "fields/field.h"
+#include "fields/live_space.h"
+#include "tracking/warp.h"
 
 namespace kinora::fields {
 
@@ -23,10 +25,15 @@ private:
   std::shared_ptr<const Derived> derived_;
 };
 
+/// A field where its layer is at one instant.
 struct PosedField {
-  const DrawableField* field = nullptr;
+  const DrawableField* field = nullptr; ///< must outlive this
   SE3 canonical_to_world = SE3::Identity();
+  std::shared_ptr<const LiveSpace> live; ///< of a layer that deforms; its own place is then in the warp
 };
+
+/// Prepares a field to be drawn; for a deforming warp this inverts the warp once for all rays.
+PosedField pose(const DrawableField& field, const tracking::Warp& warp);
 
 struct Picture {
   ColorImage color; ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)

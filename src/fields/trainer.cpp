@@ -96,7 +96,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   Field field(config);
   field.occupancy = sampler.seed_occupancy();
   sampler.set_occupancy(field.occupancy);
-  if (sampler.own_pixel_count() == 0) {
+  if (sampler.own_ray_count() == 0) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }
 

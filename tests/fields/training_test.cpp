@@ -20,7 +20,8 @@ TEST(Training, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
         train_field(store, label, still, choose_field_config(store, label, still), short_training(), progress));
   }
   const ingest::Frame held_out = scene.frame(0, 0.125);
-  const std::vector<PosedField> layers = {{&fields[0], SE3::Identity()}, {&fields[1], SE3::Identity()}};
+  const std::vector<PosedField> layers = {{&fields[0], SE3::Identity(), nullptr},
+                                          {&fields[1], SE3::Identity(), nullptr}};
   const Picture picture = render(layers, held_out.camera);
   EXPECT_GT(compare_images(picture.color, held_out.color).psnr_full, 24);
 
@@ -71,7 +72,7 @@ TEST(Training, FollowsARigidLayerThatMoves) {
     Scene moved = scene;
     moved.centre += Eigen::Vector3d(0.03 * at, -0.01 * at, 0.02 * at);
     const ingest::Frame truth = moved.frame(at, 0);
-    const PosedField posed{&ball, motion.canonical_to_world(at)};
+    const PosedField posed = pose(ball, motion.warp(at));
     const Picture picture = render({&posed, 1}, truth.camera);
     EXPECT_GT(compare_images(picture.color, truth.color, truth.labels).iou, 0.93) << "frame " << at;
   }
@@ -84,7 +85,7 @@ TEST(Renderer, AcceptsEveryCamera) {
   trainer.rays = 50'000;
   Progress progress;
   const DrawableField ball(train_field(store, 2, still, choose_field_config(store, 2, still), trainer, progress));
-  const PosedField posed{&ball, SE3::Identity()};
+  const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
   Camera camera = Scene{}.frame(0, 0).camera;
   camera.camera_to_world.translation() = Eigen::Vector3d(0, 0, 2); // inside
   EXPECT_EQ(render({&posed, 1}, camera).color.width(), kWidth);
