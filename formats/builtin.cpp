@@ -8,7 +8,7 @@
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
-  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kPngFormat,
+  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat, &kPngFormat,
                                                 &kMp4Format};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};

@@ -33,6 +33,26 @@ template <class T> KinoraImage view_of(const Image<T>& image, KinoraPixelType ty
   return view;
 }
 
+KinoraCamera camera_of(const Intrinsics& intrinsics, const Distortion& d) {
+  return {intrinsics.width,
+          intrinsics.height,
+          intrinsics.fx,
+          intrinsics.fy,
+          intrinsics.cx,
+          intrinsics.cy,
+          {d.k1, d.k2, d.p1, d.p2, d.k3},
+          {}};
+}
+
+void fill_depth_camera(const DepthCamera& camera, KinoraCaptureInfo& info) {
+  if (info.struct_size < sizeof(KinoraCaptureInfo))
+    throw Error(ErrorCode::kFailure, "the host is too old for depth that is not registered to colour");
+  info.has_depth_camera = 1;
+  info.depth_camera = camera_of(camera.intrinsics, camera.distortion);
+  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = camera.depth_to_color.matrix();
+  std::copy(matrix.data(), matrix.data() + matrix.size(), info.depth_to_color);
+}
+
 void set_pose(KinoraFrame& frame, const SE3& camera_to_world) {
   const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = camera_to_world.matrix();
   std::copy(matrix.data(), matrix.data() + matrix.size(), frame.camera_to_world);
@@ -64,7 +84,7 @@ void FolderReader::find_image_size() {
       const ColorImage color = read_color(frame.color);
       const DepthImage16 depth = read_depth(frame.depth);
       ++pairs;
-      if (color.same_size(depth))
+      if (listing_.depth_camera || color.same_size(depth))
         ++votes[{color.width(), color.height()}];
       else
         mismatch = frame.depth.string() + ": is " + size_of(depth) + " but its colour image is " + size_of(color) +
@@ -126,39 +146,32 @@ void FolderReader::fill_info(KinoraCaptureInfo& info) const {
   info.frame_count = static_cast<std::int64_t>(listing_.frames.size());
   info.start_time = listing_.frames.front().time;
   info.frames_per_second = listing_.frames_per_second;
-  info.camera.width = calibration.intrinsics.width;
-  info.camera.height = calibration.intrinsics.height;
-  info.camera.fx = calibration.intrinsics.fx;
-  info.camera.fy = calibration.intrinsics.fy;
-  info.camera.cx = calibration.intrinsics.cx;
-  info.camera.cy = calibration.intrinsics.cy;
-  const Distortion& d = calibration.distortion;
-  const double coefficients[5] = {d.k1, d.k2, d.p1, d.p2, d.k3};
-  std::copy(std::begin(coefficients), std::end(coefficients), info.camera.distortion);
+  info.camera = camera_of(calibration.intrinsics, calibration.distortion);
   info.has_poses = listing_.has_poses ? 1 : 0;
   info.has_masks = has_masks_ ? 1 : 0;
   info.labels = label_table_.data();
   info.label_count = label_table_.size();
   info.warnings = warning_table_.data();
   info.warning_count = warning_table_.size();
+  if (listing_.depth_camera) fill_depth_camera(*listing_.depth_camera, info);
 }
 
 void FolderReader::read_images(const FrameFiles& files) {
-  const Intrinsics& expected = listing_.calibration.intrinsics;
-  const auto check_size = [&](const auto& image, const fs::path& path) {
+  const Intrinsics& color = listing_.calibration.intrinsics;
+  const auto check_size = [&](const auto& image, const Intrinsics& expected, const fs::path& path) {
     if (image.width() != expected.width || image.height() != expected.height)
       throw Error(ErrorCode::kCorruptInput, path.string() + ": is " + size_of(image) + ", not " +
                                                 std::to_string(expected.width) + "x" + std::to_string(expected.height) +
                                                 " as the others");
   };
   color_ = read_color(files.color);
-  check_size(color_, files.color);
+  check_size(color_, color, files.color);
   depth_ = read_depth(files.depth);
-  check_size(depth_, files.depth);
+  check_size(depth_, listing_.depth_camera ? listing_.depth_camera->intrinsics : color, files.depth);
   mask_ = LabelImage();
   if (!read_masks_ || files.masks.empty()) return;
   mask_ = read_masks(files);
-  check_size(mask_, files.masks.front());
+  check_size(mask_, color, files.masks.front());
 }
 
 /// Several masks of one frame, one per thing, become one: the first that has a label at a pixel gives it.

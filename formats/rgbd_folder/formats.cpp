@@ -88,4 +88,7 @@ constinit const KinoraFormat kNumberedFormat = folder_format<list_numbered, prob
 constinit const KinoraFormat kThreeDMatchFormat = folder_format<list_3dmatch, probe_3dmatch>(
     "3dmatch", "3DMatch or 7-Scenes folder: frame-NNNNNN.color.*, .depth.png and .pose.txt");
 
+constinit const KinoraFormat kM3tFormat = folder_format<list_m3t, probe_m3t>(
+    "m3t", "M3T sequence: a colour and a depth camera, each with a .yaml calibration beside its numbered images");
+
 } // namespace kinora::formats

@@ -8,5 +8,6 @@ namespace kinora::formats {
 extern const KinoraFormat kTumFormat;         ///< tum-rgbd
 extern const KinoraFormat kNumberedFormat;    ///< numbered-folder
 extern const KinoraFormat kThreeDMatchFormat; ///< 3dmatch
+extern const KinoraFormat kM3tFormat;         ///< m3t
 
 } // namespace kinora::formats

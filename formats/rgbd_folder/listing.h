@@ -1,4 +1,4 @@
-// What a folder of RGB-D images holds, whatever its layout: the three formats differ only in how they make this list.
+// What a folder of RGB-D images holds, whatever its layout: the formats differ only in how they make this list.
 #pragma once
 
 #include <filesystem>
@@ -23,9 +23,17 @@ struct FrameFiles {
   std::string problem;                      ///< why the frame cannot be used; empty if it can
 };
 
+/// A depth camera of its own, whose images are not registered to colour.
+struct DepthCamera {
+  Intrinsics intrinsics; ///< with width and height
+  Distortion distortion;
+  SE3 depth_to_color = SE3::Identity();
+};
+
 struct Listing {
   std::vector<FrameFiles> frames; ///< in order of time
   Calibration calibration;
+  std::optional<DepthCamera> depth_camera; ///< nothing: depth is registered to colour, pixel by pixel
   double frames_per_second = 30;
   bool has_poses = false;
   std::vector<std::string> warnings;
@@ -35,11 +43,13 @@ struct Listing {
 Listing list_tum(const std::filesystem::path& folder);
 Listing list_numbered(const std::filesystem::path& folder);
 Listing list_3dmatch(const std::filesystem::path& folder);
+Listing list_m3t(const std::filesystem::path& folder);
 
 /// The plugin interface's `probe` for each layout.
 void probe_tum(const char* path, KinoraProbe* answer);
 void probe_numbered(const char* path, KinoraProbe* answer);
 void probe_3dmatch(const char* path, KinoraProbe* answer);
+void probe_m3t(const char* path, KinoraProbe* answer);
 
 /// Fills in an answer.
 void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason);

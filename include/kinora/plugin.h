@@ -96,13 +96,16 @@ typedef struct KinoraCaptureInfo {
   int64_t frame_count;      /* with the bad ones; at least 1 */
   double start_time;        /* of frame 0, on the clock of KinoraFrame.time */
   double frames_per_second; /* nominal */
-  KinoraCamera camera;      /* of colour, and of depth, which is registered to it */
+  KinoraCamera camera;      /* of colour, and of depth unless has_depth_camera is set */
   int32_t has_poses;        /* every good frame brings a camera pose */
   int32_t has_masks;        /* some frames bring labels */
   const KinoraLabel* labels;
   size_t label_count;
   const char* const* warnings; /* sentences about the whole capture; reading goes on */
   size_t warning_count;
+  int32_t has_depth_camera;  /* 0: depth is registered to colour, pixel by pixel; else the host registers it */
+  KinoraCamera depth_camera; /* of depth, infrared and confidence, which then have its size */
+  double depth_to_color[16]; /* carries points of the depth camera to the colour camera */
 } KinoraCaptureInfo;
 
 typedef struct KinoraFrame {
@@ -128,6 +131,60 @@ typedef struct KinoraPicture {
   KinoraImage depth; /* U16, 1 channel, millimetres, 0 = nothing; may be absent */
 } KinoraPicture;
 
+/* A surface, given to a writer once. A point p of the mesh (homogeneous) is in the world at
+ * sum over its joints j of weight_j * joint_to_world_j * inverse_bind_j * p, where the poses that follow give
+ * joint_to_world. */
+typedef struct KinoraMesh {
+  KINORA_STRUCT_HEADER;
+  const char* name; /* unique within one output */
+  size_t vertex_count;
+  const float* positions; /* 3 per vertex, metres */
+  const float* normals;   /* 3 per vertex, unit length, outwards; may be NULL */
+  const uint8_t* colors;  /* 3 per vertex, sRGB, as the camera saw it: light is in it already; may be NULL */
+  size_t face_count;
+  const uint32_t* faces;         /* 3 vertex numbers per triangle, counterclockwise seen from outside */
+  size_t joint_count;            /* 0: the mesh stays where it is, and no pose follows; at most 65536 */
+  const float* inverse_bind;     /* a 4x4 matrix per joint */
+  const uint16_t* joint_indices; /* 4 per vertex, different where the weight is not 0; NULL: all follow joint 0 */
+  const float* joint_weights;    /* 4 per vertex, not negative, sum 1; those unused are 0; NULL as joint_indices */
+} KinoraMesh;
+
+/* Where a joint is. Embedded. */
+typedef struct KinoraJoint {
+  double rotation[4];    /* unit quaternion w x y z, joint to world */
+  double translation[3]; /* metres */
+} KinoraJoint;
+
+/* All joints of one mesh at one time. */
+typedef struct KinoraMeshPose {
+  KINORA_STRUCT_HEADER;
+  size_t mesh;        /* number of the mesh, in the order in which they were given, from 0 */
+  double time;        /* seconds from the start, increasing for each mesh */
+  size_t joint_count; /* as the mesh has */
+  const KinoraJoint* joints;
+} KinoraMeshPose;
+
+/* A quantity of a volume. Names are "density" (1 component: extinction per metre) and "color" (3 components: linear
+ * light with the primaries of sRGB, as the camera saw it); writers pass over names that they do not know. Embedded. */
+typedef struct KinoraVolumeChannel {
+  const char* name;
+  int32_t components;  /* 1 or 3 */
+  const float* values; /* `components` per voxel */
+} KinoraVolumeChannel;
+
+/* A sparse volume at one time; voxels that are not listed are empty. */
+typedef struct KinoraVolume {
+  KINORA_STRUCT_HEADER;
+  const char* name;
+  int64_t frame;             /* number of the frame in the clip, from 0 */
+  double time;               /* seconds from the start */
+  double voxel_to_world[16]; /* carries a voxel's number (its centre) to metres */
+  size_t voxel_count;
+  const int32_t* voxels; /* 3 per voxel, each listed once */
+  size_t channel_count;
+  const KinoraVolumeChannel* channels;
+} KinoraVolume;
+
 /* ---- a format */
 
 enum { /* KinoraFormat.capabilities */
@@ -138,8 +195,11 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_PICTURES = 1u << 16,
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
-       KINORA_WRITES_DEPTH = 1u << 19
-       /* All other bits are reserved and 0. */
+       KINORA_WRITES_DEPTH = 1u << 19,
+       KINORA_WRITES_MESHES = 1u << 20, /* and their motion, if it writes skins */
+       KINORA_WRITES_SKINS = 1u << 21,  /* else meshes stay as they are in their own space */
+       KINORA_WRITES_VOLUMES = 1u << 22 /* one in each output: the host numbers the files */
+                                        /* All other bits are reserved and 0. */
 };
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */
@@ -190,8 +250,8 @@ typedef struct KinoraFormat {
   KinoraStatus (*reader_seek)(KinoraReader* reader, int64_t index, KinoraMessage* message);
   void (*reader_close)(KinoraReader* reader);
 
-  /* Writing: needs KINORA_WRITES_PICTURES, else all NULL. Writes exactly to `path`, whatever its extension; what
-   * existed there is replaced. `*writer` is set only with KINORA_OK. */
+  /* Writing: needs a capability KINORA_WRITES_..., else all NULL. writer_write needs KINORA_WRITES_PICTURES. Writes
+   * exactly to `path`, whatever its extension; what existed there is replaced. `*writer` is set only with KINORA_OK. */
   KinoraStatus (*open_writer)(const char* path, const KinoraOptionValue* options, size_t option_count,
                               KinoraWriter** writer, KinoraMessage* message);
   KinoraStatus (*writer_write)(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message);
@@ -199,6 +259,15 @@ typedef struct KinoraFormat {
   KinoraStatus (*writer_finish)(KinoraWriter* writer, KinoraMessage* message);
   /* Frees the writer without completing; a started output may stay, incomplete. */
   void (*writer_abandon)(KinoraWriter* writer);
+
+  /* Formats that were made before these members existed end here. */
+
+  /* Needs KINORA_WRITES_MESHES, else NULL. All meshes come before the first pose. */
+  KinoraStatus (*writer_mesh)(KinoraWriter* writer, const KinoraMesh* mesh, KinoraMessage* message);
+  /* Needs KINORA_WRITES_SKINS, else NULL. */
+  KinoraStatus (*writer_pose)(KinoraWriter* writer, const KinoraMeshPose* pose, KinoraMessage* message);
+  /* Needs KINORA_WRITES_VOLUMES, else NULL. Called once. */
+  KinoraStatus (*writer_volume)(KinoraWriter* writer, const KinoraVolume* volume, KinoraMessage* message);
 } KinoraFormat;
 
 typedef struct KinoraPlugin {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "kinora/plugin.h"
@@ -13,6 +14,11 @@ template <class Struct> Struct make_struct() {
   made.struct_size = sizeof(Struct);
   made.abi_version = KINORA_PLUGIN_ABI;
   return made;
+}
+
+/// The numbers of rows that lie one after another; null if there are none.
+template <class Row> auto numbers_of(const std::vector<Row>& rows) {
+  return rows.empty() ? nullptr : rows.front().data();
 }
 
 /// The error that a status stands for; `origin` names the format if the plugin gave no message.

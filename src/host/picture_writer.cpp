@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "host/interface_struct.h"
-#include "host/option_values.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
@@ -31,23 +30,10 @@ ColorImage on_black(const ColorImage& rgba) {
   return rgb;
 }
 
-std::unique_ptr<KinoraWriter, void (*)(KinoraWriter*)>
-open_writer(const KinoraFormat& format, const std::filesystem::path& path, const Options& options) {
-  if (!supports(format, KINORA_WRITES_PICTURES))
-    throw Error(ErrorCode::kUsage, fmt::format("the format {} cannot be written, only read", format.name));
-  check_options(format, options);
-  const std::vector<KinoraOptionValue> values = option_values(options);
-  auto message = make_struct<KinoraMessage>();
-  KinoraWriter* writer = nullptr;
-  const KinoraStatus status = format.open_writer(path.c_str(), values.data(), values.size(), &writer, &message);
-  if (status != KINORA_OK) throw error_of(status, message, path.string());
-  return {writer, format.writer_abandon};
-}
-
 } // namespace
 
 PictureWriter::PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options)
-    : format_(&format), writer_(open_writer(format, path, options)) {}
+    : format_(&format), writer_(open_writer(format, KINORA_WRITES_PICTURES, "pictures", path, options)) {}
 
 void PictureWriter::write(const Picture& picture) {
   const bool flatten = picture.color.channels() == 4 && !supports(*format_, KINORA_WRITES_ALPHA);
@@ -62,10 +48,6 @@ void PictureWriter::write(const Picture& picture) {
   if (status != KINORA_OK) throw error_of(status, message, format_->name);
 }
 
-void PictureWriter::finish() {
-  auto message = make_struct<KinoraMessage>();
-  const KinoraStatus status = format_->writer_finish(writer_.release(), &message);
-  if (status != KINORA_OK) throw error_of(status, message, format_->name);
-}
+void PictureWriter::finish() { finish_writer(*format_, writer_); }
 
 } // namespace kinora::host

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/image.h"
-#include "host/options.h"
+#include "host/open_writer.h"
 #include "kinora/plugin.h"
 
 namespace kinora::host {
@@ -34,7 +34,7 @@ public:
 
 private:
   const KinoraFormat* format_;
-  std::unique_ptr<KinoraWriter, void (*)(KinoraWriter*)> writer_;
+  WriterHandle writer_;
 };
 
 } // namespace kinora::host

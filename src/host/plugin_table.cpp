@@ -23,7 +23,12 @@ constexpr Capability kCapabilities[] = {
     {KINORA_READS_POSES, "read-poses"},         {KINORA_READS_MASKS, "read-masks"},
     {KINORA_WRITES_PICTURES, "write-pictures"}, {KINORA_WRITES_FILM, "write-film"},
     {KINORA_WRITES_ALPHA, "write-alpha"},       {KINORA_WRITES_DEPTH, "write-depth"},
+    {KINORA_WRITES_MESHES, "write-meshes"},     {KINORA_WRITES_SKINS, "write-skins"},
+    {KINORA_WRITES_VOLUMES, "write-volumes"},
 };
+
+/// Every format has the members before this one; see plugin.h.
+constexpr std::size_t kSmallestFormat = offsetof(KinoraFormat, writer_mesh);
 
 bool is_format_name(const char* name) {
   const std::string_view text = name != nullptr ? name : "";
@@ -32,10 +37,27 @@ bool is_format_name(const char* name) {
   });
 }
 
+bool writes_anything(const KinoraFormat& format) {
+  return (format.capabilities & (KINORA_WRITES_PICTURES | KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES)) != 0;
+}
+
+/// What a format that writes lacks for it; empty if nothing.
+std::string fault_of_writing(const KinoraFormat& format) {
+  if (format.open_writer == nullptr || format.writer_finish == nullptr || format.writer_abandon == nullptr ||
+      (supports(format, KINORA_WRITES_PICTURES) && format.writer_write == nullptr))
+    return " lacks a function for writing";
+  const bool grown = format.struct_size >= sizeof(KinoraFormat);
+  if (supports(format, KINORA_WRITES_MESHES) && (!grown || format.writer_mesh == nullptr)) return " lacks writer_mesh";
+  if (supports(format, KINORA_WRITES_SKINS) && (!grown || format.writer_pose == nullptr)) return " lacks writer_pose";
+  if (supports(format, KINORA_WRITES_VOLUMES) && (!grown || format.writer_volume == nullptr))
+    return " lacks writer_volume";
+  return {};
+}
+
 /// Why a descriptor cannot be used; empty if it can.
 std::string fault_of(const KinoraFormat* format) {
   if (format == nullptr) return "a format is missing";
-  if (format->abi_version != KINORA_PLUGIN_ABI || format->struct_size < sizeof(KinoraFormat))
+  if (format->abi_version != KINORA_PLUGIN_ABI || format->struct_size < kSmallestFormat)
     return fmt::format("a format is made for version {} of the plugin interface, not {}", format->abi_version,
                        KINORA_PLUGIN_ABI);
   if (!is_format_name(format->name)) return "a format has no name of lower-case letters, digits and '-'";
@@ -48,16 +70,14 @@ std::string fault_of(const KinoraFormat* format) {
       return name + " has an incomplete option";
   }
   const bool reads = supports(*format, KINORA_READS_FRAMES);
-  const bool writes = supports(*format, KINORA_WRITES_PICTURES);
+  const bool writes = writes_anything(*format);
   if (!reads && !writes) return name + " neither reads nor writes";
   if (reads && (format->probe == nullptr || format->open_reader == nullptr || format->reader_info == nullptr ||
                 format->reader_next == nullptr || format->reader_close == nullptr))
     return name + " lacks a function for reading";
   if (reads && supports(*format, KINORA_SEEKS) && format->reader_seek == nullptr) return name + " lacks reader_seek";
-  if (writes && (format->open_writer == nullptr || format->writer_write == nullptr ||
-                 format->writer_finish == nullptr || format->writer_abandon == nullptr))
-    return name + " lacks a function for writing";
-  return {};
+  const std::string fault = writes ? fault_of_writing(*format) : "";
+  return fault.empty() ? fault : name + fault;
 }
 
 } // namespace
@@ -137,11 +157,11 @@ const KinoraFormat& PluginTable::recognise(const fs::path& path) const {
                               "and intrinsics.json");
 }
 
-const KinoraFormat& PluginTable::writer_for(const fs::path& path) const {
+const KinoraFormat& PluginTable::writer_for(const fs::path& path, std::uint64_t capabilities) const {
   const std::string extension = path.extension().string();
   std::vector<std::string> known;
   for (const FormatEntry& entry : formats_) {
-    if (!supports(*entry.format, KINORA_WRITES_PICTURES)) continue;
+    if ((entry.format->capabilities & capabilities) == 0) continue;
     std::string_view rest = entry.format->extensions;
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find(' '), rest.size());

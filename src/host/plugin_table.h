@@ -50,8 +50,10 @@ public:
   /// came closest, if no format is sure enough.
   const KinoraFormat& recognise(const std::filesystem::path& path) const;
 
-  /// The format that writes files of this path's extension. Throws Error(kUsage), listing what can be written.
-  const KinoraFormat& writer_for(const std::filesystem::path& path) const;
+  /// The format that writes files of this path's extension and has one of the capabilities (bits). Throws
+  /// Error(kUsage), listing what can be written.
+  const KinoraFormat& writer_for(const std::filesystem::path& path,
+                                 std::uint64_t capabilities = KINORA_WRITES_PICTURES) const;
 
 private:
   std::vector<FormatEntry> formats_;

@@ -46,15 +46,32 @@ bool has_measurement(const DepthImage& depth) {
   return std::any_of(values.begin(), values.end(), [](float z) { return z > 0; });
 }
 
+std::optional<Undistortion> undistortion_of(const KinoraCamera& camera) {
+  const double* k = camera.distortion;
+  const Distortion distortion{k[0], k[1], k[2], k[3], k[4]};
+  if (distortion.is_zero()) return std::nullopt;
+  return Undistortion(intrinsics_of(camera), distortion);
+}
+
+RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* format) {
+  RegistrationGeometry geometry{intrinsics_of(info.depth_camera), intrinsics_of(info.camera), SE3::Identity()};
+  geometry.depth.validate(std::string(format) + ": the depth camera");
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(info.depth_to_color);
+  geometry.depth_to_color = rigid_from_matrix(matrix, "the pose of the depth camera");
+  return geometry;
+}
+
 } // namespace
 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
     : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), position_(range_.begin),
       intrinsics_(intrinsics_of(reader_.info().camera)) {
   intrinsics_.validate(reader_.format().name);
-  const double* k = reader_.info().camera.distortion;
-  const Distortion distortion{k[0], k[1], k[2], k[3], k[4]};
-  if (!distortion.is_zero()) undistortion_.emplace(intrinsics_, distortion);
+  const KinoraCaptureInfo& info = reader_.info();
+  undistortion_ = undistortion_of(info.camera);
+  if (info.has_depth_camera == 0) return;
+  registration_ = registration_of(info, reader_.format().name);
+  depth_undistortion_ = undistortion_of(info.depth_camera);
 }
 
 SourceResult FrameSource::next() {
@@ -87,7 +104,7 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
   const std::string format = reader_.format().name;
   if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
     return format + " gave no colour image of the camera's size";
-  if (!is_image(frame.depth, intrinsics_, 1, KINORA_PIXEL_U16))
+  if (!is_image(frame.depth, registration_ ? registration_->depth : intrinsics_, 1, KINORA_PIXEL_U16))
     return format + " gave no depth image of the camera's size";
   if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";
   if (frame.labels.data != nullptr && !is_image(frame.labels, intrinsics_, 1, KINORA_PIXEL_U8))
@@ -96,6 +113,14 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
   if (reader_.info().has_poses != 0 && frame.has_pose == 0)
     return "the frame has no camera pose, though others have one";
   return {};
+}
+
+/// As the undistorted colour camera sees it.
+DepthImage FrameSource::depth_of(const KinoraFrame& given) const {
+  DepthImage depth = metres_of(given.depth, given.depth_unit);
+  const std::optional<Undistortion>& undistortion = registration_ ? depth_undistortion_ : undistortion_;
+  if (undistortion) depth = undistortion->depth(depth);
+  return registration_ ? register_depth(depth, *registration_) : depth;
 }
 
 Frame FrameSource::convert(const KinoraFrame& given) const {
@@ -107,11 +132,10 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
     frame.camera.camera_to_world = rigid_from_matrix(pose, "the camera pose");
   }
   frame.color = copy_of<std::uint8_t>(given.color);
-  frame.depth = metres_of(given.depth, given.depth_unit);
+  frame.depth = depth_of(given);
   if (use_masks_ && given.labels.data != nullptr) frame.labels = copy_of<std::uint8_t>(given.labels);
   if (undistortion_) {
     frame.color = undistortion_->color(frame.color);
-    frame.depth = undistortion_->depth(frame.depth);
     if (!frame.labels.empty()) frame.labels = undistortion_->labels(frame.labels);
   }
   frame.clean_depth = clean_depth(frame.depth, intrinsics_);

@@ -3,6 +3,7 @@
 
 #include "host/frame_reader.h"
 #include "ingest/capture.h"
+#include "ingest/registration.h"
 #include "ingest/undistortion.h"
 
 namespace kinora::ingest {
@@ -28,6 +29,7 @@ public:
 private:
   std::string problem_of(const KinoraFrame& frame) const;
   Frame convert(const KinoraFrame& given) const;
+  DepthImage depth_of(const KinoraFrame& given) const;
 
   host::FrameReader reader_;
   FrameRange range_;
@@ -35,6 +37,9 @@ private:
   int position_;
   Intrinsics intrinsics_;
   std::optional<Undistortion> undistortion_;
+  /// Of a depth camera that is not the colour camera.
+  std::optional<RegistrationGeometry> registration_;
+  std::optional<Undistortion> depth_undistortion_;
 };
 
 } // namespace kinora::ingest
