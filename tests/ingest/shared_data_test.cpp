@@ -46,7 +46,7 @@ TEST_P(SharedData, IsRecognisedAndReadWithoutAFlag) {
     std::size_t clean = 0;
     for (std::size_t i = 0; i < frame->depth.pixel_count(); ++i) {
       if (frame->depth.data()[i] <= 0) continue;
-      EXPECT_GT(frame->depth.data()[i], 0.2);
+      EXPECT_GT(frame->depth.data()[i], 0.1);
       ++measured;
       if (frame->clean_depth.data()[i] > 0) ++clean;
     }
