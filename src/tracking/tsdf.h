@@ -6,8 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -54,6 +56,16 @@ public:
   void integrate(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
                  const SE3& camera_to_volume);
 
+  /// Where a point of a bent volume (relative to the origin) is in the camera; nothing where space is empty.
+  using Bending = std::function<std::optional<Eigen::Vector3f>(const Eigen::Vector3f&)>;
+  /// Fuses one image into a volume that has been bent since: each voxel is carried into the camera and averaged with
+  /// the distance there. Voxels farther than the truncation from what is measured learn nothing, not even emptiness:
+  /// the bending may be wrong. `surface`: points relative to the origin about which there shall be voxels. The bending
+  /// is taken at every fourth voxel and in between trilinearly; it must be thread-safe.
+  /// Throws Error(kFailure) if sizes differ.
+  void integrate_bent(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
+                      const Bending& to_camera, std::span<const Eigen::Vector3f> surface);
+
   /// Trilinear; nothing where one of the eight voxels around was never seen.
   std::optional<double> distance(const Eigen::Vector3d& point) const;
   std::optional<double> intensity(const Eigen::Vector3d& point) const;
@@ -79,6 +91,7 @@ private:
     std::int32_t brick = -1;
   };
   struct View;
+  struct BentView;
   struct Neighbourhood;
 
   std::int32_t find(const std::array<int, 3>& coordinate) const;
@@ -87,6 +100,8 @@ private:
   std::vector<std::uint8_t> touch_bricks(const View& view);
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
+  void touch_around(std::span<const Eigen::Vector3f> surface);
+  void update_bent(Brick& brick, const BentView& view) const;
   void append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const;
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }
 

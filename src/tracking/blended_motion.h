@@ -1,0 +1,51 @@
+// A point of a layer that several nodes move together, and how it moves when they do: exact derivatives of
+// dual-quaternion blending.
+// Source: Kavan et al., ACM TOG 27(4), 2008 (blending); Kavan et al., "Skinning with dual quaternions", I3D 2007.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "core/dual_quaternion.h"
+#include "tracking/deformation_graph.h"
+
+namespace kinora::tracking {
+
+/// Where the nodes of a graph are: transforms from canonical space, and the nodes' positions there.
+/// A step of a node is a twist about its own position: translation in metres, rotation in radians.
+struct NodeStates {
+  std::vector<DualQuaternion> transforms;
+  std::vector<Eigen::Vector3d> positions;
+
+  std::size_t size() const { return transforms.size(); }
+  void push_back(const DualQuaternion& transform, const Eigen::Vector3d& canonical_node);
+};
+
+/// States after a step of every node.
+NodeStates stepped(const NodeStates& states, std::span<const Twist> step);
+
+/// The states moved as one rigid body: `motion` after each transform.
+NodeStates moved(const NodeStates& states, const SE3& motion);
+
+/// The transform at a point, normalised, with what its derivative needs.
+struct BlendedMotion {
+  DualQuaternion transform;
+  std::array<double, Influence::kMost> signs{}; ///< ±1: the hemisphere of the heaviest node
+  double real_norm = 1;                         ///< of the sum before normalisation …
+  double dual_norm = 0;                         ///< … a dual number
+  bool degenerate = false;                      ///< rotations cancel: the heaviest node moves the point alone
+
+  Eigen::Vector3d apply(const Eigen::Vector3d& point) const;
+  Eigen::Vector3d rotate(const Eigen::Vector3d& vector) const;
+};
+
+/// `influence.count` must be at least 1.
+BlendedMotion blend_motion(const NodeStates& states, const Influence& influence);
+
+/// Derivative of g·t + m·ω by the step of the influence's node `slot`, where (t, ω) is the twist about the origin by
+/// which the blended transform changes.
+Twist pulled_back(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot,
+                  const Eigen::Vector3d& g, const Eigen::Vector3d& m);
+
+} // namespace kinora::tracking

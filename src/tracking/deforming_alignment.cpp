@@ -1,0 +1,284 @@
+#include "tracking/deforming_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+
+#include "core/parallel.h"
+#include "ingest/sensor_noise.h"
+#include "tracking/residuals.h"
+#include "tracking/statistics.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr std::size_t kPointsPerChunk = 512;
+constexpr double kFacingCosine = 0.17; // 80°
+constexpr double kNormalCosine = 0.7;  // 45°
+constexpr double kMinIncidence = 0.3;
+constexpr double kNearest = 0.05; // metres
+
+struct Stage {
+  int level;
+  double gate; ///< metres
+  int iterations;
+};
+constexpr std::array<Stage, 3> kStages = {{{2, 0.10, 3}, {1, 0.06, 3}, {0, 0.04, 4}}};
+
+/// Where a point is in the view; pixel_u < 0: nowhere.
+struct Seen {
+  Eigen::Vector3d place;
+  Eigen::Vector3d normal;
+  double u = 0;
+  double v = 0;
+  int pixel_u = -1;
+  int pixel_v = -1;
+};
+
+Seen look(const SkinnedPoint& point, const NodeStates& states, const ObjectView& view) {
+  Seen seen;
+  const BlendedMotion blended = blend_motion(states, point.influence);
+  seen.place = blended.apply(point.position);
+  seen.normal = blended.rotate(point.normal);
+  if (!(seen.place.z() > kNearest) || seen.normal.dot(seen.place) > -kFacingCosine * seen.place.norm()) return seen;
+  const Eigen::Vector2d pixel = view.intrinsics.project(seen.place);
+  seen.u = pixel.x();
+  seen.v = pixel.y();
+  if (!(seen.u > -0.49 && seen.v > -0.49 && seen.u < view.intrinsics.width - 0.51 &&
+        seen.v < view.intrinsics.height - 0.51)) {
+    return seen;
+  }
+  seen.pixel_u = static_cast<int>(std::lround(seen.u));
+  seen.pixel_v = static_cast<int>(std::lround(seen.v));
+  return seen;
+}
+
+bool is_covered(const Seen& seen, const ObjectView& view) {
+  const float front = view.depth.at(seen.pixel_u, seen.pixel_v);
+  return front > 0 && front < seen.place.z() - std::max(0.03, 3 * ingest::depth_sigma(seen.place.z()));
+}
+
+void set_plane(const Seen& seen, const ObjectView& view, double gate, PointTerms& terms) {
+  if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
+  const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
+  if ((seen.place - measured).squaredNorm() > gate * gate) return;
+  const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
+  const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
+  if (seen.normal.dot(normal) < kNormalCosine) return;
+  terms.plane_normal = normal;
+  terms.plane_offset = -normal.dot(measured);
+  terms.plane_scale = 1 / (ingest::depth_sigma(measured.z()) *
+                           std::max(kMinIncidence, std::abs(normal.dot(measured)) / measured.norm()));
+}
+
+float texture_of(const PointTexture& texture, std::size_t which, int level) {
+  if (which == 0) return texture.last[static_cast<std::size_t>(level)];
+  return level == 0 ? texture.fused : std::numeric_limits<float>::quiet_NaN();
+}
+
+// Light: the median difference of each direction of the normal. Sigma: what it leaves.
+void set_textures(std::span<const PointTexture> textures, std::span<const float> image, std::size_t which, int level,
+                  const DeformingAlignmentConfig& config, std::vector<PointTerms>& terms) {
+  std::array<std::vector<double>, ModelPoint::kDirections> differences;
+  const auto difference = [&](std::size_t p) {
+    return static_cast<double>(image[p]) - static_cast<double>(texture_of(textures[p], which, level));
+  };
+  for (std::size_t p = 0; p < terms.size(); ++p) {
+    if (!std::isnan(difference(p))) differences[textures[p].direction].push_back(difference(p));
+  }
+  std::array<double, ModelPoint::kDirections> light{};
+  std::vector<double> sizes;
+  for (std::size_t d = 0; d < light.size(); ++d) {
+    if (differences[d].empty()) continue;
+    light[d] = median(differences[d]);
+    for (const double value : differences[d]) sizes.push_back(std::abs(value - light[d]));
+  }
+  if (sizes.empty()) return;
+  const double sigma = std::max(config.texture_sigma, 1.4826 * median(sizes));
+  for (std::size_t p = 0; p < terms.size(); ++p) {
+    if (std::isnan(difference(p))) continue;
+    terms[p].expected[which] =
+        static_cast<double>(texture_of(textures[p], which, level)) + light[textures[p].direction];
+    terms[p].texture_scale[which] = std::sqrt(config.photometric_share) / sigma;
+  }
+}
+
+ProblemWeights weights_of(double spacing, const DeformingAlignmentConfig& config) {
+  ProblemWeights weights;
+  weights.rigidity_sigma = config.rigidity * spacing;
+  weights.prior_sigma = config.prior_sigma;
+  return weights;
+}
+
+/// Levenberg–Marquardt with the damping of Nielsen, "Damping Parameter in Marquardt's Method", 1999.
+class Damped {
+public:
+  /// One step that lowers the energy, if there is one within a few tries.
+  bool step(const DeformingProblem& problem, const DeformingAlignmentConfig& config, DeformingAlignment& result) {
+    constexpr int kTries = 4;
+    constexpr double kFloor = 1e-6;
+    const double before = problem.energy(result.nodes);
+    const BlockSystem system = problem.linearise(result.nodes);
+    for (int attempt = 0; attempt < kTries; ++attempt) {
+      const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
+      const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
+      const double promised = -model_change(problem.pattern(), system, solved.step);
+      NodeStates candidate = stepped(result.nodes, solved.step);
+      const double after = problem.energy(candidate);
+      if (after < before) {
+        const double gain = promised > 0 ? (before - after) / promised : 1.0;
+        const double factor = 1 - std::pow(2 * std::min(gain, 1.0) - 1, 3);
+        damping_ = std::clamp(damping_ * std::max(1.0 / 3, factor), 1e-6, 1e3);
+        growth_ = 2;
+        result.energies.push_back(before);
+        result.energies.push_back(after);
+        result.nodes = std::move(candidate);
+        return true;
+      }
+      damping_ = std::min(damping_ * growth_, 1e3);
+      growth_ *= 2;
+    }
+    return false;
+  }
+
+private:
+  double damping_ = 1e-3;
+  double growth_ = 2;
+};
+
+Eigen::Vector3d mean_place(const NodeStates& states) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& place : states.positions) sum += place;
+  return sum / static_cast<double>(std::max<std::size_t>(1, states.size()));
+}
+
+NodeStates turned_about(const NodeStates& states, const Eigen::Vector3d& pivot, const Twist& step) {
+  Twist rotation = Twist::Zero();
+  rotation.tail<3>() = step.tail<3>();
+  SE3 motion = exp_se3(rotation);
+  motion.translation() = pivot + step.head<3>() - motion.linear() * pivot;
+  return moved(states, motion);
+}
+
+void align_rigidly(DeformingProblem& problem, std::span<const PointTexture> textures, const ObjectView& view, int level,
+                   double gate, int iterations, const DeformingAlignmentConfig& config, NodeStates& states) {
+  problem.set_level(level);
+  for (int i = 0; i < iterations; ++i) {
+    associate(problem.model(), textures, view, states, level, gate, config, problem.terms());
+    Block information;
+    Twist gradient;
+    const Eigen::Vector3d pivot = mean_place(states);
+    problem.linearise_rigid(states, pivot, information, gradient);
+    const double largest = information.diagonal().maxCoeff();
+    if (!(largest > 0)) return;
+    const double before = problem.energy(states);
+    for (double damping = 1e-3; damping < 1e3; damping *= 10) {
+      Block damped = information;
+      damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
+      NodeStates candidate = turned_about(states, pivot, damped.ldlt().solve(-gradient));
+      if (problem.energy(candidate) < before) {
+        states = std::move(candidate);
+        break;
+      }
+    }
+  }
+}
+
+} // namespace
+
+void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+               const NodeStates& states, int level, double gate, const DeformingAlignmentConfig& config,
+               std::vector<PointTerms>& terms) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  terms.assign(model.points.size(), PointTerms());
+  std::vector<float> image(model.points.size(), kNone);
+  parallel_for(model.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      const Seen seen = look(model.points[p], states, view);
+      if (seen.pixel_u < 0) continue;
+      set_plane(seen, view, gate, terms[p]);
+      // A surface that is measured elsewhere along the ray shows another point's texture.
+      const bool contradicted = view.planes.weights.at(seen.pixel_u, seen.pixel_v) > 0 && terms[p].plane_scale == 0;
+      if (contradicted || view.mask.at(seen.pixel_u, seen.pixel_v) != 2 || is_covered(seen, view)) continue;
+      image[p] = view.sample_texture(level, seen.u, seen.v).value;
+    }
+  });
+  for (std::size_t which = 0; which < PointTerms::kTextures; ++which) {
+    set_textures(textures, image, which, level, config, terms);
+  }
+}
+
+NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+                         const NodeStates& start, int level, double gate, int iterations,
+                         const DeformingAlignmentConfig& config) {
+  DeformingProblem problem(model, view, weights_of(1, config));
+  NodeStates states = start;
+  align_rigidly(problem, textures, view, level, gate, iterations, config, states);
+  return states;
+}
+
+DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
+                                   const ObjectView& view, const NodeStates& start, const NodeStates& prior,
+                                   double spacing, const DeformingAlignmentConfig& config) {
+  DeformingAlignment result;
+  result.nodes = start;
+  DeformingProblem problem(model, view, weights_of(spacing, config));
+  if (config.rigid_iterations > 0) {
+    align_rigidly(problem, textures, view, kStages[0].level, kStages[0].gate, config.rigid_iterations, config,
+                  result.nodes);
+  }
+  problem.set_prior(prior);
+  Damped damped;
+  for (const Stage& stage : kStages) {
+    problem.set_level(stage.level);
+    for (int i = 0; i < stage.iterations; ++i) {
+      associate(model, textures, view, result.nodes, stage.level, stage.gate, config, problem.terms());
+      if (!damped.step(problem, config, result)) break;
+    }
+  }
+  return result;
+}
+
+DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
+                                   const ObjectView& view, const NodeStates& states) {
+  DeformingQuality quality;
+  double sums[5] = {};
+  double count = 0;
+  for (std::size_t p = 0; p < model.points.size(); ++p) {
+    const Seen seen = look(model.points[p], states, view);
+    if (seen.pixel_u < 0 || view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) continue;
+    const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
+    const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
+    const double distance = seen.normal.dot(seen.place - measured);
+    // Behind what is measured it may be hidden by another part of the layer.
+    if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) continue;
+    ++quality.on_label;
+    const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
+    if (std::abs(distance) > tolerance ||
+        seen.normal.dot(Eigen::Vector3d(plane[0], plane[1], plane[2])) < kNormalCosine) {
+      continue;
+    }
+    ++quality.inliers;
+    const double expected = textures[p].fused;
+    if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) continue;
+    const double image = view.sample_texture(0, seen.u, seen.v).value;
+    sums[0] += expected;
+    sums[1] += image;
+    sums[2] += expected * expected;
+    sums[3] += image * image;
+    sums[4] += expected * image;
+    count += 1;
+  }
+  if (count < 20) return quality;
+  const double variance_model = sums[2] / count - sums[0] * sums[0] / (count * count);
+  const double variance_image = sums[3] / count - sums[1] * sums[1] / (count * count);
+  const double floor = 0.03 * 0.03; // of the log luminance: less is no texture
+  if (variance_model < floor || variance_image < floor) return quality;
+  quality.texture_correlation =
+      (sums[4] / count - sums[0] * sums[1] / (count * count)) / std::sqrt(variance_model * variance_image);
+  return quality;
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,67 @@
+// Where the nodes of a deforming layer are in one view: correspondences by projection, and Levenberg–Marquardt on the
+// energy of DeformingProblem, coarse to fine.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tracking/deforming_problem.h"
+
+namespace kinora::tracking {
+
+/// Textures that a point of the model is known by; NaN where it is not.
+struct PointTexture {
+  std::array<float, ObjectView::kLevels> last; ///< as the last view showed it, per level
+  float fused;                                 ///< of the canonical model; compared at the finest level
+  std::uint8_t direction;                      ///< of the canonical normal: points of one direction are lit alike
+};
+
+struct DeformingAlignmentConfig {
+  double rigidity = 0.1;          ///< standard deviation of a neighbour's place, in units of the nodes' spacing
+  double prior_sigma = 0.05;      ///< metres
+  double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
+  double texture_sigma = 0.02;    ///< at least; log luminance
+  int rigid_iterations = 4;
+  int pcg_iterations = 40;
+  double pcg_tolerance = 1e-2;
+};
+
+struct DeformingAlignment {
+  NodeStates nodes; ///< canonical (relative to the origin) to camera
+  std::vector<double>
+      energies; ///< of each try: before, after, before, after …; within a pair correspondences are the same
+};
+
+/// How well node states explain a view.
+struct DeformingQuality {
+  std::size_t on_label = 0; ///< points that face the camera and fall on a measured pixel of the label
+  std::size_t inliers = 0;  ///< of these, within 3σ + 5 mm and 45°
+  double texture_correlation = 0;
+  double inlier_share() const {
+    return on_label > 0 ? static_cast<double>(inliers) / static_cast<double>(on_label) : 0.0;
+  }
+};
+
+/// Refines `start`; nodes that nothing holds stay near `prior`. Energy never rises from a step that is taken.
+/// `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
+/// Deterministic for any number of threads.
+DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
+                                   const ObjectView& view, const NodeStates& start, const NodeStates& prior,
+                                   double spacing, const DeformingAlignmentConfig& config = {});
+
+/// One rigid motion of all nodes that brings the model nearer to the view; correspondences within `gate` metres.
+NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+                         const NodeStates& start, int level, double gate, int iterations,
+                         const DeformingAlignmentConfig& config = {});
+
+DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
+                                   const ObjectView& view, const NodeStates& states);
+
+/// Finds what each point is compared with at `states`: the plane of the pixel that it falls on, and its textures.
+/// Exposed for tests.
+void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+               const NodeStates& states, int level, double gate, const DeformingAlignmentConfig& config,
+               std::vector<PointTerms>& terms);
+
+} // namespace kinora::tracking

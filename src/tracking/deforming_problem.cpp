@@ -1,0 +1,246 @@
+#include "tracking/deforming_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/parallel.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr std::size_t kPointsPerChunk = 512;
+constexpr std::size_t kNodesPerChunk = 16;
+constexpr double kNearest = 0.05; // metres before the camera
+
+double huber(double value, double bend) {
+  const double size = std::abs(value);
+  return size <= bend ? 0.5 * value * value : bend * (size - 0.5 * bend);
+}
+
+double huber_weight(double value, double bend) {
+  const double size = std::abs(value);
+  return size <= bend ? 1.0 : bend / size;
+}
+
+} // namespace
+
+/// Derivatives of a point's rows by the steps of its nodes, times the root of their weights; and those residuals.
+struct DeformingProblem::PointJacobians {
+  int rows = 0;
+  std::array<double, kRows> residuals;
+  std::array<std::array<Twist, Influence::kMost>, kRows> by_node;
+};
+
+DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights)
+    : model_(model), view_(view), weights_(weights), terms_(model.points.size()), point_uses_(model.nodes.size()),
+      edge_uses_(model.nodes.size()) {
+  std::vector<BlockPattern::Pair> pairs;
+  for (const SkinnedPoint& point : model.points) {
+    const Influence& influence = point.influence;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(influence.count); ++a) {
+      for (std::size_t b = a + 1; b < static_cast<std::size_t>(influence.count); ++b) {
+        pairs.push_back({influence.nodes[a], influence.nodes[b]});
+      }
+    }
+  }
+  for (const GraphEdge& edge : model.edges) pairs.push_back({edge.a, edge.b});
+  pattern_ = BlockPattern(model.nodes.size(), pairs);
+  for (std::size_t p = 0; p < model.points.size(); ++p) {
+    const Influence& influence = model.points[p].influence;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(influence.count); ++a) {
+      PointUse use{static_cast<int>(p), static_cast<int>(a), {}};
+      for (std::size_t b = 0; b < static_cast<std::size_t>(influence.count); ++b) {
+        use.blocks[b] = static_cast<std::uint32_t>(pattern_.find(influence.nodes[a], influence.nodes[b]));
+      }
+      point_uses_[static_cast<std::size_t>(influence.nodes[a])].push_back(use);
+    }
+  }
+  for (std::size_t e = 0; e < model.edges.size(); ++e) {
+    const GraphEdge& edge = model.edges[e];
+    edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
+        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.a, edge.b))});
+    edge_uses_[static_cast<std::size_t>(edge.b)].push_back(
+        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.b, edge.a))});
+  }
+}
+
+DeformingProblem::PointRows DeformingProblem::rows_at(std::size_t point, const Eigen::Vector3d& place,
+                                                      bool with_gradients) const {
+  PointRows rows;
+  const PointTerms& terms = terms_[point];
+  if (terms.plane_scale > 0) {
+    rows.values[0] = terms.plane_scale * (terms.plane_normal.dot(place) + terms.plane_offset);
+    rows.weights[0] = huber_weight(rows.values[0], weights_.huber);
+    rows.gradients[0] = terms.plane_scale * terms.plane_normal;
+  }
+  if (place.z() < kNearest ||
+      std::all_of(terms.texture_scale.begin(), terms.texture_scale.end(), [](double scale) { return scale == 0; })) {
+    return rows;
+  }
+  const double fx = view_.intrinsics.fx / place.z();
+  const double fy = view_.intrinsics.fy / place.z();
+  const TextureSample image =
+      view_.sample_texture(level_, fx * place.x() + view_.intrinsics.cx, fy * place.y() + view_.intrinsics.cy);
+  const Eigen::Vector3d slope =
+      with_gradients ? Eigen::Vector3d(image.du * fx, image.dv * fy,
+                                       -(image.du * fx * place.x() + image.dv * fy * place.y()) / place.z())
+                     : Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
+    if (terms.texture_scale[t] == 0) continue;
+    rows.values[1 + t] = terms.texture_scale[t] * (image.value - terms.expected[t]);
+    rows.weights[1 + t] = huber_weight(rows.values[1 + t], weights_.huber);
+    rows.gradients[1 + t] = terms.texture_scale[t] * slope;
+  }
+  return rows;
+}
+
+double DeformingProblem::point_energy(std::size_t point, const NodeStates& states) const {
+  const SkinnedPoint& skinned = model_.points[point];
+  const PointRows rows = rows_at(point, blend_motion(states, skinned.influence).apply(skinned.position), false);
+  double sum = 0;
+  for (const double value : rows.values) sum += huber(value, weights_.huber);
+  return sum;
+}
+
+// Where `from` would have its neighbour `to`, less where it is.
+Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStates& states) const {
+  const auto i = static_cast<std::size_t>(from);
+  const auto j = static_cast<std::size_t>(to);
+  return states.positions[i] + states.transforms[i].real._transformVector(model_.nodes[j] - model_.nodes[i]) -
+         states.positions[j];
+}
+
+double DeformingProblem::energy(const NodeStates& states) const {
+  std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
+  parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) parts[chunk.index] += point_energy(p, states);
+  });
+  double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  for (const GraphEdge& edge : model_.edges) {
+    sum += huber(edge_residual(edge.a, edge.b, states).norm() / weights_.rigidity_sigma, weights_.huber);
+    sum += huber(edge_residual(edge.b, edge.a, states).norm() / weights_.rigidity_sigma, weights_.huber);
+  }
+  for (std::size_t i = 0; i < prior_.size(); ++i) {
+    sum += huber((states.positions[i] - prior_[i]).norm() / weights_.prior_sigma, weights_.huber);
+  }
+  return sum;
+}
+
+BlockSystem DeformingProblem::linearise(const NodeStates& states) const {
+  std::vector<PointJacobians> jacobians(model_.points.size());
+  parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      const PointTerms& terms = terms_[p];
+      PointJacobians& out = jacobians[p];
+      if (terms.plane_scale == 0 && terms.texture_scale[0] == 0 && terms.texture_scale[1] == 0) continue;
+      const SkinnedPoint& point = model_.points[p];
+      const BlendedMotion blended = blend_motion(states, point.influence);
+      const Eigen::Vector3d place = blended.apply(point.position);
+      const PointRows rows = rows_at(p, place, true);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        if (rows.weights[r] == 0) continue;
+        const auto row = static_cast<std::size_t>(out.rows++);
+        const double root = std::sqrt(rows.weights[r]);
+        out.residuals[row] = root * rows.values[r];
+        const Eigen::Vector3d g = root * rows.gradients[r];
+        const Eigen::Vector3d m = place.cross(g);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
+          out.by_node[row][k] = pulled_back(states, point.influence, blended, k, g, m);
+        }
+      }
+    }
+  });
+  BlockSystem system;
+  system.blocks.assign(pattern_.block_count(), Block::Zero());
+  system.gradient.assign(model_.nodes.size(), Twist::Zero());
+  parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      add_points(i, jacobians, system);
+      add_edges(i, states, system);
+    }
+  });
+  return system;
+}
+
+void DeformingProblem::add_points(std::size_t node, std::span<const PointJacobians> jacobians,
+                                  BlockSystem& system) const {
+  for (const PointUse& use : point_uses_[node]) {
+    const PointJacobians& point = jacobians[static_cast<std::size_t>(use.point)];
+    const auto count = static_cast<std::size_t>(model_.points[static_cast<std::size_t>(use.point)].influence.count);
+    const auto slot = static_cast<std::size_t>(use.slot);
+    for (std::size_t r = 0; r < static_cast<std::size_t>(point.rows); ++r) {
+      const Twist& own = point.by_node[r][slot];
+      system.gradient[node] += point.residuals[r] * own;
+      for (std::size_t k = 0; k < count; ++k) {
+        system.blocks[use.blocks[k]].noalias() += own * point.by_node[r][k].transpose();
+      }
+    }
+  }
+}
+
+// An edge (i, j) has two residuals: T_i x_j − c_j, with derivatives (1, −[T_i x_j − c_i]×) by i and −1 by j; and the
+// same the other way round.
+void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const {
+  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
+  const double information = 1 / (weights_.rigidity_sigma * weights_.rigidity_sigma);
+  using Rows = Eigen::Matrix<double, 3, 6>;
+  for (const EdgeUse& use : edge_uses_[node]) {
+    const GraphEdge& edge = model_.edges[static_cast<std::size_t>(use.edge)];
+    const int own = static_cast<int>(node);
+    const int other = edge.a == own ? edge.b : edge.a;
+    for (const bool outward : {true, false}) {
+      const int from = outward ? own : other;
+      const int to = outward ? other : own;
+      const Eigen::Vector3d residual = edge_residual(from, to, states);
+      const double weight = information * huber_weight(residual.norm() / weights_.rigidity_sigma, weights_.huber);
+      Rows by_from;
+      by_from << Eigen::Matrix3d::Identity(), -skew(residual + states.positions[static_cast<std::size_t>(to)] -
+                                                    states.positions[static_cast<std::size_t>(from)]);
+      Rows by_to = Rows::Zero();
+      by_to.leftCols<3>() = -Eigen::Matrix3d::Identity();
+      const Rows& by_own = outward ? by_from : by_to;
+      const Rows& by_other = outward ? by_to : by_from;
+      system.blocks[diagonal].noalias() += weight * by_own.transpose() * by_own;
+      system.blocks[use.block].noalias() += weight * by_own.transpose() * by_other;
+      system.gradient[node].noalias() += weight * by_own.transpose() * residual;
+    }
+  }
+  if (prior_.empty()) return;
+  const Eigen::Vector3d off = states.positions[node] - prior_[node];
+  const double weight =
+      huber_weight(off.norm() / weights_.prior_sigma, weights_.huber) / (weights_.prior_sigma * weights_.prior_sigma);
+  system.blocks[diagonal].diagonal().head<3>().array() += weight;
+  system.gradient[node].head<3>() += weight * off;
+}
+
+void DeformingProblem::linearise_rigid(const NodeStates& states, const Eigen::Vector3d& pivot, Block& information,
+                                       Twist& gradient) const {
+  struct Part {
+    Block information = Block::Zero();
+    Twist gradient = Twist::Zero();
+  };
+  std::vector<Part> parts(chunk_count(model_.points.size(), kPointsPerChunk));
+  parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      const SkinnedPoint& point = model_.points[p];
+      const Eigen::Vector3d place = blend_motion(states, point.influence).apply(point.position);
+      const PointRows rows = rows_at(p, place, true);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        if (rows.weights[r] == 0) continue;
+        Twist row;
+        row << rows.gradients[r], (place - pivot).cross(rows.gradients[r]);
+        parts[chunk.index].information.noalias() += rows.weights[r] * row * row.transpose();
+        parts[chunk.index].gradient += rows.weights[r] * rows.values[r] * row;
+      }
+    }
+  });
+  information.setZero();
+  gradient.setZero();
+  for (const Part& part : parts) {
+    information += part.information;
+    gradient += part.gradient;
+  }
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,109 @@
+// What one view says about the motion of a deforming layer: the energy that the solver brings down, and its
+// derivatives. Sources: Newcombe et al., "DynamicFusion", CVPR 2015 (point to plane, as rigid as possible); Innmann et
+// al., "VolumeDeform", ECCV 2016 (texture).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tracking/blended_motion.h"
+#include "tracking/block_system.h"
+#include "tracking/object_view.h"
+#include "tracking/surface_graph.h"
+
+namespace kinora::tracking {
+
+/// A point of the model with the nodes that carry it. Canonical, relative to the layer's origin.
+struct SkinnedPoint {
+  Eigen::Vector3d position;
+  Eigen::Vector3d normal;
+  Influence influence;
+};
+
+/// What a point is compared with, fixed while the solver steps. A scale is the root of a term's weight over its
+/// standard deviation; zero: there is no such term.
+struct PointTerms {
+  static constexpr std::size_t kTextures = 2;
+  Eigen::Vector3d plane_normal = Eigen::Vector3d::Zero(); ///< of the measured surface, in the camera
+  double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
+  double plane_scale = 0;
+  std::array<double, kTextures> expected{}; ///< textures at the point
+  std::array<double, kTextures> texture_scale{};
+};
+
+struct ProblemWeights {
+  double rigidity_sigma = 0.005; ///< metres that two nodes may disagree about a neighbour's place
+  double prior_sigma = 0.05;     ///< metres from the predicted place of a node; holds what nothing else does
+  double huber = 1.5;            ///< standard deviations from which on all terms grow linearly
+};
+
+/// The layer's part that does not change while a view is solved. All references must outlive the problem.
+struct LayerModel {
+  std::span<const Eigen::Vector3d> nodes; ///< canonical, relative to the origin
+  std::span<const GraphEdge> edges;
+  std::span<const SkinnedPoint> points;
+};
+
+/// Thread-safe to read.
+class DeformingProblem {
+public:
+  DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights);
+
+  const LayerModel& model() const { return model_; }
+  const BlockPattern& pattern() const { return pattern_; }
+  /// One for each point; to be filled before energy() and linearise().
+  std::vector<PointTerms>& terms() { return terms_; }
+  /// Pyramid level that textures are compared at.
+  void set_level(int level) { level_ = level; }
+  /// Where the prior would have the nodes.
+  void set_prior(const NodeStates& prior) { prior_ = prior.positions; }
+  void set_rigidity_sigma(double sigma) { weights_.rigidity_sigma = sigma; }
+
+  /// Half the sum of squares of all terms, in standard deviations, with Huber's bend.
+  double energy(const NodeStates& states) const;
+  /// Gauss–Newton system about `states`, weights as Huber has them there. Same bits for any number of threads.
+  BlockSystem linearise(const NodeStates& states) const;
+  /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
+  void linearise_rigid(const NodeStates& states, const Eigen::Vector3d& pivot, Block& information,
+                       Twist& gradient) const;
+
+private:
+  static constexpr std::size_t kRows = 1 + PointTerms::kTextures;
+  /// A point's residuals at some states: value and derivative by the point's place. Weight zero: no such row.
+  struct PointRows {
+    std::array<double, kRows> values{};
+    std::array<double, kRows> weights{};
+    std::array<Eigen::Vector3d, kRows> gradients;
+  };
+  struct PointJacobians;
+  /// A point (or edge) that a node takes part in.
+  struct PointUse {
+    int point;
+    int slot;
+    std::array<std::uint32_t, Influence::kMost> blocks; ///< of this node's row, for the point's nodes
+  };
+  struct EdgeUse {
+    int edge;
+    std::uint32_t block;
+  };
+
+  PointRows rows_at(std::size_t point, const Eigen::Vector3d& place, bool with_gradients) const;
+  double point_energy(std::size_t point, const NodeStates& states) const;
+  void add_points(std::size_t node, std::span<const PointJacobians> jacobians, BlockSystem& system) const;
+  void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
+  Eigen::Vector3d edge_residual(int from, int to, const NodeStates& states) const;
+
+  LayerModel model_;
+  const ObjectView& view_;
+  ProblemWeights weights_;
+  int level_ = 0;
+  BlockPattern pattern_;
+  std::vector<PointTerms> terms_;
+  std::vector<Eigen::Vector3d> prior_;
+  std::vector<std::vector<PointUse>> point_uses_;
+  std::vector<std::vector<EdgeUse>> edge_uses_;
+};
+
+} // namespace kinora::tracking

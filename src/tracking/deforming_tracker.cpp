@@ -1,0 +1,339 @@
+#include "tracking/deforming_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "ingest/sensor_noise.h"
+#include "tracking/residuals.h"
+#include "tracking/statistics.h"
+#include "tracking/view_unfolding.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr double kWeightRadius = 1.1;    // in units of the nodes' spacing
+constexpr double kInfluenceRadius = 2.5; // so that a surface between nodes, and what lies before it, is carried
+constexpr double kSampleShare = 1.0 / 3; // of the spacing: grid of the thinned surface
+constexpr double kMinSpacing = 0.02;
+constexpr double kMaxSpacing = 0.25;
+constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
+constexpr float kSeenOften = 2.5F;     // views that a surface must have been seen in before it gets nodes
+constexpr double kUnfoldReach = 0.03;  // metres
+constexpr std::size_t kPointsPerChunk = 512;
+
+TsdfConfig choose_volume(const ObjectView& view, double requested) {
+  const double footprint = view.centroid.z() / view.intrinsics.fx;
+  const double sigma = ingest::depth_sigma(view.centroid.z());
+  TsdfConfig config;
+  config.voxel_size = requested > 0 ? requested : std::clamp(std::max(1.2 * footprint, sigma), 0.002, 0.04);
+  config.truncation = std::clamp(4 * sigma, 4 * config.voxel_size, 7 * config.voxel_size);
+  return config;
+}
+
+// Area that the view measures, metres².
+double measured_area(const ObjectView& view) {
+  double area = 0;
+  for (int v = 0; v < view.intrinsics.height; ++v) {
+    for (int u = 0; u < view.intrinsics.width; ++u) {
+      if (view.planes.weights.at(u, v) <= 0) continue;
+      const Eigen::Vector3d point = view.point(u, v);
+      const float* plane = view.planes.planes.pixel(u, v);
+      const double cosine = std::abs(plane[0] * point.x() + plane[1] * point.y() + plane[2] * point.z()) / point.norm();
+      area += point.z() * point.z() / std::max(0.2, cosine);
+    }
+  }
+  return area / (view.intrinsics.fx * view.intrinsics.fy);
+}
+
+ObjectView view_layer(const ingest::Frame& frame, int label) {
+  if (!frame.labels.empty()) return view_object(frame, label);
+  ingest::Frame whole = frame;
+  whole.labels = LabelImage(frame.color.width(), frame.color.height(), 1, static_cast<std::uint8_t>(label));
+  return view_object(whole, label);
+}
+
+SE3 relative_to(const Eigen::Vector3d& origin, const ingest::Frame& frame) {
+  SE3 world_to_camera = frame.camera.camera_to_world.inverse();
+  return world_to_camera * Eigen::Translation3d(origin);
+}
+
+SE3 orthonormal(SE3 transform) {
+  transform.linear() = Eigen::Quaterniond(transform.linear()).normalized().toRotationMatrix();
+  return transform;
+}
+
+} // namespace
+
+/// The last view that was tracked.
+struct DeformingTracker::Past {
+  ObjectView view;
+  SE3 world_to_camera = SE3::Identity(); ///< world relative to the origin
+  double time = 0;
+  double earlier_time = 0;
+  bool has_earlier = false; ///< the frame before it was tracked as well
+};
+
+/// Model points that take part in one frame.
+struct DeformingTracker::Selection {
+  std::vector<SkinnedPoint> points;
+  std::vector<PointTexture> textures;
+};
+
+DeformingTracker::DeformingTracker(int label, const DeformingTrackerConfig& config) : label_(label), config_(config) {}
+DeformingTracker::~DeformingTracker() = default;
+DeformingTracker::DeformingTracker(DeformingTracker&&) noexcept = default;
+DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = default;
+
+DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
+  const ObjectView view = view_layer(frame, label_);
+  DeformingTrackingResult result;
+  result.pixels = view.depth_pixels;
+  if (volume_ == nullptr) {
+    if (view.depth_pixels >= config_.first_pixels) {
+      begin(frame, view);
+      result.health = Health::kTracked;
+    } else {
+      records_.emplace_back();
+    }
+  } else {
+    records_.push_back({records_.back().nodes, Health::kHeld});
+    if (view.depth_pixels >= config_.min_pixels) records_.back().health = follow(frame, view, result);
+    if (records_.back().health == Health::kTracked) {
+      unseen_ = 0;
+    } else if (++unseen_ > config_.held_frames) {
+      records_.back().health = Health::kLost;
+    }
+    result.health = records_.back().health;
+  }
+  result.nodes = nodes_.size();
+  return result;
+}
+
+void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view) {
+  const Eigen::Vector3d origin = frame.camera.camera_to_world * view.centroid;
+  volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), origin);
+  volume_->integrate(view.planes, view.texture, view.intrinsics, frame.camera.camera_to_world);
+  const double per_node = measured_area(view) / static_cast<double>(config_.first_nodes);
+  spacing_ =
+      config_.node_spacing > 0
+          ? config_.node_spacing
+          : std::clamp(std::sqrt(per_node), std::max(kMinSpacing, 3 * volume_->config().voxel_size), kMaxSpacing);
+  records_.push_back({{}, Health::kTracked});
+  surface_ = volume_->surface_points();
+  std::vector<double> weights;
+  for (const SurfacePoint& point : surface_) weights.push_back(point.weight);
+  unit_weight_ = weights.empty() ? 0 : static_cast<float>(median(weights));
+  grow_graph(0);
+  past_ = std::make_unique<Past>();
+  past_->view = view;
+  past_->world_to_camera = relative_to(origin, frame);
+  past_->time = frame.time;
+}
+
+NodeStates DeformingTracker::in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const {
+  const SE3 world_to_camera = relative_to(volume_->origin(), frame);
+  NodeStates states;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    states.push_back(DualQuaternion::from(world_to_camera * nodes[i]), nodes_[i]);
+  }
+  return states;
+}
+
+// Constant velocity of each node.
+std::vector<SE3> DeformingTracker::predicted(double time) const {
+  const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
+  if (unseen_ > 0 || !past_->has_earlier) return last;
+  const std::vector<SE3>& earlier = records_[records_.size() - 3].nodes;
+  const double before = past_->time - past_->earlier_time;
+  const double share = kVelocityShare * (before > 0 ? std::clamp((time - past_->time) / before, 0.0, 3.0) : 1.0);
+  std::vector<SE3> result;
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    const Eigen::Vector3d now = last[i] * nodes_[i];
+    Twist rotation = Twist::Zero();
+    rotation.tail<3>() = share * log_se3(last[i] * earlier[i].inverse()).tail<3>();
+    SE3 next = SE3::Identity();
+    next.linear() = exp_se3(rotation).linear() * last[i].linear();
+    next.translation() = now + share * (now - earlier[i] * nodes_[i]) - next.linear() * nodes_[i];
+    result.push_back(orthonormal(next));
+  }
+  return result;
+}
+
+// Points of the surface that face the camera, evenly drawn, with the texture that the last view shows of them.
+DeformingTracker::Selection DeformingTracker::select(const ObjectView& view, const NodeStates& states) const {
+  std::vector<std::uint8_t> chosen(surface_.size(), 0);
+  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      if (skin_[i].count == 0) continue;
+      const BlendedMotion motion = blend_motion(states, skin_[i]);
+      const Eigen::Vector3d place = motion.apply(surface_[i].position.cast<double>());
+      if (!(place.z() > 0) || motion.rotate(surface_[i].normal.cast<double>()).dot(place) > 0) continue;
+      const Eigen::Vector2d pixel = view.intrinsics.project(place);
+      chosen[i] =
+          pixel.x() > 0 && pixel.y() > 0 && pixel.x() < view.intrinsics.width && pixel.y() < view.intrinsics.height ? 1
+                                                                                                                    : 0;
+    }
+  });
+  const std::size_t count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
+  const std::size_t wanted = std::min(count, config_.max_points);
+  Selection selection;
+  std::vector<std::size_t> indices;
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < surface_.size(); ++i) {
+    if (chosen[i] == 0) continue;
+    // Every count/wanted-th of them.
+    if ((seen + 1) * wanted / count > seen * wanted / count) indices.push_back(i);
+    ++seen;
+  }
+  NodeStates last;
+  const std::vector<SE3>& nodes = records_[records_.size() - 2].nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    last.push_back(DualQuaternion::from(past_->world_to_camera * nodes[i]), nodes_[i]);
+  }
+  selection.points.resize(indices.size());
+  selection.textures.resize(indices.size());
+  const ObjectView& before = past_->view;
+  parallel_for(indices.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+      const SurfacePoint& point = surface_[indices[k]];
+      selection.points[k] = {point.position.cast<double>(), point.normal.cast<double>(), skin_[indices[k]]};
+      PointTexture& texture = selection.textures[k];
+      texture.last.fill(std::numeric_limits<float>::quiet_NaN());
+      texture.fused = point.intensity;
+      texture.direction = direction_of(point.normal);
+      const Eigen::Vector3d place = blend_motion(last, skin_[indices[k]]).apply(selection.points[k].position);
+      if (!(place.z() > 0)) continue;
+      const Eigen::Vector2d pixel = before.intrinsics.project(place);
+      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < before.intrinsics.width - 1 &&
+            pixel.y() < before.intrinsics.height - 1)) {
+        continue;
+      }
+      const int u = static_cast<int>(std::lround(pixel.x()));
+      const int v = static_cast<int>(std::lround(pixel.y()));
+      const double tolerance = std::max(0.015, 3 * ingest::depth_sigma(place.z()));
+      if (before.mask.at(u, v) != 2 || before.planes.weights.at(u, v) <= 0 ||
+          std::abs(before.point(u, v).z() - place.z()) > tolerance) {
+        continue;
+      }
+      for (std::size_t level = 0; level < texture.last.size(); ++level) {
+        texture.last[level] = before.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
+      }
+    }
+  });
+  return selection;
+}
+
+Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result) {
+  const std::vector<SE3> expected = predicted(frame.time);
+  const NodeStates prior = in_camera(expected, frame);
+  const Selection selection = select(view, prior);
+  const LayerModel model{nodes_, edges_, selection.points};
+  DeformingAlignment alignment =
+      align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
+  result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
+  if (result.quality.inliers < config_.min_pixels / 2 || result.quality.inlier_share() < config_.min_inlier_share) {
+    return Health::kLost;
+  }
+  const SE3 camera_to_world = relative_to(volume_->origin(), frame).inverse();
+  std::vector<SE3>& nodes = records_.back().nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    nodes[i] = orthonormal(camera_to_world * alignment.nodes.transforms[i].to_se3());
+  }
+  past_->has_earlier = unseen_ == 0;
+  past_->earlier_time = past_->time;
+  past_->time = frame.time;
+  past_->view = view;
+  past_->world_to_camera = relative_to(volume_->origin(), frame);
+  fuse(view, alignment.nodes);
+  return Health::kTracked;
+}
+
+void DeformingTracker::fuse(const ObjectView& view, const NodeStates& states) {
+  const std::vector<Eigen::Vector3f> places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
+  const auto to_camera = [&](const Eigen::Vector3f& point) -> std::optional<Eigen::Vector3f> {
+    const Eigen::Vector3d canonical = point.cast<double>();
+    const Influence influence = graph_->influence(canonical);
+    if (influence.count == 0) return std::nullopt;
+    return blend_motion(states, influence).apply(canonical).cast<float>();
+  };
+  volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places);
+  surface_ = volume_->surface_points();
+  grow_graph(kSeenOften * unit_weight_);
+}
+
+// New nodes on surface that has none, with the past that the graph so far would have given them.
+void DeformingTracker::grow_graph(float min_weight) {
+  const double cell = kSampleShare * spacing_;
+  const std::vector<SurfaceSample> samples = thin_surface(surface_, cell, min_weight);
+  const std::size_t old = nodes_.size();
+  std::vector<Eigen::Vector3d> nodes = nodes_;
+  add_nodes(samples, spacing_, config_.max_nodes, nodes);
+  for (std::size_t i = old; i < nodes.size(); ++i) {
+    Influence influence = graph_ ? graph_->influence(nodes[i]) : Influence();
+    if (graph_ && influence.count == 0) {
+      const auto nearest = std::min_element(nodes_.begin(), nodes_.begin() + static_cast<std::ptrdiff_t>(old),
+                                            [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                              return (a - nodes[i]).squaredNorm() < (b - nodes[i]).squaredNorm();
+                                            });
+      influence.count = 1;
+      influence.nodes[0] = static_cast<int>(nearest - nodes_.begin());
+      influence.weights[0] = 1;
+    }
+    for (Record& record : records_) {
+      if (graph_ && record.nodes.empty()) continue;
+      if (!graph_) {
+        if (&record == &records_.back()) record.nodes.push_back(SE3::Identity());
+        continue;
+      }
+      std::array<DualQuaternion, Influence::kMost> transforms;
+      const auto count = static_cast<std::size_t>(influence.count);
+      for (std::size_t k = 0; k < count; ++k) {
+        transforms[k] = DualQuaternion::from(record.nodes[static_cast<std::size_t>(influence.nodes[k])]);
+      }
+      record.nodes.push_back(
+          blend(std::span(transforms).first(count), std::span(influence.weights).first(count)).to_se3());
+    }
+  }
+  if (nodes.size() > old) {
+    nodes_ = std::move(nodes);
+    graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+    edges_ = connect_nodes(nodes_, samples, spacing_, cell);
+  }
+  renew_surface();
+}
+
+void DeformingTracker::renew_surface() {
+  skin_.resize(surface_.size());
+  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      skin_[i] = graph_->influence(surface_[i].position.cast<double>());
+    }
+  });
+}
+
+Motion DeformingTracker::motion() const {
+  if (!started()) throw Error(ErrorCode::kFailure, "a layer that was never seen has no motion");
+  const Eigen::Vector3d& origin = volume_->origin();
+  std::vector<Eigen::Vector3d> nodes;
+  for (const Eigen::Vector3d& node : nodes_) nodes.emplace_back(origin + node);
+  auto graph =
+      std::make_shared<const DeformationGraph>(std::move(nodes), graph_->weight_radius(), graph_->influence_radius());
+  const auto first = std::find_if(records_.begin(), records_.end(), [](const Record& r) { return !r.nodes.empty(); });
+  std::vector<Motion::Deformation> deformations;
+  for (const Record& record : records_) {
+    Motion::Deformation deformation;
+    deformation.health = record.health;
+    for (const SE3& node : record.nodes.empty() ? first->nodes : record.nodes) {
+      const SE3 in_world = Eigen::Translation3d(origin) * node * Eigen::Translation3d(-origin);
+      deformation.node_to_world.push_back(DualQuaternion::from(in_world));
+    }
+    deformations.push_back(std::move(deformation));
+  }
+  return Motion::deforming(std::move(graph), std::move(deformations));
+}
+
+} // namespace kinora::tracking

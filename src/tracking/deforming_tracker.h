@@ -1,0 +1,95 @@
+// Follows one layer that bends through a capture, fuses what it sees of it, and grows its deformation graph.
+// Sources: Newcombe et al., "DynamicFusion", CVPR 2015; Innmann et al., "VolumeDeform", ECCV 2016; Jiang et al.,
+// "Instant-NVR", CVPR 2023, eq. 1–2 without the terms of the body.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "ingest/frame.h"
+#include "tracking/deforming_alignment.h"
+#include "tracking/motion.h"
+#include "tracking/surface_graph.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+struct DeformingTrackerConfig {
+  double voxel_size = 0;   ///< metres; 0: from the sensor's noise and the footprint of a pixel at the layer
+  double node_spacing = 0; ///< metres; 0: so that the first frame's surface gets about `first_nodes`
+  std::size_t first_nodes = 300;
+  std::size_t max_nodes = 700;
+  std::size_t first_pixels = 150; ///< pixels with clean depth that the layer's first frame must have
+  std::size_t min_pixels = 60;    ///< fewer: the deformation is held
+  std::size_t max_points = 6000;  ///< model points used for alignment
+  double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
+  int held_frames = 30;           ///< unseen for longer: lost
+  DeformingAlignmentConfig alignment;
+};
+
+/// One frame's answer.
+struct DeformingTrackingResult {
+  Health health = Health::kLost;
+  std::size_t pixels = 0; ///< of the layer, with clean depth
+  std::size_t nodes = 0;
+  DeformingQuality quality;
+};
+
+/// Health: kTracked: the view supports the deformation; kHeld: too little is seen, the last one stays; kLost: it is
+/// seen but not found, or unseen for long, or not yet seen at all. Only tracked frames are fused.
+/// Not thread-safe. Same frames, same bits, for any number of threads.
+class DeformingTracker {
+public:
+  explicit DeformingTracker(int label, const DeformingTrackerConfig& config = {});
+  ~DeformingTracker();
+  DeformingTracker(DeformingTracker&&) noexcept;
+  DeformingTracker& operator=(DeformingTracker&&) noexcept;
+
+  /// Frames in order of time. A frame without labels is the layer's as a whole. Throws Error(kFailure) if the frame's
+  /// images differ in size.
+  DeformingTrackingResult track(const ingest::Frame& frame);
+
+  int label() const { return label_; }
+  /// Whether the layer has been seen at all; without, there is no motion.
+  bool started() const { return volume_ != nullptr; }
+  /// The motion over all frames so far. Canonical space = world at the layer's first frame; the frames before are
+  /// kLost and have that frame's deformation. Throws Error(kFailure) before the layer was seen.
+  Motion motion() const;
+  /// Canonical model; nullptr before the layer's first frame.
+  const TsdfVolume* model() const { return volume_.get(); }
+  double node_spacing() const { return spacing_; }
+
+private:
+  struct Past;
+  struct Selection;
+
+  void begin(const ingest::Frame& frame, const ObjectView& view);
+  Health follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result);
+  NodeStates in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const;
+  std::vector<SE3> predicted(double time) const;
+  Selection select(const ObjectView& view, const NodeStates& states) const;
+  void fuse(const ObjectView& view, const NodeStates& states);
+  void renew_surface();
+  void grow_graph(float min_weight);
+
+  int label_;
+  DeformingTrackerConfig config_;
+  double spacing_ = 0;
+  std::unique_ptr<TsdfVolume> volume_;
+  std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the volume's origin, as all that follows
+  std::shared_ptr<const DeformationGraph> graph_;
+  std::vector<GraphEdge> edges_;
+  std::vector<SurfacePoint> surface_;
+  std::vector<Influence> skin_; ///< for each point of the surface
+  float unit_weight_ = 0;       ///< of a surface point seen once
+  struct Record {
+    std::vector<SE3> nodes; ///< canonical to world, both relative to the origin; empty before the first frame
+    Health health = Health::kLost;
+  };
+  std::vector<Record> records_;
+  std::unique_ptr<Past> past_;
+  int unseen_ = 0;
+};
+
+} // namespace kinora::tracking

@@ -1,0 +1,44 @@
+// Which points of a surface become nodes of the deformation graph, and which nodes hold each other.
+// Source: Sumner et al., "Embedded Deformation", SIGGRAPH 2007; neighbours along the surface as in Li et al., "Robust
+// Single-View Geometry and Motion Reconstruction", SIGGRAPH Asia 2009.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tracking/deformation_graph.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+/// An oriented point of a thinned surface, relative to the layer's origin, metres.
+struct SurfaceSample {
+  Eigen::Vector3d position;
+  Eigen::Vector3d normal;
+};
+
+/// One point for each cell of a grid that the surface meets: the heaviest, in the order of the surface.
+std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight);
+
+/// Samples that lie farther than `spacing` from every node so far, taken in order, as further nodes; at most up to
+/// `limit` nodes in all. Nodes so far stay the first.
+void add_nodes(std::span<const SurfaceSample> samples, double spacing, std::size_t limit,
+               std::vector<Eigen::Vector3d>& nodes);
+
+struct GraphEdge {
+  int a, b; ///< a < b
+};
+
+struct EdgeConfig {
+  int neighbours = 8;
+  double max_detour = 1.6; ///< path along the surface over the straight distance; beyond, the edge is left out
+  double reach = 3;        ///< of a path along the surface, in units of the spacing
+};
+
+/// Edges between nodes that are near along the surface. A piece that hangs together with nothing else is tied to the
+/// straight-line nearest nodes of the rest, so that it follows when nothing of it is seen.
+/// `sample_spacing`: the grid cell of thin_surface.
+std::vector<GraphEdge> connect_nodes(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
+                                     double spacing, double sample_spacing, const EdgeConfig& config = {});
+
+} // namespace kinora::tracking

@@ -1,0 +1,79 @@
+#include "tracking/view_unfolding.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr int kStride = 4;
+constexpr double kLikeNormal = 0.5; // cosine
+constexpr std::size_t kPointsPerChunk = 1024;
+
+struct Live {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  BlendedMotion motion;
+  int cell = -1;
+};
+
+} // namespace
+
+std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
+                                         std::span<const Influence> skin, const NodeStates& states, double reach) {
+  const int columns = (view.intrinsics.width + kStride - 1) / kStride;
+  const int rows = (view.intrinsics.height + kStride - 1) / kStride;
+  std::vector<Live> live(surface.size());
+  parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      if (skin[i].count == 0) continue;
+      Live& point = live[i];
+      point.motion = blend_motion(states, skin[i]);
+      point.place = point.motion.apply(surface[i].position.cast<double>());
+      point.normal = point.motion.rotate(surface[i].normal.cast<double>());
+      if (!(point.place.z() > 0) || point.normal.dot(point.place) > 0) continue;
+      const Eigen::Vector2d pixel = view.intrinsics.project(point.place) / kStride;
+      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < columns && pixel.y() < rows)) continue;
+      point.cell = static_cast<int>(pixel.y()) * columns + static_cast<int>(pixel.x());
+    }
+  });
+  // Of each cell the point that is nearest to the camera.
+  std::vector<int> front(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    if (live[i].cell < 0) continue;
+    int& best = front[static_cast<std::size_t>(live[i].cell)];
+    if (best < 0 || live[i].place.z() < live[static_cast<std::size_t>(best)].place.z()) best = static_cast<int>(i);
+  }
+  std::vector<Eigen::Vector3f> result;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int u = std::min(kStride * column + kStride / 2, view.intrinsics.width - 1);
+      const int v = std::min(kStride * row + kStride / 2, view.intrinsics.height - 1);
+      if (view.planes.weights.at(u, v) <= 0) continue;
+      const Eigen::Vector3d measured = view.point(u, v);
+      const float* plane = view.planes.planes.pixel(u, v);
+      const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
+      double best = reach * reach;
+      const Live* nearest = nullptr;
+      for (int y = std::max(0, row - 1); y <= std::min(rows - 1, row + 1); ++y) {
+        for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x) {
+          const int index = front[static_cast<std::size_t>(y * columns + x)];
+          if (index < 0) continue;
+          const Live& candidate = live[static_cast<std::size_t>(index)];
+          const double squared = (candidate.place - measured).squaredNorm();
+          if (squared >= best || candidate.normal.dot(normal) < kLikeNormal) continue;
+          best = squared;
+          nearest = &candidate;
+        }
+      }
+      if (nearest == nullptr) continue;
+      const SE3 to_camera = nearest->motion.transform.to_se3();
+      result.emplace_back((to_camera.inverse() * measured).cast<float>());
+    }
+  }
+  return result;
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,19 @@
+// Where the pixels of a view are in a layer's canonical space.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tracking/blended_motion.h"
+#include "tracking/object_view.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+/// Canonical places (relative to the origin) of every fourth pixel of the view in each direction, each carried back by
+/// the motion of the model's surface that is seen nearest to it. Pixels with no surface of a like normal within
+/// `reach` metres are left out. `states`: canonical to camera; `skin`: influence of each surface point.
+std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
+                                         std::span<const Influence> skin, const NodeStates& states, double reach);
+
+} // namespace kinora::tracking
