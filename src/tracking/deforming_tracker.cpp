@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "ingest/sensor_noise.h"
+#include "tracking/layer_search.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
 #include "tracking/view_unfolding.h"
@@ -227,6 +228,10 @@ DeformingTracker::Selection DeformingTracker::select(const ObjectView& view, con
   return selection;
 }
 
+bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
+  return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share;
+}
+
 Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result) {
   const std::vector<SE3> expected = predicted(frame.time);
   const NodeStates prior = in_camera(expected, frame);
@@ -235,9 +240,15 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
-  if (result.quality.inliers < config_.min_pixels / 2 || result.quality.inlier_share() < config_.min_inlier_share) {
-    return Health::kLost;
+  if (unseen_ > 0 || !is_healthy(result.quality)) {
+    const LayerPlace place = search_layer(model, selection.textures, view, prior);
+    DeformingAlignment elsewhere =
+        align_deforming(model, selection.textures, view, place.states, place.states, spacing_, config_.alignment);
+    const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
+    if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
+    result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   }
+  if (!is_healthy(result.quality)) return Health::kLost;
   const SE3 camera_to_world = relative_to(volume_->origin(), frame).inverse();
   std::vector<SE3>& nodes = records_.back().nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {

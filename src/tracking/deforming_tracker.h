@@ -66,6 +66,7 @@ private:
 
   void begin(const ingest::Frame& frame, const ObjectView& view);
   Health follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result);
+  bool is_healthy(const DeformingQuality& quality) const;
   NodeStates in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const;
   std::vector<SE3> predicted(double time) const;
   Selection select(const ObjectView& view, const NodeStates& states) const;
