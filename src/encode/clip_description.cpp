@@ -1,5 +1,7 @@
 #include "encode/clip_description.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 
@@ -84,12 +86,15 @@ LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken,
   layer.label = integer<int>(member(object, "label", place), 0, "label", place);
   layer.field_track = track(object, "field_track", taken, place);
   const json& kind = member(object, "kind", place);
-  if (kind == "rigid") {
-    layer.kind = tracking::MotionKind::kRigid;
-    layer.motion_track = track(object, "motion_track", taken, place);
-  } else if (kind != "still") {
+  using tracking::MotionKind;
+  const std::array kinds{MotionKind::kStill, MotionKind::kRigid, MotionKind::kDeforming};
+  const auto* const known =
+      std::find_if(kinds.begin(), kinds.end(), [&kind](MotionKind k) { return kind == tracking::name_of(k); });
+  if (known == kinds.end()) {
     corrupt(place, fmt::format("layer {} moves in a way that this Kinora does not know", layer.name));
   }
+  layer.kind = *known;
+  if (layer.kind != MotionKind::kStill) layer.motion_track = track(object, "motion_track", taken, place);
   return layer;
 }
 

@@ -19,7 +19,8 @@ struct ByteAccount {
 };
 
 /// The clip as a reader of its file will see it, up to Clip::times, which a file keeps to the nanosecond: fields and
-/// poses are quantised (field_codec.h, pose_codec.h). Throws Error(kFailure) if the clip cannot be stored.
+/// motions are quantised (field_codec.h, pose_codec.h, deformation_codec.h). Throws Error(kFailure) if the clip cannot
+/// be stored.
 Clip as_stored(const Clip& clip);
 
 /// Writes to `path` (the caller gives a .part name and renames). The same clip gives the same bytes.

@@ -1,6 +1,7 @@
 // read_clip: a clip out of a file that is not trusted.
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "encode/clip_description.h"
 #include "encode/clip_io.h"
 #include "encode/codec_ids.h"
+#include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
 
@@ -27,8 +29,10 @@ struct Destination {
   std::string_view codec;
   bool moves = true; // one payload for each frame; else a single one
   std::vector<bool> seen;
-  std::vector<tracking::Motion::Pose> poses;
-  std::uint64_t bytes = 0;
+  std::vector<tracking::Motion::Pose> poses;               // of a camera or a rigid layer
+  std::shared_ptr<const tracking::DeformationGraph> graph; // of a deforming layer, as the rest
+  std::optional<DeformationDecoder> decoder;
+  std::vector<tracking::Motion::Deformation> deformations;
 };
 
 class ClipReader {
@@ -61,7 +65,9 @@ public:
     account.total = static_cast<std::size_t>(reader_.file_bytes());
     for (const StoredTrack& track : reader_.tracks()) {
       const auto found = bytes_.find(track.track.id);
-      if (track.ours) account.entries.push_back({track.track.name, found == bytes_.end() ? 0 : found->second});
+      if (!track.ours) continue;
+      const std::size_t payloads = found == bytes_.end() ? 0 : found->second;
+      account.entries.push_back({track.track.name, payloads + track.track.private_data.size()});
     }
     for (const StoredAttachment& stored : reader_.attachments()) {
       account.entries.push_back({account_name(stored.name), static_cast<std::size_t>(stored.stored_bytes)});
@@ -130,7 +136,11 @@ private:
     destination.codec = codec;
     destination.moves = moves;
     destination.seen.assign(moves ? description_.times_ns.size() : 1, false);
-    if (codec != kFieldCodec) {
+    if (codec == kMotionCodec && description_.layers[layer].kind == tracking::MotionKind::kDeforming) {
+      destination.graph = decode_graph(track->track.private_data, fmt::format("{}: track {}", reader_.name(), id));
+      budget_.take(decoding_memory(*destination.graph, destination.seen.size()), reader_.name());
+      destination.decoder.emplace(*destination.graph);
+    } else if (codec != kFieldCodec) {
       budget_.take(destination.seen.size() * 2 * sizeof(tracking::Motion::Pose), reader_.name());
       destination.poses.resize(destination.seen.size());
     }
@@ -155,6 +165,12 @@ private:
     destination.seen[frame] = true;
     if (destination.codec == kFieldCodec) {
       clip_.layers[destination.layer].field = decode_field(payload.bytes, place, budget_);
+    } else if (destination.decoder) {
+      if (frame != destination.deformations.size()) {
+        throw Error(ErrorCode::kCorruptInput,
+                    fmt::format("{}: frame {} comes before frame {}", place, frame, destination.deformations.size()));
+      }
+      destination.deformations.push_back(destination.decoder->decode(payload.bytes, payload.key, place));
     } else {
       destination.poses[frame] = decode_pose(payload.bytes, place);
     }
@@ -168,7 +184,9 @@ private:
                             missing - destination.seen.begin()));
       }
       if (destination.codec == kMotionCodec) {
-        clip_.layers[destination.layer].motion = tracking::Motion::rigid(std::move(destination.poses));
+        clip_.layers[destination.layer].motion =
+            destination.graph ? tracking::Motion::deforming(destination.graph, std::move(destination.deformations))
+                              : tracking::Motion::rigid(std::move(destination.poses));
       } else if (destination.codec == kCameraCodec) {
         for (const tracking::Motion::Pose& pose : destination.poses)
           clip_.camera_to_world.push_back(pose.canonical_to_world);

@@ -1,5 +1,6 @@
 // write_clip: what stands in which track and attachment.
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "encode/clip_description.h"
 #include "encode/clip_io.h"
 #include "encode/codec_ids.h"
+#include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
 
@@ -57,8 +59,9 @@ void check(const Clip& clip) {
   for (const Layer& layer : clip.layers) {
     if (!is_utf8(layer.name)) refuse("a layer's name is not UTF-8");
     if (!names.insert(layer.name).second) refuse(fmt::format("two layers are named {}", layer.name));
-    if (layer.motion.kind() == tracking::MotionKind::kRigid && layer.motion.poses().size() != frames) {
-      refuse(fmt::format("layer {} has {} poses for {} frames", layer.name, layer.motion.poses().size(), frames));
+    const std::size_t moved = std::max(layer.motion.poses().size(), layer.motion.deformations().size());
+    if (layer.motion.kind() != tracking::MotionKind::kStill && moved != frames) {
+      refuse(fmt::format("layer {} moves in {} of {} frames", layer.name, moved, frames));
     }
   }
 }
@@ -93,10 +96,13 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
   container::FileHead head;
   head.kind = std::string(kClipKind);
   head.tracks.push_back({description.camera_track, std::string(kCameraCodec), "camera", {}});
-  for (const LayerDescription& layer : description.layers) {
+  for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+    const LayerDescription& layer = description.layers[l];
     head.tracks.push_back({layer.field_track, std::string(kFieldCodec), "field " + layer.name, {}});
-    if (layer.motion_track != 0)
-      head.tracks.push_back({layer.motion_track, std::string(kMotionCodec), "motion " + layer.name, {}});
+    if (layer.motion_track == 0) continue;
+    const auto& graph = clip.layers[l].motion.graph();
+    head.tracks.push_back({layer.motion_track, std::string(kMotionCodec), "motion " + layer.name,
+                           graph ? encode_graph(*graph) : Bytes{}});
   }
   constexpr const char* kJson = "application/json";
   head.attachments = {{kClipFile, kJson, "Timeline and layers", to_json(description)},
@@ -107,45 +113,84 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
   return head;
 }
 
-std::vector<Bytes> encode_fields(const Clip& clip) {
-  std::vector<Bytes> payloads;
-  std::uint64_t bytes = 0;
-  for (const Layer& layer : clip.layers) {
-    payloads.push_back(encode_field(layer.field));
-    bytes += payloads.back().size();
+Bytes encode_camera(const SE3& camera_to_world) { return encode_pose({camera_to_world, tracking::Health::kTracked}); }
+
+// Motion of one layer as payloads, one for each frame.
+class MotionEncoder {
+public:
+  explicit MotionEncoder(const tracking::Motion& motion) : motion_(motion) {
+    if (motion.graph()) deformation_.emplace(*motion.graph());
   }
+  DeformationEncoder::Coded encode(std::size_t frame) {
+    if (deformation_) return deformation_->encode(motion_.deformations()[frame]);
+    return {true, encode_pose(motion_.poses()[frame])};
+  }
+
+private:
+  const tracking::Motion& motion_;
+  std::optional<DeformationEncoder> deformation_;
+};
+
+// In the order of the file: by time.
+std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description) {
+  std::vector<Payload> payloads;
+  const auto add = [&payloads](std::uint16_t track, std::int64_t time, bool key, Bytes bytes) {
+    payloads.push_back({track, time, key, std::move(bytes)});
+  };
+  std::vector<MotionEncoder> motions;
+  for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+    add(description.layers[l].field_track, description.times_ns.front(), true, encode_field(clip.layers[l].field));
+    motions.emplace_back(clip.layers[l].motion);
+  }
+  for (std::size_t frame = 0; frame < clip.times.size(); ++frame) {
+    const std::int64_t time = description.times_ns[frame];
+    if (frame < clip.camera_to_world.size()) {
+      add(description.camera_track, time, true, encode_camera(clip.camera_to_world[frame]));
+    }
+    for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+      if (description.layers[l].motion_track == 0) continue;
+      auto [key, bytes] = motions[l].encode(frame);
+      add(description.layers[l].motion_track, time, key, std::move(bytes));
+    }
+  }
+  return payloads;
+}
+
+// As the reader will, which trusts no file.
+void check_memory(const Clip& clip, const std::vector<Payload>& payloads) {
+  std::uint64_t bytes = 0;
+  for (const Payload& payload : payloads) bytes += payload.bytes.size();
   AllocationBudget budget(bytes);
   for (const Layer& layer : clip.layers) {
     if (!budget.try_take(decoding_memory(layer.field.config))) {
       refuse(fmt::format("the table of layer {} is far larger than what is in it; train it with a smaller table",
                          layer.name));
     }
+    if (layer.motion.graph() && !budget.try_take(decoding_memory(*layer.motion.graph(), clip.times.size()))) {
+      refuse(fmt::format("layer {} has far more nodes than its motion needs; give it fewer", layer.name));
+    }
   }
-  return payloads;
 }
 
-Bytes encode_camera(const SE3& camera_to_world) { return encode_pose({camera_to_world, tracking::Health::kTracked}); }
-
-std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description) {
-  std::vector<Payload> payloads;
-  const auto add = [&payloads](std::uint16_t track, std::int64_t time, Bytes bytes) {
-    payloads.push_back({track, time, true, std::move(bytes)});
-  };
-  std::vector<Bytes> fields = encode_fields(clip);
-  for (std::size_t l = 0; l < clip.layers.size(); ++l) {
-    add(description.layers[l].field_track, description.times_ns.front(), std::move(fields[l]));
-  }
-  for (std::size_t frame = 0; frame < clip.times.size(); ++frame) {
-    const std::int64_t time = description.times_ns[frame];
-    if (frame < clip.camera_to_world.size()) {
-      add(description.camera_track, time, encode_camera(clip.camera_to_world[frame]));
+tracking::Motion stored_motion(const Layer& layer) {
+  const tracking::Motion& motion = layer.motion;
+  if (motion.kind() == tracking::MotionKind::kStill) return motion;
+  MotionEncoder encoder(motion);
+  if (motion.kind() == tracking::MotionKind::kRigid) {
+    std::vector<tracking::Motion::Pose> poses;
+    for (std::size_t frame = 0; frame < motion.poses().size(); ++frame) {
+      poses.push_back(decode_pose(encoder.encode(frame).bytes, layer.name));
     }
-    for (std::size_t l = 0; l < clip.layers.size(); ++l) {
-      if (description.layers[l].motion_track == 0) continue;
-      add(description.layers[l].motion_track, time, encode_pose(clip.layers[l].motion.poses()[frame]));
-    }
+    return tracking::Motion::rigid(std::move(poses));
   }
-  return payloads;
+  auto graph = decode_graph(encode_graph(*motion.graph()), layer.name);
+  DeformationDecoder decoder(*graph);
+  std::vector<tracking::Motion::Deformation> deformations;
+  for (std::size_t frame = 0; frame < motion.deformations().size(); ++frame) {
+    const auto [key, bytes] = encoder.encode(frame);
+    deformations.push_back(decoder.decode(bytes, key, layer.name));
+  }
+  return tracking::Motion::deforming(std::move(graph), std::move(deformations));
 }
 
 } // namespace
@@ -154,8 +199,8 @@ void write_clip(const Clip& clip, const std::filesystem::path& path) {
   check(clip);
   const ClipDescription description = describe(clip);
   const container::FileHead head = head_of(clip, description);
-  const std::vector<Payload> payloads =
-      payloads_of(clip, description); // all that can be refused is, before a file is made
+  const std::vector<Payload> payloads = payloads_of(clip, description);
+  check_memory(clip, payloads); // all that can be refused is, before a file is made
   container::Writer writer(path, head);
   for (const Payload& payload : payloads) writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
   writer.finish();
@@ -167,11 +212,7 @@ Clip as_stored(const Clip& clip) {
   for (SE3& pose : stored.camera_to_world) pose = decode_pose(encode_camera(pose), "camera").canonical_to_world;
   for (Layer& layer : stored.layers) {
     layer.field = quantised(layer.field);
-    if (layer.motion.kind() == tracking::MotionKind::kStill) continue;
-    std::vector<tracking::Motion::Pose> poses;
-    for (const tracking::Motion::Pose& pose : layer.motion.poses())
-      poses.push_back(decode_pose(encode_pose(pose), layer.name));
-    layer.motion = tracking::Motion::rigid(std::move(poses));
+    layer.motion = stored_motion(layer);
   }
   return stored;
 }

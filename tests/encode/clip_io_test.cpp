@@ -21,6 +21,24 @@ using container::testing::load;
 using container::testing::TemporaryFolder;
 using testing::sample_clip;
 
+void expect_equal_deformations(const tracking::Motion& a, const tracking::Motion& b) {
+  ASSERT_EQ(a.graph() == nullptr, b.graph() == nullptr);
+  if (!a.graph()) return;
+  EXPECT_EQ(a.graph()->nodes(), b.graph()->nodes());
+  EXPECT_EQ(a.graph()->weight_radius(), b.graph()->weight_radius());
+  EXPECT_EQ(a.graph()->influence_radius(), b.graph()->influence_radius());
+  ASSERT_EQ(a.deformations().size(), b.deformations().size());
+  for (std::size_t f = 0; f < a.deformations().size(); ++f) {
+    EXPECT_EQ(a.health(f), b.health(f));
+    for (std::size_t i = 0; i < a.graph()->nodes().size(); ++i) {
+      const DualQuaternion& x = a.deformations()[f].node_to_world[i];
+      const DualQuaternion& y = b.deformations()[f].node_to_world[i];
+      EXPECT_EQ(x.real.coeffs(), y.real.coeffs());
+      EXPECT_EQ(x.dual.coeffs(), y.dual.coeffs());
+    }
+  }
+}
+
 void expect_equal(const Clip& a, const Clip& b) {
   ASSERT_EQ(a.times.size(), b.times.size());
   for (std::size_t i = 0; i < a.times.size(); ++i) EXPECT_NEAR(a.times[i], b.times[i], 0.5e-9 + 1e-15);
@@ -48,6 +66,7 @@ void expect_equal(const Clip& a, const Clip& b) {
       EXPECT_EQ(x.motion.poses()[i].canonical_to_world.matrix(), y.motion.poses()[i].canonical_to_world.matrix());
       EXPECT_EQ(x.motion.poses()[i].health, y.motion.poses()[i].health);
     }
+    expect_equal_deformations(x.motion, y.motion);
   }
 }
 
@@ -101,17 +120,41 @@ TEST(ClipFile, AccountsForEveryByte) {
     names.push_back(entry.name);
   }
   EXPECT_EQ(sum, account.total);
-  EXPECT_EQ(names, (std::vector<std::string>{"camera", "field background", "field object", "motion object", "timeline",
-                                             "calibration", "metadata", "container"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"camera", "field background", "field object", "motion object", "field person",
+                                      "motion person", "timeline", "calibration", "metadata", "container"}));
 }
 
 TEST(ClipFile, StoresNoMotionForAStillLayer) {
   const TemporaryFolder folder;
   Clip clip = sample_clip(21, 30, false);
-  clip.layers.pop_back();
+  clip.layers.resize(1, clip.layers[0]);
   write_clip(clip, folder / "a.mkv");
   container::Reader reader(folder / "a.mkv");
   for (const container::StoredTrack& track : reader.tracks()) EXPECT_NE(track.track.codec, "S_KINORA/MOTION");
+}
+
+TEST(ClipFile, RefusesADeformingLayerWhoseFramesAreOutOfOrder) {
+  const TemporaryFolder folder;
+  write_clip(sample_clip(29, 6, false), folder / "a.mkv");
+  container::Reader reader(folder / "a.mkv");
+  container::FileHead head;
+  head.kind = "clip";
+  for (const container::StoredTrack& track : reader.tracks()) head.tracks.push_back(track.track);
+  for (const container::StoredAttachment& stored : reader.attachments()) {
+    head.attachments.push_back({stored.name, stored.media_type, stored.description, reader.read_attachment(stored)});
+  }
+  container::Writer writer(folder / "b.mkv", head);
+  container::Payload payload;
+  for (bool first = true; reader.next(payload);) {
+    const bool person = payload.track == head.tracks.back().id;
+    if (!person || !first) writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
+    if (person) first = false;
+  }
+  writer.finish();
+  std::string sentence;
+  EXPECT_EQ(code_of_reading(folder / "b.mkv", &sentence), ErrorCode::kCorruptInput);
+  EXPECT_NE(sentence.find("frame 1 comes before frame 0"), std::string::npos) << sentence;
 }
 
 TEST(ClipFile, SurvivesRemuxingByMkvmerge) {
@@ -219,6 +262,16 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });
   expect_refused([](Clip& clip) { clip.layers[1].motion = tracking::Motion::rigid({{}}); });
+  expect_refused([](Clip& clip) {
+    const tracking::Motion& motion = clip.layers[2].motion;
+    clip.layers[2].motion = tracking::Motion::deforming(motion.graph(), {motion.deformations()[0]});
+  });
+  expect_refused([](Clip& clip) {
+    const tracking::Motion& motion = clip.layers[2].motion;
+    std::vector<tracking::Motion::Deformation> deformations = motion.deformations();
+    deformations[4].node_to_world[7].dual.x() = std::nan("");
+    clip.layers[2].motion = tracking::Motion::deforming(motion.graph(), std::move(deformations));
+  });
   expect_refused([](Clip& clip) { clip.layers[0].field.color_net[0] = std::nanf(""); });
   expect_refused([](Clip& clip) { clip.intrinsics.fx = 0; });
 }

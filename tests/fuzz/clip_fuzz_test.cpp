@@ -5,6 +5,7 @@
 #include "container/writer.h"
 #include "core/error.h"
 #include "encode/clip_io.h"
+#include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
 #include "encode/sample_clip.h"
@@ -20,7 +21,11 @@ void write_mutated(const std::filesystem::path& path, const std::filesystem::pat
   container::Reader reader(path);
   container::FileHead head;
   head.kind = "clip";
-  for (const container::StoredTrack& track : reader.tracks()) head.tracks.push_back(track.track);
+  for (const container::StoredTrack& stored : reader.tracks()) {
+    head.tracks.push_back(stored.track);
+    Bytes& graph = head.tracks.back().private_data;
+    if (!graph.empty() && random.below(4) == 0) graph = fuzz::mutate(std::move(graph), random);
+  }
   for (const container::StoredAttachment& stored : reader.attachments()) {
     Bytes bytes = reader.read_attachment(stored);
     if (random.below(4) == 0) bytes = fuzz::mutate(std::move(bytes), random);
@@ -81,6 +86,34 @@ TEST(ClipFuzz, PoseDecoderRefusesOrDecodesMutatedPayloads) {
       const SE3 pose = decode_pose(fuzz::mutate(payload, random), "mutated").canonical_to_world;
       EXPECT_TRUE(pose.matrix().allFinite());
       EXPECT_NEAR(pose.linear().determinant(), 1, 1e-12);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, DeformationDecoderRefusesOrDecodesMutatedPayloads) {
+  testing::WalkerOptions options;
+  options.nodes = 40;
+  options.frames = 3;
+  const tracking::Motion motion = testing::walker(options);
+  DeformationEncoder encoder(*motion.graph());
+  std::vector<Bytes> payloads;
+  for (const auto& deformation : motion.deformations()) payloads.push_back(encoder.encode(deformation).bytes);
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Random random(11, i);
+    try {
+      const Bytes graph_bytes = encode_graph(*motion.graph());
+      const auto graph = decode_graph(i % 4 == 0 ? fuzz::mutate(graph_bytes, random) : graph_bytes, "mutated");
+      DeformationDecoder decoder(*graph);
+      for (const Bytes& payload : payloads) {
+        const bool key = &payload == payloads.data();
+        const auto deformation = decoder.decode(fuzz::mutate(payload, random), key, "mutated");
+        for (const DualQuaternion& q : deformation.node_to_world) {
+          EXPECT_NEAR(q.real.norm(), 1, 1e-12);
+          EXPECT_TRUE(q.dual.coeffs().allFinite());
+        }
+      }
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
     }
