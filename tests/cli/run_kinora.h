@@ -32,6 +32,7 @@ public:
       : out_path_(out_path.empty() ? (folder / "stdout.txt").string() : out_path), keeps_out_(out_path.empty()) {
     words.insert(words.begin(), KINORA_PROGRAM);
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     int ends[2];
