@@ -6,6 +6,7 @@
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
+#include "player/player.h"
 
 namespace kinora::cli {
 namespace {
@@ -25,17 +26,10 @@ Json matrix_json(const SE3& transform) {
   return rows;
 }
 
-std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (motion.health(i) != tracking::Health::kLost) return i;
-  }
-  return 0;
-}
-
 Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
   const std::size_t count = clip.times.size();
   const bool rigid = layer.motion.kind() == tracking::MotionKind::kRigid;
-  const double first = static_cast<double>(first_frame_of(layer.motion, count));
+  const double first = static_cast<double>(player::first_frame_of(layer.motion, count));
   const SE3 world_to_canonical = layer.motion.canonical_to_world(first).inverse();
   Json frames = Json::array();
   for (std::size_t i = 0; i < count; ++i) {

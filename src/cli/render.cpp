@@ -111,6 +111,7 @@ void run(const Options& options, Context& context) {
     for (player::View& view : views) view.camera.intrinsics = view.camera.intrinsics.resized(width, height);
   }
   std::vector<std::string> names;
+  names.reserve(views.size());
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip());
 

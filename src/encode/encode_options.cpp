@@ -18,7 +18,7 @@ struct PresetBudget {
 };
 
 constexpr std::array<PresetBudget, 3> kPresets{{
-    {Preset::kFast, "fast", 50'000, 1'000'000, 20'000'000},
+    {Preset::kFast, "fast", 50'000, 500'000, 20'000'000},
     {Preset::kBalanced, "balanced", 200'000, 2'000'000, 80'000'000},
     {Preset::kBest, "best", 800'000, 8'000'000, 400'000'000},
 }};

@@ -138,6 +138,26 @@ Json config_json(const fields::FieldConfig& config) {
           {"occupancy_resolution", config.occupancy_resolution}};
 }
 
+Json config_json(const fields::TrainerConfig& config) {
+  return {{"seed", config.seed},
+          {"rays", config.rays},
+          {"rays_per_step", config.rays_per_step},
+          {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
+          {"final_learning_rate", config.final_learning_rate},
+          {"loss_weights",
+           {{"color", config.loss.color},
+            {"opacity", config.loss.opacity},
+            {"depth", config.loss.depth},
+            {"emptiness", config.loss.emptiness},
+            {"depth_clamp", config.loss.depth_clamp}}},
+          {"sampling",
+           {{"surface_samples", config.sampling.surface_samples},
+            {"free_samples", config.sampling.free_samples},
+            {"unmeasured_samples", config.sampling.unmeasured_samples},
+            {"emptiness_samples", config.sampling.emptiness_samples},
+            {"near_depth_m", config.sampling.near_depth}}}};
+}
+
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   Json out = {{"kind", tracking::name_of(motion.kind())}};
   if (label.poses.empty()) return out;
@@ -181,9 +201,8 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
     return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training);
   });
   const std::string why = reason_of(tracked, layer.motion);
-  const Json trainer_json = {{"seed", trainer.seed}, {"rays", trainer.rays}, {"rays_per_step", trainer.rays_per_step}};
   pass.clip.metadata["layers"][layer.name] = {
-      {"label", label}, {"why", why}, {"field", config_json(config)}, {"trainer", trainer_json}};
+      {"label", label}, {"why", why}, {"field", config_json(config)}, {"trainer", config_json(trainer)}};
   report["layers"].push_back({{"name", layer.name},
                               {"label", label},
                               {"why", why},

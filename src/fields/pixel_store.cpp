@@ -8,7 +8,8 @@
 namespace kinora::fields {
 
 PixelStore::PixelStore(std::size_t max_pixels, std::size_t expected_frames)
-    : max_pixels_(max_pixels), pixels_per_frame_(max_pixels / std::max<std::size_t>(expected_frames, 1)) {}
+    : max_pixels_(max_pixels), expected_frames_(std::max<std::size_t>(expected_frames, 1)),
+      pixels_per_frame_(max_pixels / expected_frames_) {}
 
 void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   const int width = frame.color.width();
@@ -19,7 +20,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   if (begin + wanted > max_pixels_) {
     throw Error(ErrorCode::kFailure, "more frames arrived than the store of training pixels was made for");
   }
-  pixels_.reserve(begin + wanted);
+  if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, wanted * expected_frames_));
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
   std::size_t remaining = count;
   std::size_t missing = wanted;

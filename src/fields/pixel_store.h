@@ -38,6 +38,7 @@ public:
 
 private:
   std::size_t max_pixels_;
+  std::size_t expected_frames_;
   std::size_t pixels_per_frame_;
   std::vector<StoredFrame> frames_;
   std::vector<StoredPixel> pixels_;

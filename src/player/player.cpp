@@ -27,10 +27,18 @@ std::optional<Eigen::Vector3d> occupied_centre(const fields::Field& field) {
 
 } // namespace
 
+std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (motion.health(i) != tracking::Health::kLost) return i;
+  }
+  return 0;
+}
+
 Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
   for (const encode::Layer& layer : clip_.layers) {
     drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field));
     centres_.push_back(occupied_centre(layer.field));
+    first_frames_.push_back(first_frame_of(layer.motion, clip_.times.size()));
   }
 }
 
@@ -69,6 +77,7 @@ fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoi
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
+    if (frame < static_cast<double>(first_frames_.at(i))) continue;
     posed.push_back({drawables_.at(i).get(), clip_.layers[i].motion.canonical_to_world(frame)});
   }
   return fields::render(posed, camera);

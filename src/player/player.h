@@ -16,6 +16,9 @@ namespace kinora::player {
 /// Indices into Clip::layers, ascending.
 using LayerChoice = std::vector<std::size_t>;
 
+/// The first frame, of `count`, in which a layer with this motion has been seen: until then it is lost.
+std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count);
+
 /// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
 class Player {
 public:
@@ -29,7 +32,8 @@ public:
   LayerChoice choose_layers(std::span<const std::string> names, Progress& progress) const;
   std::optional<std::size_t> layer_with_label(int label) const;
 
-  /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`.
+  /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not
+  /// drawn before its first frame; one that is lost later stays where it was last.
   fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers) const;
   /// The same at a time in seconds from the start.
   fields::Picture draw_at(const Camera& camera, double seconds, const LayerChoice& layers) const {
@@ -43,6 +47,7 @@ private:
   encode::Clip clip_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
   std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
+  std::vector<std::size_t> first_frames_;
 };
 
 } // namespace kinora::player

@@ -103,6 +103,7 @@ Json camera_json(const Player& player, const ingest::GroundTruth& truth, const i
     progress.check();
     const ingest::Frame frame = frame_of(truth, camera, number);
     std::vector<fields::Picture> pictures;
+    pictures.reserve(subjects.size());
     for (const Subject& subject : subjects) {
       pictures.push_back(player.draw(camera.camera, static_cast<double>(*i), subject.layers));
     }

@@ -38,6 +38,25 @@ TEST(PlayerLayers, AreFoundByLabel) {
   EXPECT_EQ(player.layer_with_label(7), std::nullopt);
 }
 
+TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
+  encode::Clip clip = encode::testing::sample_clip(1, 4, false);
+  std::vector<tracking::Motion::Pose> poses(4, {SE3::Identity(), tracking::Health::kLost});
+  poses[2].health = tracking::Health::kTracked;
+  clip.layers[1].motion = tracking::Motion::rigid(std::move(poses));
+  const Player player(std::move(clip));
+  const Eigen::Vector3d centre = player.centre_of(1, 0).value();
+  Camera camera{{32, 24, 30, 30, 15.5, 11.5}, SE3(Eigen::Translation3d(centre - Eigen::Vector3d(0, 0, 1.2)))};
+  const auto drawn_pixels = [&](double frame) {
+    const fields::Picture picture = player.draw(camera, frame, {1});
+    int count = 0;
+    for (std::size_t i = 0; i < picture.color.pixel_count(); ++i) count += picture.color.data()[4 * i + 3] > 0 ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(drawn_pixels(1), 0);
+  EXPECT_GT(drawn_pixels(2), 0);
+  EXPECT_GT(drawn_pixels(3), 0);
+}
+
 TEST(PlayerCentre, MovesWithTheLayer) {
   encode::Clip clip = encode::testing::sample_clip(1, 2, false);
   fields::Field& field = clip.layers[1].field;

@@ -1,0 +1,120 @@
+// kinora encode and eval on small captures, whole and damaged.
+#include <nlohmann/json.hpp>
+
+#include "cli/run_kinora.h"
+#include "end_to_end/box_capture.h"
+
+namespace kinora::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Encode : public testing::Test {
+protected:
+  Encode() {
+    BoxScene scene;
+    scene.frames = 4;
+    write_box_capture(capture_, scene);
+  }
+  Said encode(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"encode", capture_.path().string()});
+    words.insert(words.end(), {"--preset", "fast"});
+    return run_kinora(folder_, words);
+  }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+
+  TemporaryFolder capture_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(Encode, LeavesAClipAReportAndNothingElse) {
+  const Said said = encode({path("c.mkv"), "--holdout", "4", "--report", path("r.json"), "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json report = Json::parse(contents_of(path("r.json")));
+  EXPECT_EQ(Json::parse(said.out), report);
+  EXPECT_EQ(report.at("schema"), "kinora.encode/1");
+  EXPECT_EQ(report.at("capture").at("frames_used"), 4);
+  EXPECT_EQ(report.at("file").at("bytes"), fs::file_size(path("c.mkv")));
+  for (const Json& layer : report.at("layers")) {
+    EXPECT_GT(layer.at("bytes"), 0) << layer;
+    EXPECT_GT(layer.at("parameters"), 0) << layer;
+    EXPECT_FALSE(layer.at("why").get<std::string>().empty());
+    EXPECT_EQ(layer.at("quality").at("held_out").at("frames"), 1) << layer;
+    EXPECT_EQ(layer.at("quality").at("trained").at("frames"), 3) << layer;
+  }
+  EXPECT_FALSE(report.at("evaluation").contains("ground_truth"));
+  EXPECT_FALSE(fs::exists(path("c.mkv.part")));
+  EXPECT_FALSE(fs::exists(path("r.json.part")));
+
+  const Said eval = run_kinora(folder_, {"eval", path("c.mkv"), "--against", capture_.path(), "--json"});
+  ASSERT_EQ(eval.code, 0) << eval.err;
+  const Json quality = Json::parse(eval.out);
+  EXPECT_EQ(quality.at("layers").at(0).at("held_out"), report.at("evaluation").at("layers").at(0).at("held_out"));
+  EXPECT_TRUE(quality.at("ground_truth").at("object_pose").is_object());
+}
+
+TEST_F(Encode, SameBytesForOneThreadAndTwo) {
+  ASSERT_EQ(encode({path("a.mkv"), "--threads", "1"}).code, 0);
+  ASSERT_EQ(encode({path("b.mkv"), "--threads", "2"}).code, 0);
+  EXPECT_EQ(contents_of(path("a.mkv")), contents_of(path("b.mkv")));
+}
+
+TEST_F(Encode, InterruptionLeavesNothingAndHarmsNothing) {
+  folder_.write("c.mkv", "mine");
+  Running running(folder_.path(), {"encode", capture_.path(), path("c.mkv"), "--overwrite", "--preset", "best"});
+  ASSERT_TRUE(running.wait_for("training"));
+  running.interrupt();
+  const Said said = running.finish();
+  expect_error(said, 130, "interrupted");
+  EXPECT_EQ(contents_of(path("c.mkv")), "mine");
+  EXPECT_FALSE(fs::exists(path("c.mkv.part")));
+}
+
+TEST_F(Encode, FullDiskIsToldAsSuch) { expect_error(encode({"/dev/full"}), 5, "/dev/full"); }
+
+TEST_F(Encode, ExistingClipIsAskedForBeforeWorkStarts) {
+  folder_.write("c.mkv", "mine");
+  const Said said = encode({path("c.mkv")});
+  expect_error(said, 5, "--overwrite");
+  EXPECT_EQ(said.err.find("reading"), std::string::npos);
+  EXPECT_EQ(contents_of(path("c.mkv")), "mine");
+}
+
+TEST_F(Encode, OneBadFrameIsAWarningAndCounted) {
+  fs::resize_file(capture_.path() / "color/000001.png", 50);
+  const Said said = encode({path("c.mkv"), "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.err.find("warning: frame 1 is skipped"), std::string::npos) << said.err;
+  EXPECT_EQ(Json::parse(said.out).at("capture").at("skipped").size(), 1U);
+}
+
+TEST_F(Encode, MostlyBadCapturesAreCorrupt) {
+  for (int i = 0; i < 3; ++i) capture_.write("depth/" + six_digits(i) + ".png", std::string("no picture"));
+  const Said said = encode({path("c.mkv")});
+  EXPECT_EQ(said.code, 4) << said.err;
+  EXPECT_FALSE(fs::exists(path("c.mkv.part")));
+}
+
+TEST_F(Encode, AbsurdIntrinsicsAreCorrupt) {
+  capture_.write("intrinsics.json", std::string(R"({"width": 128, "height": 96, "fx": 0, "fy": 0, "cx": 1, "cy": 1})"));
+  expect_error(encode({path("c.mkv")}), 4, "intrinsics.json");
+  capture_.write("intrinsics.json", std::string("{"));
+  expect_error(encode({path("c.mkv")}), 4, "intrinsics.json");
+}
+
+TEST_F(Encode, MissingIntrinsicsNameTheRemedy) {
+  capture_.remove("intrinsics.json");
+  const Said said = encode({path("c.mkv")});
+  EXPECT_TRUE(said.code == 3 || said.code == 4) << said.err;
+  expect_error(said, said.code, "intrinsics");
+}
+
+TEST_F(Encode, ComparingWithAnotherCaptureIsAUsageError) {
+  ASSERT_EQ(encode({path("c.mkv")}).code, 0);
+  TemporaryFolder other;
+  write_numbered(other, 3);
+  expect_error(run_kinora(folder_, {"eval", path("c.mkv"), "--against", other.path()}), 2, "128x96");
+}
+
+} // namespace
+} // namespace kinora::test

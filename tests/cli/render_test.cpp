@@ -1,0 +1,114 @@
+// Pictures and films that kinora render leaves behind.
+#include <nlohmann/json.hpp>
+
+#include "cli/run_kinora.h"
+#include "core/image_codec.h"
+#include "encode/clip_io.h"
+#include "encode/sample_clip.h"
+
+namespace kinora::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Render : public testing::Test {
+protected:
+  Render() { encode::write_clip(encode::testing::sample_clip(1, 5, true), path("clip.mkv")); }
+  Said render(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"render", path("clip.mkv")});
+    return run_kinora(folder_, words);
+  }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  ColorImage picture(const std::string& name) const {
+    const std::string bytes = contents_of(path(name));
+    return decode_color(std::as_bytes(std::span(bytes)), name);
+  }
+  std::vector<std::string> names_in(const std::string& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(path(folder))) {
+      if (entry.is_regular_file()) names.push_back(entry.path().lexically_relative(path(folder)).string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Render, StillIsOnePictureOfTheAskedSize) {
+  const Said said = render({path("o.png"), "--size", "32x24", "--orbit", "20", "--frames", "2:4"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(picture("o.png").width(), 32);
+  EXPECT_EQ(picture("o.png").height(), 24);
+  EXPECT_FALSE(fs::exists(path("o.png.part")));
+  EXPECT_FALSE(fs::exists(path("o.png.parts")));
+}
+
+TEST_F(Render, DepthStandsBesideTheStill) {
+  ASSERT_EQ(render({path("o.png"), "--size", "32x24", "--passes", "rgb,depth"}).code, 0);
+  const std::string bytes = contents_of(path("o.depth.png"));
+  EXPECT_EQ(decode_depth16(std::as_bytes(std::span(bytes)), "o.depth.png").width(), 32);
+}
+
+TEST_F(Render, FolderHoldsAPictureForEachFrame) {
+  ASSERT_EQ(render({path("out"), "--size", "32x24", "--frames", "::2", "--passes", "rgb,depth"}).code, 0);
+  EXPECT_EQ(names_in("out"), (std::vector<std::string>{"000000.depth.png", "000000.png", "000002.depth.png",
+                                                       "000002.png", "000004.depth.png", "000004.png"}));
+}
+
+TEST_F(Render, CameraFileNamesThePictures) {
+  folder_.write("t.json", R"({"w": 20, "h": 10, "fl_x": 20, "frames": [
+    {"file_path": "a/left", "time": 0, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]},
+    {"file_path": "right", "frame": 3, "transform_matrix": [[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  const Said said = render({path("out"), "--cameras", path("t.json"), "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(names_in("out"), (std::vector<std::string>{"a/left.png", "right.png"}));
+  EXPECT_EQ(picture("out/a/left.png").width(), 20);
+  EXPECT_EQ(Json::parse(said.out).at("pictures"), 2);
+}
+
+TEST_F(Render, FilmIsAFilm) {
+  const Said said = render({path("o.mp4"), "--size", "64x48", "--orbit", "10"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(contents_of(path("o.mp4")).substr(4, 4), "ftyp");
+  EXPECT_FALSE(fs::exists(path("o.mp4.part")));
+}
+
+TEST_F(Render, LayersThatAreNotThereAreWarnedOfAndDrawNothing) {
+  const Said said = render({path("o.png"), "--size", "32x24", "--layers", "person,spirit"});
+  EXPECT_EQ(said.code, 0);
+  EXPECT_NE(said.err.find("\"person\""), std::string::npos);
+  EXPECT_NE(said.err.find("\"spirit\""), std::string::npos);
+}
+
+TEST_F(Render, ExistingPicturesStayUnlessOverwritten) {
+  folder_.write("out/000003.png", "mine");
+  expect_error(render({path("out"), "--size", "8x8"}), 5, "000003.png");
+  EXPECT_EQ(contents_of(path("out/000003.png")), "mine");
+  EXPECT_EQ(names_in("out").size(), 1U);
+  EXPECT_EQ(render({path("out"), "--size", "8x8", "--overwrite"}).code, 0);
+  EXPECT_NE(contents_of(path("out/000003.png")), "mine");
+}
+
+TEST_F(Render, WordsThatMakeNoSenseAreUsageErrors) {
+  expect_error(render({path("o.png"), "--size", "big"}), 2, "big");
+  expect_error(render({path("o.png"), "--size", "0x5"}), 2, "0x5");
+  expect_error(render({path("o.png"), "--passes", "rgb,normal"}), 2, "normal");
+  expect_error(render({path("o.png"), "--passes", "depth"}), 2, "rgb");
+  expect_error(render({path("o.mp4"), "--passes", "rgb,depth"}), 2, "film");
+  expect_error(render({path("o.avi")}), 2, ".avi");
+  expect_error(render({path("o.png"), "--frames", "9:12"}), 2, "9:12");
+  expect_error(render({path("o.png"), "--orbit", "3", "--capture-view"}), 2, "--help");
+  expect_error(render({path("o.png"), "--cameras", path("none.json")}), 2, "none.json");
+  expect_error(render({path("out"), "-O", "format=gold"}), 2, "gold");
+  EXPECT_FALSE(fs::exists(path("o.png")));
+}
+
+TEST_F(Render, SamePictureForOneThreadAndTwo) {
+  ASSERT_EQ(render({path("a.png"), "--size", "96x72", "--threads", "1"}).code, 0);
+  ASSERT_EQ(render({path("b.png"), "--size", "96x72", "--threads", "2"}).code, 0);
+  EXPECT_EQ(contents_of(path("a.png")), contents_of(path("b.png")));
+}
+
+} // namespace
+} // namespace kinora::test

@@ -1,0 +1,171 @@
+// Words, exit codes and machine output of the commands that need no training.
+#include <nlohmann/json.hpp>
+
+#include "cli/run_kinora.h"
+#include "encode/clip_io.h"
+#include "encode/sample_clip.h"
+
+namespace kinora::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Tool : public testing::Test {
+protected:
+  Said run(const std::vector<std::string>& words) const { return run_kinora(folder_, words); }
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  std::string sample_clip(const std::string& name = "clip.mkv") const {
+    encode::write_clip(encode::testing::sample_clip(1, 5, true), path(name));
+    return path(name);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Tool, HelpOfEveryCommandShowsExamples) {
+  EXPECT_EQ(run({"--help"}).code, 0);
+  for (const char* command : {"info", "formats", "probe", "encode", "render", "motion", "eval"}) {
+    const Said said = run({command, "--help"});
+    EXPECT_EQ(said.code, 0);
+    EXPECT_NE(said.out.find(std::string("Examples:\n  kinora ") + command), std::string::npos) << said.out;
+    EXPECT_EQ(said.err, "");
+  }
+}
+
+TEST_F(Tool, VersionNamesTheLibraries) {
+  const Said said = run({"--version"});
+  EXPECT_EQ(said.code, 0);
+  for (const char* name : {"kinora ", "libmatroska ", "zstd ", "Eigen "}) {
+    EXPECT_NE(said.out.find(name), std::string::npos) << said.out;
+  }
+}
+
+TEST_F(Tool, WrongWordsAreUsageErrors) {
+  expect_error(run({}), 2, "--help");
+  expect_error(run({"dance"}), 2, "--help");
+  expect_error(run({"info"}), 2, "kinora info --help");
+  expect_error(run({"info", "a", "--loud"}), 2, "--loud");
+  expect_error(run({"info", path("nothing")}), 2, "nothing does not exist");
+  expect_error(run({"encode", folder_.path(), path("c.mkv"), "--preset", "huge"}), 2, "huge");
+  expect_error(run({"encode", folder_.path(), path("c.mkv"), "--holdout", "1"}), 2, "--holdout 1");
+  expect_error(run({"encode", folder_.path(), path("c.mkv"), "--frames", "a:b"}), 2, "a:b");
+}
+
+TEST_F(Tool, InfoTellsTheClipFirstAndAccountsForEveryByte) {
+  const std::string clip = sample_clip();
+  const Said text = run({"info", clip});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_EQ(text.out.find(clip + ": a Kinora clip"), 0U) << text.out;
+  const Said machine = run({"info", clip, "--json"});
+  const Json info = Json::parse(machine.out);
+  EXPECT_EQ(info.at("schema"), "kinora.info/1");
+  EXPECT_EQ(info.at("kind"), "clip");
+  EXPECT_EQ(info.at("frames"), 5);
+  std::size_t bytes = 0;
+  for (const Json& part : info.at("parts")) bytes += part.at("bytes").get<std::size_t>();
+  EXPECT_EQ(bytes, fs::file_size(clip));
+}
+
+TEST_F(Tool, InfoOfACaptureCountsItsFiles) {
+  write_numbered(folder_, 3);
+  const Said said = run({"info", folder_.path(), "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json info = Json::parse(said.out);
+  EXPECT_EQ(info.at("kind"), "capture");
+  EXPECT_EQ(info.at("format"), "numbered-folder");
+  EXPECT_EQ(info.at("frames"), 3);
+  std::size_t files = 0;
+  for (const Json& part : info.at("parts")) files += part.at("files").get<std::size_t>();
+  EXPECT_GE(files, 7U);
+}
+
+TEST_F(Tool, FormatsAndProbeSpeakJson) {
+  write_numbered(folder_, 3);
+  const Json formats = Json::parse(run({"formats", "--json"}).out);
+  EXPECT_EQ(formats.at("schema"), "kinora.formats/1");
+  EXPECT_GE(formats.at("formats").size(), 5U);
+  const Json probe = Json::parse(run({"probe", folder_.path(), "--json"}).out);
+  EXPECT_EQ(probe.at("formats").at(0).at("name"), "numbered-folder");
+  EXPECT_GT(probe.at("formats").at(0).at("confidence"), 50);
+}
+
+TEST_F(Tool, ProbeKnowsAClip) {
+  const Json probe = Json::parse(run({"probe", sample_clip(), "--json"}).out);
+  EXPECT_EQ(probe.at("formats").at(0).at("name"), "kinora-clip");
+}
+
+TEST_F(Tool, StrangeInputsAreNotRecognised) {
+  folder_.write("text.txt", "hello");
+  folder_.write("empty", "");
+  fs::create_directory(folder_.path() / "folder");
+  for (const char* name : {"text.txt", "empty", "folder"}) {
+    expect_error(run({"info", path(name)}), 3, name);
+    expect_error(run({"probe", path(name)}), 3, name);
+    expect_error(run({"encode", path(name), path("c.mkv")}), 3, name);
+    expect_error(run({"render", path(name), path("o.png")}), 3, name);
+    expect_error(run({"motion", path(name), "--out", path("m.json")}), 3, name);
+  }
+  EXPECT_FALSE(fs::exists(path("c.mkv.part")));
+  EXPECT_FALSE(fs::exists(path("m.json.part")));
+}
+
+TEST_F(Tool, CutClipIsCorrupt) {
+  const std::string clip = sample_clip();
+  fs::resize_file(clip, fs::file_size(clip) / 2);
+  expect_error(run({"info", clip}), 4, "clip.mkv");
+  expect_error(run({"render", clip, path("o.png")}), 4, "clip.mkv");
+}
+
+TEST_F(Tool, ExistingOutputIsReplacedOnlyWhenAsked) {
+  const std::string clip = sample_clip();
+  folder_.write("m.json", "mine");
+  expect_error(run({"motion", clip, "--out", path("m.json")}), 5, "--overwrite");
+  EXPECT_EQ(contents_of(path("m.json")), "mine");
+  EXPECT_EQ(run({"motion", clip, "--out", path("m.json"), "--overwrite"}).code, 0);
+  EXPECT_EQ(Json::parse(contents_of(path("m.json"))).at("layers").size(), 2U);
+}
+
+TEST_F(Tool, InputIsNeverItsOwnOutput) {
+  const std::string clip = sample_clip();
+  const std::string before = contents_of(clip);
+  expect_error(run({"motion", clip, "--out", clip, "--overwrite"}), 5, "also the input");
+  EXPECT_EQ(contents_of(clip), before);
+}
+
+TEST_F(Tool, OutputsThatCannotBeWrittenHaveTheirOwnCode) {
+  const std::string clip = sample_clip();
+  expect_error(run({"motion", clip, "--out", "/dev/full"}), 5, "/dev/full");
+  expect_error(run({"motion", clip, "--out", path("no/folder/m.json")}), 5, "no/folder");
+  expect_error(run({"motion", clip, "--out", folder_.path()}), 5, "folder");
+  expect_error(run({"render", clip, path("no/o.png"), "--size", "8x8"}), 5, "no");
+  expect_error(run({"render", clip, "/dev/full", "--size", "8x8"}), 5, "/dev/full");
+  expect_error(Running(folder_.path(), {"info", clip}, "/dev/full").finish(), 5, "stdout");
+}
+
+TEST_F(Tool, RigidMotionBeginsAtTheIdentityAndHasTheCamera) {
+  encode::Clip clip = encode::testing::sample_clip(1, 5, true);
+  std::vector<tracking::Motion::Pose> poses = clip.layers[1].motion.poses();
+  for (auto& pose : poses) pose.health = tracking::Health::kTracked;
+  poses[0].health = tracking::Health::kLost;
+  clip.layers[1].motion = tracking::Motion::rigid(poses);
+  encode::write_clip(clip, path("clip.mkv"));
+  EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
+  const Json motion = Json::parse(contents_of(path("m.json")));
+  EXPECT_TRUE(motion.at("fps").is_number());
+  const Json& object = motion.at("layers").at(1);
+  EXPECT_EQ(object.at("kind"), "rigid");
+  EXPECT_EQ(object.at("frames").at(0).at("health"), "lost");
+  EXPECT_TRUE(object.at("frames").at(2).contains("camera_to_world"));
+  const SE3 expected = poses[3].canonical_to_world * poses[1].canonical_to_world.inverse();
+  for (std::size_t r = 0; r < 4; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Json& frames = object.at("frames");
+      EXPECT_NEAR(frames[1]["transform"][r][c].get<double>(), r == c ? 1 : 0, 1e-6);
+      EXPECT_NEAR(frames[3]["transform"][r][c].get<double>(),
+                  expected.matrix()(static_cast<int>(r), static_cast<int>(c)), 1e-4);
+    }
+  }
+}
+
+} // namespace
+} // namespace kinora::test
