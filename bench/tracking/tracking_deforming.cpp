@@ -1,6 +1,6 @@
 // Follows a deforming layer of a capture and compares it with the ground truth beside it: material tracks
 // (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame), and milliseconds per frame.
-// Usage: bench_tracking_deforming CAPTURE [LABEL]
+// Usage: bench_tracking_deforming CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame.
 #include <algorithm>
 #include <array>
 #include <chrono>

@@ -23,7 +23,8 @@ constexpr double kMinSpacing = 0.02;
 constexpr double kMaxSpacing = 0.25;
 constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
 constexpr float kSeenOften = 2.5F;     // views that a surface must have been seen in before it gets nodes
-constexpr double kUnfoldReach = 0.03;  // metres
+constexpr int kPassesWhenFound = 3;
+constexpr double kUnfoldReach = 0.03; // metres
 constexpr std::size_t kPointsPerChunk = 512;
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
@@ -241,9 +242,13 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   if (unseen_ > 0 || !is_healthy(result.quality)) {
-    const LayerPlace place = search_layer(model, selection.textures, view, prior);
-    DeformingAlignment elsewhere =
-        align_deforming(model, selection.textures, view, place.states, place.states, spacing_, config_.alignment);
+    DeformingAlignment elsewhere;
+    elsewhere.nodes = search_layer(model, selection.textures, view, prior).states;
+    // Without a frame just before, there is farther to go.
+    for (int pass = 0; pass < kPassesWhenFound; ++pass) {
+      elsewhere = align_deforming(model, selection.textures, view, elsewhere.nodes, elsewhere.nodes, spacing_,
+                                  config_.alignment);
+    }
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
@@ -264,7 +269,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
 }
 
 void DeformingTracker::fuse(const ObjectView& view, const NodeStates& states) {
-  const std::vector<Eigen::Vector3f> places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
+  const TsdfVolume::Places places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
   const auto to_camera = [&](const Eigen::Vector3f& point) -> std::optional<Eigen::Vector3f> {
     const Eigen::Vector3d canonical = point.cast<double>();
     const Influence influence = graph_->influence(canonical);

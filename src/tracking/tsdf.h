@@ -9,7 +9,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -58,13 +57,18 @@ public:
 
   /// Where a point of a bent volume (relative to the origin) is in the camera; nothing where space is empty.
   using Bending = std::function<std::optional<Eigen::Vector3f>(const Eigen::Vector3f&)>;
+  /// Which place of the volume (relative to the origin) a pixel shows: one for each cell of stride × stride pixels, in
+  /// three channels; NaN where the pixels show nothing of it.
+  struct Places {
+    int stride = 4;
+    Image<float> of_cell;
+  };
   /// Fuses one image into a volume that has been bent since: each voxel is carried into the camera and averaged with
-  /// the distance there. Voxels farther than the truncation from what is measured learn nothing, not even emptiness:
-  /// the bending may be wrong. `surface`: points relative to the origin about which there shall be voxels. The bending
-  /// is taken at every fourth voxel and in between trilinearly; it must be thread-safe.
-  /// Throws Error(kFailure) if sizes differ.
+  /// the distance there. A voxel learns only from pixels whose cell shows a place near it, and nothing, not even
+  /// emptiness, farther than the truncation from what is measured: the bending may be wrong. The bending is taken at
+  /// every fourth voxel and in between trilinearly; it must be thread-safe. Throws Error(kFailure) if sizes differ.
   void integrate_bent(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
-                      const Bending& to_camera, std::span<const Eigen::Vector3f> surface);
+                      const Bending& to_camera, const Places& places);
 
   /// Trilinear; nothing where one of the eight voxels around was never seen.
   std::optional<double> distance(const Eigen::Vector3d& point) const;
@@ -100,7 +104,7 @@ private:
   std::vector<std::uint8_t> touch_bricks(const View& view);
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
-  void touch_around(std::span<const Eigen::Vector3f> surface);
+  void touch_around(const Places& places);
   void update_bent(Brick& brick, const BentView& view) const;
   void append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const;
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }

@@ -23,6 +23,8 @@ struct TsdfVolume::BentView {
   const Image<float>& intensity;
   const Intrinsics& intrinsics;
   const Bending& to_camera;
+  const Places& places;
+  float reach; ///< metres, between a voxel and the place that its pixel shows
 
   /// Pixel that a point of the camera falls on; false if none.
   bool project(const Eigen::Vector3f& p, int& u, int& v) const {
@@ -37,6 +39,12 @@ struct TsdfVolume::BentView {
     return true;
   }
 
+  /// Whether the pixel shows the surface about a place of the volume, and not another that is in front of it now.
+  bool shows(const Eigen::Vector3f& place, int u, int v) const {
+    const float* shown = places.of_cell.pixel(u / places.stride, v / places.stride);
+    return (Eigen::Vector3f(shown[0], shown[1], shown[2]) - place).squaredNorm() < reach * reach; // false for NaN
+  }
+
   float distance(const Eigen::Vector3f& p, int u, int v) const {
     const float* plane = planes.planes.pixel(u, v);
     return plane[0] * p.x() + plane[1] * p.y() + plane[2] * p.z() + plane[3];
@@ -44,11 +52,13 @@ struct TsdfVolume::BentView {
 };
 
 // The bricks that reach into the truncation about a surface.
-void TsdfVolume::touch_around(std::span<const Eigen::Vector3f> surface) {
+void TsdfVolume::touch_around(const Places& places) {
   const float brick_size = static_cast<float>(kSide * config_.voxel_size);
   const float reach = static_cast<float>(config_.truncation) / brick_size;
-  for (const Eigen::Vector3f& point : surface) {
-    const Eigen::Vector3f local = point / brick_size;
+  for (std::size_t i = 0; i < places.of_cell.pixel_count(); ++i) {
+    const float* place = places.of_cell.data() + 3 * i;
+    if (std::isnan(place[0])) continue;
+    const Eigen::Vector3f local = Eigen::Vector3f(place[0], place[1], place[2]) / brick_size;
     const Eigen::Vector3i first = (local.array() - reach).floor().cast<int>();
     const Eigen::Vector3i last = (local.array() + reach).floor().cast<int>();
     for (int z = first.z(); z <= last.z(); ++z) {
@@ -109,6 +119,8 @@ void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
         if (weight <= 0) continue;
         const float distance = view.distance(p, u, v);
         if (std::abs(distance) >= truncation) continue;
+        const Eigen::Vector3f inside(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+        if (!view.shows((first + inside) * voxel, u, v)) continue;
         if (distance < 0) {
           const float trust = 1.0F + distance / truncation;
           weight *= trust * trust;
@@ -124,14 +136,19 @@ void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
 }
 
 void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
-                                const Bending& to_camera, std::span<const Eigen::Vector3f> surface) {
+                                const Bending& to_camera, const Places& places) {
   const bool fits = view.planes.width() == intrinsics.width && view.planes.height() == intrinsics.height &&
-                    view.weights.same_size(view.planes) && (intensity.empty() || intensity.same_size(view.planes));
+                    view.weights.same_size(view.planes) && (intensity.empty() || intensity.same_size(view.planes)) &&
+                    places.stride > 0 && places.of_cell.channels() == 3 &&
+                    places.of_cell.width() * places.stride >= intrinsics.width &&
+                    places.of_cell.height() * places.stride >= intrinsics.height;
   if (!fits) {
     throw Error(ErrorCode::kFailure, "the images to fuse differ in size from each other or from their camera");
   }
-  touch_around(surface);
-  const BentView local{view, intensity, intrinsics, to_camera};
+  touch_around(places);
+  // Half a cell of pixels is about as wide as a voxel; a grazing surface is longer.
+  const float reach = static_cast<float>(config_.truncation + 3 * config_.voxel_size);
+  const BentView local{view, intensity, intrinsics, to_camera, places, reach};
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) update_bent(*bricks_[i], local);
   });

@@ -1,7 +1,9 @@
 #include "tracking/view_unfolding.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/parallel.h"
 
@@ -21,8 +23,8 @@ struct Live {
 
 } // namespace
 
-std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
-                                         std::span<const Influence> skin, const NodeStates& states, double reach) {
+TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
+                               std::span<const Influence> skin, const NodeStates& states, double reach) {
   const int columns = (view.intrinsics.width + kStride - 1) / kStride;
   const int rows = (view.intrinsics.height + kStride - 1) / kStride;
   std::vector<Live> live(surface.size());
@@ -46,7 +48,7 @@ std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const
     int& best = front[static_cast<std::size_t>(live[i].cell)];
     if (best < 0 || live[i].place.z() < live[static_cast<std::size_t>(best)].place.z()) best = static_cast<int>(i);
   }
-  std::vector<Eigen::Vector3f> result;
+  TsdfVolume::Places result{kStride, Image<float>(columns, rows, 3, std::numeric_limits<float>::quiet_NaN())};
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const int u = std::min(kStride * column + kStride / 2, view.intrinsics.width - 1);
@@ -70,7 +72,8 @@ std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const
       }
       if (nearest == nullptr) continue;
       const SE3 to_camera = nearest->motion.transform.to_se3();
-      result.emplace_back((to_camera.inverse() * measured).cast<float>());
+      const Eigen::Vector3f place = (to_camera.inverse() * measured).cast<float>();
+      std::copy_n(place.data(), 3, result.of_cell.pixel(column, row));
     }
   }
   return result;

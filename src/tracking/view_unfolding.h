@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "tracking/blended_motion.h"
 #include "tracking/object_view.h"
@@ -12,8 +11,8 @@ namespace kinora::tracking {
 
 /// Canonical places (relative to the origin) of every fourth pixel of the view in each direction, each carried back by
 /// the motion of the model's surface that is seen nearest to it. Pixels with no surface of a like normal within
-/// `reach` metres are left out. `states`: canonical to camera; `skin`: influence of each surface point.
-std::vector<Eigen::Vector3f> unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
-                                         std::span<const Influence> skin, const NodeStates& states, double reach);
+/// `reach` metres show nothing. `states`: canonical to camera; `skin`: influence of each surface point.
+TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePoint> surface,
+                               std::span<const Influence> skin, const NodeStates& states, double reach);
 
 } // namespace kinora::tracking
