@@ -10,6 +10,8 @@ void add_formats(CLI::App& app, Context& context);
 void add_probe(CLI::App& app, Context& context);
 void add_encode(CLI::App& app, Context& context);
 void add_render(CLI::App& app, Context& context);
+void add_convert(CLI::App& app, Context& context);
+void add_track(CLI::App& app, Context& context);
 void add_motion(CLI::App& app, Context& context);
 void add_eval(CLI::App& app, Context& context);
 

@@ -70,7 +70,7 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_FALSE(capability_names(*entry.format).empty());
     EXPECT_STRNE(entry.format->description, "");
   }
-  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "png", "mp4"}));
+  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "png", "mp4", "glb", "openvdb"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {

@@ -8,7 +8,7 @@ from include_rule import violations
 
 TREE = [
     "src/core/image.h", "src/host/plugin_table.h", "src/ingest/frame.h", "src/tracking/motion.h",
-    "src/fields/field.h", "src/encode/clip.h", "src/player/player.h", "src/cli/info.h",
+    "src/fields/field.h", "src/encode/clip.h", "src/player/player.h", "src/bake/surface.h", "src/cli/info.h",
     "include/kinora/plugin.h", "formats/png/png.h", "formats/mp4/mp4.h", "formats/common/files.h",
 ]
 
@@ -28,6 +28,8 @@ class IncludeRule(unittest.TestCase):
             ("src/tracking/icp.cpp", '"core/image.h"'),
             ("src/tracking/icp.cpp", '"tracking/motion.h"'),
             ("src/cli/encode.cpp", '"player/player.h"'),
+            ("src/cli/convert.cpp", '"bake/surface.h"'),
+            ("src/bake/surface.cpp", '"encode/clip.h"'),
             ("src/host/loader.cpp", '"kinora/plugin.h"'),
             ("formats/png/reader.cpp", '"png.h"'),
             ("formats/png/reader.cpp", '"core/image.h"'),
@@ -48,6 +50,8 @@ class IncludeRule(unittest.TestCase):
             ("src/tracking/icp.cpp", '"../fields/field.h"'),
             ("src/ingest/reader.cpp", "<encode/clip.h>"),
             ("src/player/player.cpp", '"cli/info.h"'),
+            ("src/bake/surface.cpp", '"player/player.h"'),
+            ("src/player/player.cpp", '"bake/surface.h"'),
             ("src/host/table.cpp", '"formats/png/png.h"'),
             ("formats/png/reader.cpp", '"ingest/frame.h"'),
             ("formats/png/reader.cpp", '"../mp4/mp4.h"'),

@@ -1,0 +1,70 @@
+#include "gltf/format.h"
+
+#include "common/boundary.h"
+#include "gltf/glb_writer.h"
+
+namespace kinora::formats {
+namespace {
+
+GlbWriter* self(KinoraWriter* writer) { return reinterpret_cast<GlbWriter*>(writer); }
+
+KinoraStatus open_glb(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
+                      KinoraMessage* message) {
+  return guarded(message, [&] {
+    const auto given = option_map(options, option_count);
+    GlbSettings settings;
+    if (const auto steps = given.find("interpolation"); steps != given.end())
+      settings.interpolation = steps->second == "step" ? Interpolation::kStep : Interpolation::kLinear;
+    *writer = reinterpret_cast<KinoraWriter*>(new GlbWriter(path, settings));
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus mesh_glb(KinoraWriter* writer, const KinoraMesh* mesh, KinoraMessage* message) {
+  return guarded(message, [&] {
+    self(writer)->add(*mesh);
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus pose_glb(KinoraWriter* writer, const KinoraMeshPose* pose, KinoraMessage* message) {
+  return guarded(message, [&] {
+    self(writer)->pose(*pose);
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus finish_glb(KinoraWriter* writer, KinoraMessage* message) {
+  const std::unique_ptr<GlbWriter> owned(self(writer));
+  return guarded(message, [&] {
+    owned->finish();
+    return KINORA_OK;
+  });
+}
+
+void abandon_glb(KinoraWriter* writer) { delete self(writer); }
+
+const KinoraOption kOptions[] = {{"interpolation", "linear|step", "linear",
+                                  "Between two frames: move evenly, or hold the pose of the earlier one.", nullptr}};
+
+constexpr KinoraFormat glb_format() {
+  auto format = make_struct<KinoraFormat>();
+  format.name = "glb";
+  format.description = "glTF 2.0 in one binary file: a mesh per layer with vertex colours, skins and animation";
+  format.extensions = ".glb";
+  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS;
+  format.options = kOptions;
+  format.option_count = std::size(kOptions);
+  format.open_writer = open_glb;
+  format.writer_finish = finish_glb;
+  format.writer_abandon = abandon_glb;
+  format.writer_mesh = mesh_glb;
+  format.writer_pose = pose_glb;
+  return format;
+}
+
+} // namespace
+
+constinit const KinoraFormat kGltfFormat = glb_format();
+
+} // namespace kinora::formats

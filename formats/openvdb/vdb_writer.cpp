@@ -1,0 +1,142 @@
+#include "openvdb/vdb_writer.h"
+
+#include <mutex>
+#include <sstream>
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
+
+#include "common/files.h"
+#include "core/error.h"
+#include "core/random.h"
+
+namespace kinora::formats {
+namespace {
+
+constexpr float kLargestHalf = 65504;
+
+/// Files with the places of grids inside, so that readers need not load all of them; into any stream.
+class SeekableArchive : public openvdb::io::Archive {
+public:
+  std::string bytes_of(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+    std::ostringstream stream(std::ios::binary);
+    write(stream, grids, true, metadata);
+    return stream.str();
+  }
+};
+
+/// OpenVDB puts a random identifier into each file: here it is made of the contents, so that equal volumes give equal
+/// files. It stands after the magic number, three versions and a flag (openvdb/io/Archive.cc, writeHeader).
+void settle_identifier(std::string& file) {
+  constexpr std::size_t kOffset = 8 + 4 + 8 + 1;
+  constexpr std::size_t kLength = 36;
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || c == '-'; };
+  if (file.size() < kOffset + kLength ||
+      !std::all_of(file.begin() + kOffset, file.begin() + kOffset + kLength, is_digit))
+    throw Error(ErrorCode::kMissingComponent, "this version of OpenVDB writes a header that Kinora does not know");
+  std::fill_n(file.begin() + kOffset, kLength, '0');
+  std::uint64_t hash = 0;
+  for (const char c : file) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ULL;
+  const std::string pattern = "xxxxxxxx-xxxx-4xxx-8xxx-xxxxxxxxxxxx"; // RFC 9562, version 4
+  std::uint64_t digits = 0;
+  for (std::size_t i = 0; i < kLength; ++i) {
+    if (i % 16 == 0) digits = mix64(hash + i);
+    file[kOffset + i] = pattern[i] == 'x' ? "0123456789abcdef"[digits & 15] : pattern[i];
+    digits >>= 4;
+  }
+}
+
+/// The volume's transform with y and z of the world and of the voxels' numbers turned round: where it only scales and
+/// shifts, it stays so.
+openvdb::math::Transform::Ptr turned_transform(const KinoraVolume& volume, const std::string& place) {
+  openvdb::Mat4d matrix; // OpenVDB's vectors are rows
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) {
+      const double sign = ((r == 1 || r == 2) != (c == 1 || c == 2)) ? -1 : 1;
+      matrix(c, r) = sign * volume.voxel_to_world[4 * r + c];
+    }
+  }
+  if (!(std::abs(matrix.det()) > 0) || !std::isfinite(matrix.det()))
+    throw Error(ErrorCode::kUsage, place + ": the transform of the volume has no inverse");
+  return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+template <class Grid, class Value>
+typename Grid::Ptr grid_of(const char* name, const KinoraVolume& volume, const openvdb::math::Transform& transform,
+                           bool half_floats, const Value& value) {
+  typename Grid::Ptr grid = Grid::create();
+  auto accessor = grid->getAccessor();
+  for (std::size_t i = 0; i < volume.voxel_count; ++i) {
+    const std::int32_t* v = volume.voxels + 3 * i;
+    accessor.setValue(openvdb::Coord(v[0], -v[1], -v[2]), value(i));
+  }
+  openvdb::tools::prune(grid->tree());
+  grid->setName(name);
+  grid->setTransform(transform.copy());
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  grid->setSaveFloatAsHalf(half_floats);
+  grid->addStatsMetadata();
+  return grid;
+}
+
+const KinoraVolumeChannel* channel_of(const KinoraVolume& volume, std::string_view name, int components) {
+  for (std::size_t i = 0; i < volume.channel_count; ++i) {
+    const KinoraVolumeChannel& channel = volume.channels[i];
+    if (channel.name == name && channel.components == components && channel.values != nullptr) return &channel;
+  }
+  return nullptr;
+}
+
+openvdb::GridCPtrVec grids_of(const KinoraVolume& volume, bool half_floats, const std::string& place) {
+  const auto transform = turned_transform(volume, place);
+  const float most = half_floats ? kLargestHalf : std::numeric_limits<float>::max();
+  openvdb::GridCPtrVec grids;
+  // An empty volume has no values to point to.
+  const KinoraVolumeChannel* density = channel_of(volume, "density", 1);
+  if (density == nullptr && volume.voxel_count > 0)
+    throw Error(ErrorCode::kUsage, place + ": the volume has no channel \"density\"");
+  grids.push_back(grid_of<openvdb::FloatGrid>("density", volume, *transform, half_floats,
+                                              [&](std::size_t i) { return std::min(density->values[i], most); }));
+  const KinoraVolumeChannel* color = channel_of(volume, "color", 3);
+  if (color == nullptr && volume.voxel_count > 0) return grids;
+  auto colors = grid_of<openvdb::Vec3SGrid>("Cd", volume, *transform, half_floats, [&](std::size_t i) {
+    const float* c = color->values + 3 * i;
+    return openvdb::Vec3s(c[0], c[1], c[2]);
+  });
+  colors->setVectorType(openvdb::VEC_INVARIANT); // not turned with the volume
+  grids.push_back(colors);
+  return grids;
+}
+
+} // namespace
+
+VdbWriter::VdbWriter(std::filesystem::path path, bool half_floats) : path_(std::move(path)), half_(half_floats) {
+  write_file(path_, {});
+  static std::once_flag once;
+  std::call_once(once, [] { openvdb::initialize(); });
+}
+
+void VdbWriter::write(const KinoraVolume& volume) {
+  if (written_) throw Error(ErrorCode::kUsage, path_.string() + ": an OpenVDB file holds one volume");
+  std::string bytes;
+  try {
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("creator", openvdb::StringMetadata("Kinora"));
+    metadata.insertMeta("name", openvdb::StringMetadata(volume.name));
+    metadata.insertMeta("frame", openvdb::Int64Metadata(volume.frame));
+    metadata.insertMeta("time", openvdb::DoubleMetadata(volume.time));
+    bytes = SeekableArchive().bytes_of(grids_of(volume, half_, path_.string()), metadata);
+  } catch (const openvdb::Exception& error) {
+    throw Error(ErrorCode::kFailure, path_.string() + ": OpenVDB cannot store the volume: " + error.what());
+  }
+  settle_identifier(bytes);
+  write_file(path_, std::as_bytes(std::span(bytes)));
+  written_ = true;
+}
+
+void VdbWriter::finish() const {
+  if (!written_) throw Error(ErrorCode::kFailure, path_.string() + ": no volume was written");
+}
+
+} // namespace kinora::formats

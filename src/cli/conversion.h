@@ -1,0 +1,42 @@
+// A clip turned into what a format plugin writes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bake/surface.h"
+#include "bake/volume.h"
+#include "cli/context.h"
+#include "encode/clip.h"
+#include "host/options.h"
+
+namespace kinora::cli {
+
+/// What to convert, and into what.
+struct Conversion {
+  const encode::Clip* clip = nullptr;
+  const KinoraFormat* format = nullptr;
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::vector<int> frames;         ///< of the clip, increasing
+  std::vector<std::size_t> layers; ///< of the clip
+  bake::SurfaceOptions surface;
+  bake::VolumeOptions volume;
+  host::Options format_options;
+  bool strict = false; ///< what cannot be carried over is an error instead of a warning
+};
+
+/// Tells of something that the output does not carry as the clip has it: a warning, or Error(kFailure) if strict.
+void report_loss(const Conversion& conversion, const std::string& sentence, Context& context);
+
+/// All layers in one file, with their motion. Returns what was written, for --json: "layers", "files", "bytes".
+nlohmann::json convert_to_meshes(const Conversion& conversion, Context& context);
+
+/// One file for each frame: OUT/name_0001.vdb, … Returns the same, with "voxels" of the files.
+nlohmann::json convert_to_volumes(const Conversion& conversion, Context& context);
+
+/// "a/b.vdb", 0 → "a/b_0001.vdb".
+std::filesystem::path numbered_path(const std::filesystem::path& path, std::size_t index);
+
+} // namespace kinora::cli

@@ -1,0 +1,186 @@
+// kinora convert: a clip becomes what other tools open.
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/conversion.h"
+#include "cli/text.h"
+#include "core/error.h"
+
+namespace kinora::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::uint64_t kWritable = KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES;
+
+struct Options {
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::string from;
+  std::string to;
+  std::string frames;
+  bool dry_run = false;
+  bool strict = false;
+  std::vector<std::string> options;
+};
+
+void check_source(const Options& options, const host::PluginTable& plugins) {
+  if (options.from.empty() || options.from == "clip") return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--from {} reads captures, and convert takes clips; make one with kinora encode --format {}",
+                          plugins.find(options.from).name, options.from));
+}
+
+const KinoraFormat& target_of(const Options& options, const host::PluginTable& plugins) {
+  if (options.to.empty()) return plugins.writer_for(options.output, kWritable);
+  const KinoraFormat& format = plugins.find(options.to);
+  if ((format.capabilities & kWritable) != 0) return format;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("the format {} writes neither meshes nor volumes; for pictures and films use kinora render",
+                          format.name));
+}
+
+template <class Number> void take_number(host::Options& options, const char* name, Number& value) {
+  const auto given = options.extract(name);
+  if (!given) return;
+  const std::string& text = given.mapped();
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < Number{0}) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("-O {}={}: the value must be a number that is not negative", name, text));
+  }
+}
+
+std::vector<std::size_t> chosen_layers(const encode::Clip& clip, const std::string& names, Context& context) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < clip.layers.size(); ++i) {
+    const bool wanted = names.empty() || ("," + names + ",").find("," + clip.layers[i].name + ",") != std::string::npos;
+    if (wanted) chosen.push_back(i);
+  }
+  const auto wanted_count =
+      names.empty() ? clip.layers.size() : static_cast<std::size_t>(std::count(names.begin(), names.end(), ',')) + 1;
+  if (chosen.size() < wanted_count) {
+    std::string known;
+    for (const encode::Layer& layer : clip.layers) known += (known.empty() ? "" : ", ") + layer.name;
+    const std::string sentence =
+        fmt::format("-O layers={}: the clip has only {}", names, known.empty() ? "no layers" : known);
+    if (chosen.empty()) throw Error(ErrorCode::kUsage, sentence);
+    context.progress.warn(sentence + "; the others are ignored");
+  }
+  return chosen;
+}
+
+Conversion conversion_of(const Options& options, const encode::Clip& clip, const KinoraFormat& format,
+                         Context& context) {
+  Conversion conversion;
+  conversion.clip = &clip;
+  conversion.format = &format;
+  conversion.input = options.input;
+  conversion.output = options.output;
+  conversion.frames = frames_in_range(options.frames, clip.times.size());
+  conversion.strict = options.strict;
+  host::Options given = host::parse_options(options.options);
+  const auto layers = given.extract("layers");
+  conversion.layers = chosen_layers(clip, layers ? layers.mapped() : "", context);
+  if (host::supports(format, KINORA_WRITES_MESHES)) {
+    take_number(given, "triangles", conversion.surface.triangles);
+    take_number(given, "resolution", conversion.surface.resolution);
+  } else {
+    take_number(given, "voxel", conversion.volume.voxel);
+  }
+  host::check_options(format, given);
+  conversion.format_options = std::move(given);
+  return conversion;
+}
+
+Json plan_json(const Conversion& conversion) {
+  Json layers = Json::array();
+  for (const std::size_t i : conversion.layers) {
+    const encode::Layer& layer = conversion.clip->layers[i];
+    layers.push_back({{"name", layer.name}, {"motion", tracking::name_of(layer.motion.kind())}});
+  }
+  const bool one_file = host::supports(*conversion.format, KINORA_WRITES_MESHES);
+  return {{"layers", std::move(layers)}, {"files", one_file ? 1 : conversion.frames.size()}, {"bytes", nullptr}};
+}
+
+std::string summary(const Conversion& conversion, const Json& result, bool dry_run) {
+  const bool meshes = host::supports(*conversion.format, KINORA_WRITES_MESHES);
+  const std::string name = meshes
+                               ? conversion.output.string()
+                               : fmt::format("{} to {}", numbered_path(conversion.output, 0).string(),
+                                             numbered_path(conversion.output, conversion.frames.size() - 1).string());
+  const std::size_t frames = conversion.frames.size();
+  std::string text =
+      fmt::format("{}: {}{} frame{}", name, dry_run ? "would hold " : "", frames, frames == 1 ? "" : "s");
+  if (!dry_run) text += ", " + format_bytes(result["bytes"].get<std::size_t>());
+  text += "\n";
+  Table table({"layer", "motion", "triangles", "joints"});
+  for (const Json& layer : result["layers"]) {
+    table.add({layer["name"], layer["motion"], layer.contains("triangles") ? layer["triangles"].dump() : "",
+               layer.contains("joints") ? layer["joints"].dump() : ""});
+  }
+  return text + table.str();
+}
+
+void run(const Options& options, Context& context) {
+  check_source(options, context.plugins());
+  const KinoraFormat& format = target_of(options, context.plugins());
+  const encode::Clip clip = open_clip(options.input);
+  const Conversion conversion = conversion_of(options, clip, format, context);
+  Json result = options.dry_run                                ? plan_json(conversion)
+                : host::supports(format, KINORA_WRITES_MESHES) ? convert_to_meshes(conversion, context)
+                                                               : convert_to_volumes(conversion, context);
+  if (context.shared.json) {
+    result["schema"] = "kinora.convert/1";
+    result["output"] = options.output.string();
+    result["format"] = format.name;
+    result["frames"] = conversion.frames.size();
+    result["dry_run"] = options.dry_run;
+    context.print_json(result);
+  } else {
+    context.print(summary(conversion, result, options.dry_run));
+  }
+}
+
+} // namespace
+
+void report_loss(const Conversion& conversion, const std::string& sentence, Context& context) {
+  if (conversion.strict) throw Error(ErrorCode::kFailure, sentence + "; without --strict this is a warning");
+  context.progress.warn(sentence);
+}
+
+void add_convert(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = context.add_command(app, "convert", "Turn a clip into meshes or volumes for other tools",
+                                          "  kinora convert clip.mkv clip.glb\n"
+                                          "  kinora convert clip.mkv person.glb -O layers=person -O triangles=50000\n"
+                                          "  kinora convert clip.mkv volumes/clip.vdb --frames 0:30 -O voxel=0.02",
+                                          [options, &context] { run(*options, context); });
+  command.add_option("INPUT", options->input, "The clip to convert")->required()->type_name("FILE");
+  command
+      .add_option("OUTPUT", options->output,
+                  "NAME.glb: all frames in one animated file; NAME.vdb: NAME_0001.vdb and so on, one per frame")
+      ->required()
+      ->type_name("FILE");
+  command.add_option("--from", options->from, "What the input is: clip")->type_name("FORMAT");
+  command.add_option("--to", options->to, "Write this format (see kinora formats); else as OUTPUT's name says")
+      ->type_name("FORMAT");
+  command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
+      ->type_name("A:B:S");
+  command.add_flag("--dry-run", options->dry_run, "Say what would be written, and write nothing");
+  command.add_flag("--strict", options->strict, "Fail where the output cannot carry what the clip has, not just warn");
+  command
+      .add_option("-O", options->options,
+                  "layers=NAMES; of meshes triangles=N per layer or resolution=CELLS; of volumes voxel=METRES; or an "
+                  "option of the format")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  context.add_overwrite(command);
+}
+
+} // namespace kinora::cli

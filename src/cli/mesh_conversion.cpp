@@ -1,0 +1,109 @@
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "bake/skinning.h"
+#include "cli/conversion.h"
+#include "cli/output_file.h"
+#include "core/error.h"
+
+namespace kinora::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+struct BakedLayer {
+  const encode::Layer* layer;
+  host::Mesh mesh;
+  bake::Skinning skinning;
+};
+
+/// A few frames over the whole, to compare the two ways of blending at.
+std::vector<int> some_of(const std::vector<int>& frames) {
+  constexpr std::size_t kMost = 8;
+  std::vector<int> chosen;
+  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kMost);
+  for (std::size_t i = 0; i < frames.size(); i += stride) chosen.push_back(frames[i]);
+  return chosen;
+}
+
+void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& description, Context& context) {
+  constexpr double kNoticeable = 0.01; // metres
+  const std::string& name = baked.layer->name;
+  if (baked.layer->motion.kind() == tracking::MotionKind::kDeforming) {
+    const auto difference = baked.skinning.blending_difference(baked.mesh, some_of(conversion.frames));
+    description["blending_difference"] = {{"mean_m", difference.mean}, {"largest_m", difference.largest}};
+    if (difference.largest > kNoticeable) {
+      report_loss(conversion,
+                  fmt::format("{}: meshes blend the motion of joints linearly, which puts its surface up to {:.0f} mm "
+                              "(mean {:.1f} mm) from where the clip has it",
+                              name, 1000 * difference.largest, 1000 * difference.mean),
+                  context);
+    }
+  }
+  std::size_t lost = 0;
+  for (const int frame : conversion.frames) {
+    lost += baked.layer->motion.health(static_cast<std::size_t>(frame)) == tracking::Health::kLost ? 1U : 0U;
+  }
+  if (lost > 0) {
+    report_loss(conversion, fmt::format("{}: lost in {} frames, where it is shown at its last known place", name, lost),
+                context);
+  }
+}
+
+std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descriptions, Context& context) {
+  std::vector<BakedLayer> baked;
+  context.progress.stage("surfaces", conversion.layers.size());
+  for (std::size_t i = 0; i < conversion.layers.size(); ++i) {
+    const encode::Layer& layer = conversion.clip->layers[conversion.layers[i]];
+    auto mesh = bake::bake_surface(layer, conversion.surface, context.progress);
+    context.progress.advance(i + 1, layer.name);
+    if (!mesh) {
+      report_loss(conversion, layer.name + ": it has no surface and is left out", context);
+      continue;
+    }
+    bake::Skinning skinning(layer.motion, *mesh);
+    baked.push_back({&layer, std::move(*mesh), std::move(skinning)});
+    const host::Mesh& made = baked.back().mesh;
+    Json description = {{"name", layer.name},
+                        {"motion", tracking::name_of(layer.motion.kind())},
+                        {"vertices", made.positions.size()},
+                        {"triangles", made.faces.size()},
+                        {"joints", made.skin.inverse_bind.size()}};
+    report_losses(conversion, baked.back(), description, context);
+    descriptions.push_back(std::move(description));
+  }
+  if (baked.empty()) {
+    throw Error(ErrorCode::kFailure, fmt::format("{}: no layer has a surface", conversion.input.string()));
+  }
+  return baked;
+}
+
+} // namespace
+
+Json convert_to_meshes(const Conversion& conversion, Context& context) {
+  OutputFile out(conversion.output, context.shared.overwrite, {conversion.input});
+  host::MeshWriter writer(*conversion.format, out.writing_path(), conversion.format_options);
+  Json descriptions = Json::array();
+  const std::vector<BakedLayer> baked = bake_layers(conversion, descriptions, context);
+  for (const BakedLayer& one : baked) writer.add(one.mesh);
+  context.progress.stage("writing", conversion.frames.size());
+  const std::vector<double>& times = conversion.clip->times;
+  const double start = times[static_cast<std::size_t>(conversion.frames.front())];
+  for (std::size_t i = 0; i < conversion.frames.size(); ++i) {
+    context.progress.check();
+    const int frame = conversion.frames[i];
+    for (std::size_t m = 0; m < baked.size(); ++m) {
+      if (!baked[m].skinning.moves()) continue;
+      writer.pose(m, times[static_cast<std::size_t>(frame)] - start, baked[m].skinning.joints_at(frame));
+    }
+    context.progress.advance(i + 1, "");
+  }
+  writer.finish();
+  std::error_code ignored;
+  const auto bytes = out.can_be_read_back() ? std::filesystem::file_size(out.writing_path(), ignored) : 0;
+  out.commit();
+  return {{"layers", std::move(descriptions)}, {"files", 1}, {"bytes", bytes}};
+}
+
+} // namespace kinora::cli

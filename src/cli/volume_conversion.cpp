@@ -1,0 +1,66 @@
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/conversion.h"
+#include "cli/output_file.h"
+#include "core/error.h"
+
+namespace kinora::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+/// Everything that can be known before the long work.
+void check_outputs(const Conversion& conversion, bool overwrite) {
+  std::error_code ignored;
+  const fs::path folder = conversion.output.parent_path();
+  if (!folder.empty()) fs::create_directory(folder, ignored); // what fails here is told of by the first file
+  for (std::size_t i = 0; i < conversion.frames.size() && !overwrite; ++i) {
+    const fs::path path = numbered_path(conversion.output, i);
+    if (!fs::exists(path, ignored)) continue;
+    throw Error(ErrorCode::kUnwritableOutput,
+                fmt::format("{} cannot be written: it exists already; add --overwrite to replace it, or give another "
+                            "name",
+                            path.string()));
+  }
+}
+
+} // namespace
+
+fs::path numbered_path(const fs::path& path, std::size_t index) {
+  return path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), index + 1, path.extension().string());
+}
+
+Json convert_to_volumes(const Conversion& conversion, Context& context) {
+  check_outputs(conversion, context.shared.overwrite);
+  bake::VolumeBaker baker(*conversion.clip, conversion.layers, conversion.volume);
+  const double start = conversion.clip->times[static_cast<std::size_t>(conversion.frames.front())];
+  Json voxels = Json::array();
+  std::uintmax_t bytes = 0;
+  context.progress.stage("volumes", conversion.frames.size());
+  for (std::size_t i = 0; i < conversion.frames.size(); ++i) {
+    context.progress.check();
+    OutputFile out(numbered_path(conversion.output, i), context.shared.overwrite, {conversion.input});
+    host::Volume volume = baker.at(conversion.frames[i], context.progress);
+    volume.time -= start;
+    host::write_volume(*conversion.format, out.writing_path(), conversion.format_options, volume);
+    std::error_code ignored;
+    if (out.can_be_read_back()) bytes += fs::file_size(out.writing_path(), ignored);
+    out.commit();
+    voxels.push_back(volume.voxels.size());
+    context.progress.advance(i + 1, fmt::format("{} voxels", volume.voxels.size()));
+  }
+  Json layers = Json::array();
+  for (const std::size_t i : conversion.layers) {
+    const encode::Layer& layer = conversion.clip->layers[i];
+    layers.push_back({{"name", layer.name}, {"motion", tracking::name_of(layer.motion.kind())}});
+  }
+  return {{"layers", std::move(layers)},
+          {"files", conversion.frames.size()},
+          {"bytes", bytes},
+          {"voxels", std::move(voxels)}};
+}
+
+} // namespace kinora::cli

@@ -1,0 +1,30 @@
+#include "host/open_writer.h"
+
+#include <fmt/format.h>
+
+#include "host/interface_struct.h"
+#include "host/option_values.h"
+#include "host/plugin_table.h"
+
+namespace kinora::host {
+
+WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* things,
+                         const std::filesystem::path& path, const Options& options) {
+  if (!supports(format, capability))
+    throw Error(ErrorCode::kUsage, fmt::format("the format {} does not write {}", format.name, things));
+  check_options(format, options);
+  const std::vector<KinoraOptionValue> values = option_values(options);
+  auto message = make_struct<KinoraMessage>();
+  KinoraWriter* writer = nullptr;
+  const KinoraStatus status = format.open_writer(path.c_str(), values.data(), values.size(), &writer, &message);
+  if (status != KINORA_OK) throw error_of(status, message, path.string());
+  return {writer, format.writer_abandon};
+}
+
+void finish_writer(const KinoraFormat& format, WriterHandle& writer) {
+  auto message = make_struct<KinoraMessage>();
+  const KinoraStatus status = format.writer_finish(writer.release(), &message);
+  if (status != KINORA_OK) throw error_of(status, message, format.name);
+}
+
+} // namespace kinora::host

@@ -1,0 +1,23 @@
+// What all writers share: opening, finishing, abandoning.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "host/options.h"
+#include "kinora/plugin.h"
+
+namespace kinora::host {
+
+/// A plugin's writer; abandoned when it goes out of scope unfinished.
+using WriterHandle = std::unique_ptr<KinoraWriter, void (*)(KinoraWriter*)>;
+
+/// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format without
+/// the capability, of which `things` is the name ("pictures").
+WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* things,
+                         const std::filesystem::path& path, const Options& options);
+
+/// Completes the output and frees the writer. Throws what the plugin reports.
+void finish_writer(const KinoraFormat& format, WriterHandle& writer);
+
+} // namespace kinora::host
