@@ -1,0 +1,228 @@
+#include "tracking/deforming_alignment.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "tracking/bending_plate.h"
+
+namespace kinora::tracking {
+namespace {
+
+using testing::Plate;
+using testing::render_plate;
+
+constexpr double kSpacing = 0.06;
+
+/// A flat plate one metre away with a grid of nodes, and a view of it bent.
+struct Scene {
+  ObjectView view;
+  std::vector<Eigen::Vector3d> nodes;
+  std::vector<GraphEdge> edges;
+  std::vector<SkinnedPoint> points;
+  std::vector<PointTexture> textures;
+  NodeStates start;
+
+  explicit Scene(double curvature, std::size_t most_points = 1'000'000) {
+    Plate plate;
+    plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
+    const ObjectView flat = view_object(render_plate(plate, SE3::Identity(), 0), 2);
+    plate.curvature = curvature;
+    view = view_object(render_plate(plate, SE3::Identity(), 1), 2);
+    for (int y = -3; y <= 3; ++y) {
+      for (int x = -4; x <= 4; ++x) nodes.emplace_back(kSpacing * x, kSpacing * y, 0);
+    }
+    for (int i = 0; i < 63; ++i) {
+      if (i % 9 != 8) edges.push_back({i, i + 1});
+      if (i + 9 < 63) edges.push_back({i, i + 9});
+    }
+    const DeformationGraph graph(nodes, 1.1 * kSpacing, 2.5 * kSpacing);
+    for (const Eigen::Vector3d& node : nodes) start.push_back(DualQuaternion::from(plate.to_world), node);
+    for (int y = -18; y <= 18; ++y) {
+      for (int x = -23; x <= 23 && points.size() < most_points; ++x) {
+        const Eigen::Vector3d position(0.01 * x, 0.01 * y, 0);
+        points.push_back({position, {0, 0, -1}, graph.influence(position)});
+        const Eigen::Vector2d pixel = flat.intrinsics.project(plate.to_world * position);
+        PointTexture texture;
+        texture.direction = 4;
+        for (std::size_t level = 0; level < texture.last.size(); ++level) {
+          texture.last[level] = flat.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
+        }
+        texture.fused = texture.last[0];
+        textures.push_back(texture);
+      }
+    }
+  }
+  LayerModel model() const { return {nodes, edges, points}; }
+};
+
+// Mean distance of the points from where bending by `curvature` has them.
+double mean_error(const Scene& scene, const NodeStates& states, double curvature) {
+  Plate plate;
+  plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
+  plate.curvature = curvature;
+  double sum = 0;
+  for (const SkinnedPoint& point : scene.points) {
+    sum += (blend_motion(states, point.influence).apply(point.position) -
+            plate.place(point.position.x(), point.position.y()))
+               .norm();
+  }
+  return sum / static_cast<double>(scene.points.size());
+}
+
+NodeStates disturbed(const Scene& scene, double size, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Twist> steps(scene.nodes.size());
+  for (Twist& step : steps) {
+    for (double& value : step) value = size * random.normal();
+  }
+  return stepped(scene.start, steps);
+}
+
+// The derivative by the step of some nodes against differences of the energy.
+void expect_gradient(const DeformingProblem& problem, const NodeStates& states) {
+  const BlockSystem system = problem.linearise(states);
+  for (const std::size_t node : {0U, 20U, 31U, 40U, 62U}) {
+    for (int i = 0; i < 6; ++i) {
+      constexpr double kStep = 1e-6;
+      const auto energy = [&](double step) {
+        std::vector<Twist> steps(states.size(), Twist::Zero());
+        steps[node][i] = step;
+        return problem.energy(stepped(states, steps));
+      };
+      const double expected = (energy(kStep) - energy(-kStep)) / (2 * kStep);
+      EXPECT_NEAR(system.gradient[node][i], expected, 1e-4 * (1 + system.gradient[node].norm())) << node << ' ' << i;
+    }
+  }
+}
+
+TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
+  const Scene scene(0.8);
+  const LayerModel model = scene.model();
+  DeformingProblem problem(model, scene.view, {});
+  DeformingAlignmentConfig config;
+  config.photometric_share = 0;
+  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, config, problem.terms());
+  problem.set_prior(scene.start);
+  expect_gradient(problem, disturbed(scene, 0.02, 4));
+}
+
+TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
+  Scene scene(0.8);
+  // A ramp of brightness: its interpolation and its slope are exact.
+  Image<float>& image = scene.view.pyramid[0].values;
+  for (int v = 0; v < image.height(); ++v) {
+    for (int u = 0; u < image.width(); ++u) {
+      float* pixel = image.pixel(u, v);
+      pixel[0] = 0.02F * static_cast<float>(u) - 0.03F * static_cast<float>(v);
+      pixel[1] = 0.02F;
+      pixel[2] = -0.03F;
+    }
+  }
+  const LayerModel model = scene.model();
+  DeformingProblem problem(model, scene.view, {});
+  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, {}, problem.terms());
+  for (PointTerms& terms : problem.terms()) terms.plane_scale = 0;
+  // Steps are large against the rounding of the image's floats.
+  problem.set_rigidity_sigma(1);
+  const NodeStates states = disturbed(scene, 0.005, 5);
+  const BlockSystem system = problem.linearise(states);
+  for (const std::size_t node : {0U, 31U, 40U, 62U}) {
+    for (int i = 0; i < 6; ++i) {
+      constexpr double kStep = 1e-4;
+      const auto energy = [&](double step) {
+        std::vector<Twist> steps(states.size(), Twist::Zero());
+        steps[node][i] = step;
+        return problem.energy(stepped(states, steps));
+      };
+      const double expected = (energy(kStep) - energy(-kStep)) / (2 * kStep);
+      EXPECT_NEAR(system.gradient[node][i], expected, 0.01 * system.gradient[node].norm()) << node << ' ' << i;
+    }
+  }
+}
+
+TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
+  const Scene scene(0.8);
+  const LayerModel model = scene.model();
+  DeformingProblem problem(model, scene.view, {});
+  DeformingAlignmentConfig config;
+  config.photometric_share = 0;
+  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, config, problem.terms());
+  Block information;
+  Twist gradient;
+  const Eigen::Vector3d pivot(0, 0, 1);
+  problem.linearise_rigid(scene.start, pivot, information, gradient);
+  for (int i = 0; i < 6; ++i) {
+    constexpr double kStep = 1e-6;
+    const auto energy = [&](double step) {
+      Twist twist = Twist::Zero();
+      twist[i] = step;
+      return problem.energy(
+          moved(scene.start, Eigen::Translation3d(pivot) * exp_se3(twist) * Eigen::Translation3d(-pivot)));
+    };
+    EXPECT_NEAR(gradient[i], (energy(kStep) - energy(-kStep)) / (2 * kStep), 1e-4 * (1 + gradient.norm())) << i;
+  }
+}
+
+TEST(DeformingAlignment, BendsAPlateIntoPlace) {
+  const Scene scene(1.2);
+  const double before = mean_error(scene, scene.start, 1.2);
+  const auto result = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
+  EXPECT_GT(before, 0.01);
+  EXPECT_LT(mean_error(scene, result.nodes, 1.2), 0.003);
+}
+
+TEST(DeformingAlignment, EnergyNeverRises) {
+  const Scene scene(1.2);
+  const auto result = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
+  ASSERT_GE(result.energies.size(), 6U);
+  for (std::size_t i = 0; i + 1 < result.energies.size(); i += 2) {
+    EXPECT_LT(result.energies[i + 1], result.energies[i]);
+  }
+}
+
+TEST(DeformingAlignment, IsTheSameForOneThreadAndMany) {
+  const Scene scene(1.2);
+  std::vector<NodeStates> results;
+  for (const int threads : {1, 4}) {
+    set_thread_count(threads);
+    results.push_back(
+        align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing).nodes);
+  }
+  set_thread_count(0);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    EXPECT_EQ(results[0].positions[i], results[1].positions[i]);
+    EXPECT_EQ(results[0].transforms[i].real.coeffs(), results[1].transforms[i].real.coeffs());
+  }
+}
+
+TEST(DeformingAlignment, KeepsNodesInPlaceForHardlyAnyPoints) {
+  for (const std::size_t count : {0U, 1U, 5U}) {
+    const Scene scene(0.3, count);
+    const auto result = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
+    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+      ASSERT_TRUE(result.nodes.positions[i].allFinite()) << count;
+      EXPECT_LT((result.nodes.positions[i] - scene.start.positions[i]).norm(), 0.05) << count << ' ' << i;
+    }
+  }
+}
+
+TEST(DeformingAlignment, DoesNotCareForTheSignOfQuaternions) {
+  const Scene scene(1.0);
+  NodeStates flipped = scene.start;
+  for (std::size_t i = 0; i < flipped.size(); i += 2) {
+    flipped.transforms[i].real.coeffs() *= -1;
+    flipped.transforms[i].dual.coeffs() *= -1;
+  }
+  const auto a = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
+  const auto b = align_deforming(scene.model(), scene.textures, scene.view, flipped, flipped, kSpacing);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    EXPECT_LT((a.nodes.positions[i] - b.nodes.positions[i]).norm(), 1e-9);
+  }
+}
+
+} // namespace
+} // namespace kinora::tracking

@@ -1,0 +1,245 @@
+#include "tracking/deforming_tracker.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "tracking/bending_plate.h"
+#include "tracking/point_track.h"
+
+namespace kinora::tracking {
+namespace {
+
+using testing::Plate;
+using testing::pose_at;
+using testing::render_plate;
+using testing::SceneOptions;
+
+SceneOptions noisy() {
+  SceneOptions options;
+  options.noise = 1;
+  return options;
+}
+
+Motion follow(const std::vector<Plate>& plates, const SceneOptions& options = noisy(),
+              const SE3& camera_to_world = SE3::Identity()) {
+  DeformingTracker tracker(2);
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    const auto result = tracker.track(render_plate(plates[i], camera_to_world, static_cast<int>(i), options));
+    EXPECT_EQ(result.health, Health::kTracked) << "frame " << i;
+  }
+  return tracker.motion();
+}
+
+// Mean error at the last frame of points that are followed from the first, in metres.
+double mean_error(const std::vector<Plate>& plates, const Motion& motion) {
+  double sum = 0;
+  int count = 0;
+  for (double x = -0.22; x < 0.23; x += 0.04) {
+    for (double y = -0.16; y < 0.17; y += 0.04) {
+      const auto track = track_point(motion, plates.size(), 0, plates.front().place(x, y));
+      sum += (track.back() - plates.back().place(x, y)).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+double unmoved_error(const std::vector<Plate>& plates) {
+  double sum = 0;
+  int count = 0;
+  for (double x = -0.22; x < 0.23; x += 0.04) {
+    for (double y = -0.16; y < 0.17; y += 0.04) {
+      sum += (plates.front().place(x, y) - plates.back().place(x, y)).norm();
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+template <class Change> std::vector<Plate> plates_of(int count, const Change& change) {
+  std::vector<Plate> plates(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    Plate& plate = plates[static_cast<std::size_t>(i)];
+    plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
+    change(plate, static_cast<double>(i) / (count - 1));
+  }
+  return plates;
+}
+
+std::vector<Plate> bending(int count) {
+  return plates_of(count, [](Plate& plate, double t) { plate.curvature = 3 * t; });
+}
+
+TEST(DeformingTracker, FollowsAPlateThatBends) {
+  const auto plates = bending(12);
+  EXPECT_GT(unmoved_error(plates), 0.025);
+  EXPECT_LT(mean_error(plates, follow(plates)), 0.004);
+}
+
+TEST(DeformingTracker, FollowsAPlateThatTurnsAndBendsTheOtherWay) {
+  const auto plates = plates_of(12, [](Plate& plate, double t) {
+    plate.curvature = 1.5 - 3 * t;
+    plate.to_world = pose_at({0.1 * t, 0, 1 + 0.1 * t}, 0, 30 * t, 10 * t);
+  });
+  EXPECT_GT(unmoved_error(plates), 0.1);
+  EXPECT_LT(mean_error(plates, follow(plates)), 0.008);
+}
+
+TEST(DeformingTracker, FollowsAPlateThatStretches) {
+  const auto plates = plates_of(10, [](Plate& plate, double t) { plate.stretch = 0.1 * t; });
+  EXPECT_GT(unmoved_error(plates), 0.01);
+  EXPECT_LT(mean_error(plates, follow(plates)), 0.004);
+}
+
+TEST(DeformingTracker, HiddenPartsFollowWhatIsSeen) {
+  const auto plates = plates_of(10, [](Plate& plate, double t) {
+    plate.to_world = pose_at({0, 0.08 * t, 1 - 0.1 * t}, 0, 0, 8 * t);
+  });
+  SceneOptions options = noisy();
+  DeformingTracker tracker(2);
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    options.occluded_columns = i == 0 ? 0 : 110;
+    EXPECT_EQ(tracker.track(render_plate(plates[i], SE3::Identity(), static_cast<int>(i), options)).health,
+              Health::kTracked);
+  }
+  EXPECT_LT(mean_error(plates, tracker.motion()), 0.015);
+}
+
+TEST(DeformingTracker, ARepeatedFrameMovesNothing) {
+  Plate plate;
+  plate.curvature = 1;
+  plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
+  const ingest::Frame frame = render_plate(plate, SE3::Identity(), 0, noisy());
+  DeformingTracker tracker(2);
+  for (int i = 0; i < 6; ++i) tracker.track(frame);
+  EXPECT_LT(mean_error({6, plate}, tracker.motion()), 0.001);
+}
+
+TEST(DeformingTracker, IsAsExactAKilometreAwayFromTheWorldsOrigin) {
+  const auto plates = bending(6);
+  const SE3 far_away(Eigen::Translation3d(1000, -300, 700));
+  auto moved_plates = plates;
+  for (Plate& plate : moved_plates) plate.to_world = far_away * plate.to_world;
+  const Motion here = follow(plates);
+  const Motion there = follow(moved_plates, noisy(), far_away);
+  EXPECT_NEAR(mean_error(plates, here), mean_error(moved_plates, there), 2e-4);
+}
+
+TEST(DeformingTracker, IsTheSameForOneThreadAndMany) {
+  const auto plates = bending(5);
+  std::vector<Motion> motions;
+  for (const int threads : {1, 4}) {
+    set_thread_count(threads);
+    motions.push_back(follow(plates));
+  }
+  set_thread_count(0);
+  ASSERT_EQ(motions[0].graph()->nodes(), motions[1].graph()->nodes());
+  for (std::size_t f = 0; f < plates.size(); ++f) {
+    for (std::size_t i = 0; i < motions[0].graph()->nodes().size(); ++i) {
+      const DualQuaternion& a = motions[0].deformations()[f].node_to_world[i];
+      const DualQuaternion& b = motions[1].deformations()[f].node_to_world[i];
+      EXPECT_EQ(a.real.coeffs(), b.real.coeffs());
+      EXPECT_EQ(a.dual.coeffs(), b.dual.coeffs());
+    }
+  }
+}
+
+TEST(DeformingTracker, IsHeldWhileUnseenAndFoundAgain) {
+  const auto plates = bending(8);
+  DeformingTracker tracker(2);
+  for (int i = 0; i < 4; ++i) {
+    tracker.track(render_plate(plates[static_cast<std::size_t>(i)], SE3::Identity(), i, noisy()));
+  }
+  SceneOptions covered = noisy();
+  covered.occluded_columns = covered.width;
+  for (int i = 4; i < 7; ++i) {
+    EXPECT_EQ(tracker.track(render_plate(plates[3], SE3::Identity(), i, covered)).health, Health::kHeld);
+  }
+  Plate back = plates[4];
+  back.to_world = SE3(Eigen::Translation3d(0.12, -0.05, 1.02));
+  EXPECT_EQ(tracker.track(render_plate(back, SE3::Identity(), 7, noisy())).health, Health::kTracked);
+  std::vector<Plate> all(8, plates[0]);
+  all.back() = back;
+  EXPECT_LT(mean_error(all, tracker.motion()), 0.008);
+}
+
+TEST(DeformingTracker, FindsALayerThatJumpedAcrossTheView) {
+  auto plates = plates_of(2, [](Plate& plate, double t) {
+    plate.half_width = 0.15;
+    plate.half_height = 0.12;
+    plate.to_world = pose_at({-0.15 + 0.3 * t, 0.1 * t, 1 + 0.1 * t}, 0, 0, 5 * t);
+    plate.curvature = t;
+  });
+  DeformingTracker tracker(2);
+  tracker.track(render_plate(plates[0], SE3::Identity(), 0, noisy()));
+  ASSERT_EQ(tracker.track(render_plate(plates[1], SE3::Identity(), 1, noisy())).health, Health::kTracked);
+  const auto track = track_point(tracker.motion(), 2, 0, plates[0].place(0.1, 0.05));
+  EXPECT_LT((track[1] - plates[1].place(0.1, 0.05)).norm(), 0.01);
+}
+
+TEST(DeformingTracker, FramesBeforeTheFirstAreLostAndStandStill) {
+  const auto plates = bending(3);
+  SceneOptions covered = noisy();
+  covered.occluded_columns = covered.width;
+  DeformingTracker tracker(2);
+  EXPECT_EQ(tracker.track(render_plate(plates[0], SE3::Identity(), 0, covered)).health, Health::kLost);
+  EXPECT_FALSE(tracker.started());
+  EXPECT_THROW(tracker.motion(), Error);
+  tracker.track(render_plate(plates[1], SE3::Identity(), 1, noisy()));
+  const Motion motion = tracker.motion();
+  ASSERT_EQ(motion.deformations().size(), 2U);
+  EXPECT_EQ(motion.health(0), Health::kLost);
+  EXPECT_EQ(motion.health(1), Health::kTracked);
+  const Eigen::Vector3d point = plates[1].place(0.1, 0.1);
+  EXPECT_LT((track_point(motion, 2, 1, point)[0] - point).norm(), 1e-4);
+}
+
+TEST(DeformingTracker, TakesAFrameWithoutLabelsAsAWhole) {
+  Plate plate;
+  plate.half_width = plate.half_height = 2;
+  plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
+  ingest::Frame frame = render_plate(plate, SE3::Identity(), 0, noisy());
+  frame.labels = {};
+  DeformingTracker tracker(1);
+  EXPECT_EQ(tracker.track(frame).health, Health::kTracked);
+  plate.to_world = SE3(Eigen::Translation3d(0, 0, 0.99));
+  ingest::Frame next = render_plate(plate, SE3::Identity(), 1, noisy());
+  next.labels = {};
+  EXPECT_EQ(tracker.track(next).health, Health::kTracked);
+  const auto track = track_point(tracker.motion(), 2, 0, {0, 0, 1});
+  EXPECT_NEAR(track[1].z(), 0.99, 0.002);
+}
+
+TEST(DeformingTracker, NewSurfaceGetsNodesWithAPast) {
+  // A wide plate comes out from behind an occluder.
+  SceneOptions options = noisy();
+  DeformingTracker tracker(2);
+  std::size_t first = 0;
+  std::size_t last = 0;
+  for (int i = 0; i < 16; ++i) {
+    Plate plate;
+    plate.to_world = SE3(Eigen::Translation3d(-0.05 + 0.003 * i, 0, 1));
+    options.occluded_columns = 130 - 7 * std::min(i, 11);
+    last = tracker.track(render_plate(plate, SE3::Identity(), i, options)).nodes;
+    if (i == 0) first = last;
+  }
+  EXPECT_GT(last, first + 5);
+  Plate now;
+  now.to_world = SE3(Eigen::Translation3d(-0.05 + 0.003 * 15, 0, 1));
+  const Eigen::Vector3d before = Eigen::Vector3d(-0.05, 0, 0) - Eigen::Vector3d(-0.005, 0, 0);
+  const auto track = track_point(tracker.motion(), 16, 15, now.place(-0.1, 0.05));
+  EXPECT_LT((track[0] - (now.place(-0.1, 0.05) + before)).norm(), 0.006);
+}
+
+TEST(DeformingTracker, RefusesFramesWhoseImagesDifferInSize) {
+  ingest::Frame frame = render_plate({}, pose_at({0, 0, -1}, 0, 0), 0);
+  frame.color = ColorImage(8, 8, 3);
+  DeformingTracker tracker(2);
+  EXPECT_THROW(tracker.track(frame), Error);
+}
+
+} // namespace
+} // namespace kinora::tracking
