@@ -1,0 +1,108 @@
+// Meshes of fields whose shape and colour are known.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "bake/analytic_field.h"
+#include "bake/surface.h"
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace kinora::bake {
+namespace {
+
+using testing::ball_field;
+using testing::kRadius;
+
+host::Mesh mesh_of(const fields::Field& field, const SurfaceOptions& options = {}) {
+  return bake_surface({"ball", 0, field, tracking::Motion::still()}, options, Progress()).value_or(host::Mesh{});
+}
+
+TEST(Surface, OfABallIsClosedAndTurnedOutwards) {
+  const host::Mesh mesh = mesh_of(ball_field());
+  ASSERT_GT(mesh.faces.size(), 1000U);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  double volume = 0;
+  for (const auto& face : mesh.faces) {
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{face[k], face[(k + 1) % 3]}];
+    volume += mesh.positions[face[0]].cross(mesh.positions[face[1]]).dot(mesh.positions[face[2]]) / 6;
+  }
+  for (const auto& [edge, count] : edges) {
+    ASSERT_EQ(count, 1);
+    ASSERT_TRUE(edges.contains({edge.second, edge.first}));
+  }
+  EXPECT_NEAR(volume, 4.0 / 3 * M_PI * std::pow(kRadius, 3), 0.05 * volume);
+}
+
+TEST(Surface, OfABallHasItsRadiusAndItsNormals) {
+  const host::Mesh mesh = mesh_of(ball_field());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    ASSERT_NEAR(mesh.positions[v].norm(), kRadius, 0.5 / 48);
+    ASSERT_GT(mesh.normals[v].dot(mesh.positions[v].normalized()), 0.9);
+  }
+}
+
+TEST(Surface, ColorsAreThoseOfTheField) {
+  const host::Mesh mesh = mesh_of(ball_field());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (std::abs(mesh.positions[v].x()) < 0.1) continue;
+    const bool left = mesh.positions[v].x() < 0;
+    ASSERT_NEAR(mesh.colors[v][0], 255 * (left ? 0.8 : 0.2), 4);
+    ASSERT_NEAR(mesh.colors[v][2], 255 * (left ? 0.3 : 0.8), 4);
+  }
+}
+
+TEST(Surface, StrayPartsAreLeftOut) {
+  const auto distance = [](const Eigen::Vector3d& p) {
+    return std::min(p.norm() - 0.3, (p - Eigen::Vector3d::Constant(0.4)).norm() - 0.04);
+  };
+  const fields::Field field =
+      testing::field_of(distance, [](const Eigen::Vector3d&) { return Eigen::Vector3d(0.5, 0.5, 0.5); });
+  const auto farthest = [](const host::Mesh& mesh) {
+    float most = 0;
+    for (const auto& p : mesh.positions) most = std::max(most, p.norm());
+    return most;
+  };
+  SurfaceOptions everything;
+  everything.smallest_part = 0;
+  EXPECT_GT(farthest(mesh_of(field, everything)), 0.6F);
+  EXPECT_LT(farthest(mesh_of(field)), 0.35F);
+}
+
+TEST(Surface, HasAboutAsManyTrianglesAsAskedFor) {
+  for (const std::size_t wanted : {1000U, 4000U}) {
+    SurfaceOptions options;
+    options.triangles = wanted;
+    const std::size_t made = mesh_of(ball_field(), options).faces.size();
+    EXPECT_GT(made, wanted / 2);
+    EXPECT_LT(made, wanted * 5 / 4);
+  }
+}
+
+TEST(Surface, IsTheSameForAnyNumberOfThreads) {
+  set_thread_count(1);
+  const host::Mesh one = mesh_of(ball_field());
+  set_thread_count(3);
+  const host::Mesh three = mesh_of(ball_field());
+  set_thread_count(0);
+  EXPECT_EQ(one.positions, three.positions);
+  EXPECT_EQ(one.faces, three.faces);
+  EXPECT_EQ(one.colors, three.colors);
+}
+
+TEST(Surface, OfAnEmptyFieldIsNone) {
+  const fields::Field empty(testing::unit_config());
+  EXPECT_FALSE(bake_surface({"nothing", 0, empty, tracking::Motion::still()}, {}, Progress()));
+}
+
+TEST(Surface, OptionsThatMakeNoSenseAreRefused) {
+  SurfaceOptions options;
+  options.opacity = 1;
+  EXPECT_THROW(mesh_of(ball_field(), options), Error);
+  options = {};
+  options.triangles = 0;
+  EXPECT_THROW(mesh_of(ball_field(), options), Error);
+}
+
+} // namespace
+} // namespace kinora::bake

@@ -1,0 +1,121 @@
+// Sparse volumes of clips whose shapes are known.
+#include <gtest/gtest.h>
+
+#include "bake/analytic_field.h"
+#include "bake/volume.h"
+#include "core/error.h"
+#include "core/parallel.h"
+
+namespace kinora::bake {
+namespace {
+
+using testing::kRadius;
+
+constexpr double kVoxel = 0.03;
+
+encode::Clip clip_of(const tracking::Motion& motion, int frames) {
+  encode::Clip clip = testing::sample_clip(frames);
+  clip.layers = {{"ball", 1, testing::ball_field(), motion}};
+  return clip;
+}
+
+host::Volume volume_of(const encode::Clip& clip, int frame) {
+  std::vector<std::size_t> layers(clip.layers.size());
+  for (std::size_t i = 0; i < layers.size(); ++i) layers[i] = i;
+  return VolumeBaker(clip, layers, {kVoxel, 0.01}).at(frame, Progress());
+}
+
+Eigen::Vector3d place_of(const host::Volume& volume, std::size_t i) {
+  const auto& v = volume.voxels[i];
+  return (volume.voxel_to_world * Eigen::Vector4d(v[0], v[1], v[2], 1)).head<3>();
+}
+
+Eigen::Vector3d middle_of(const host::Volume& volume) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < volume.voxels.size(); ++i) sum += place_of(volume, i);
+  return sum / static_cast<double>(volume.voxels.size());
+}
+
+TEST(Volume, OfAStillBallFillsIt) {
+  const host::Volume volume = volume_of(clip_of(tracking::Motion::still(), 1), 0);
+  const double ball = 4.0 / 3 * M_PI * std::pow(kRadius, 3);
+  const double half_opaque = std::log(2.0) * 48; // per metre, at the surface
+  const auto full =
+      std::count_if(volume.density.begin(), volume.density.end(), [&](float density) { return density > half_opaque; });
+  EXPECT_NEAR(static_cast<double>(full) * std::pow(kVoxel, 3), ball, 0.15 * ball);
+  for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
+    ASSERT_LT(place_of(volume, i).norm(), kRadius + 3 * kVoxel);
+    if (place_of(volume, i).norm() < kRadius - kVoxel) {
+      ASSERT_GT(volume.density[i], 100); // per metre
+    }
+  }
+  EXPECT_DOUBLE_EQ(volume.time, 0.5);
+}
+
+TEST(Volume, ColorsAreLinearLight) {
+  const host::Volume volume = volume_of(clip_of(tracking::Motion::still(), 1), 0);
+  for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
+    if (place_of(volume, i).x() > -0.1 || volume.density[i] < 100) continue;
+    ASSERT_NEAR(volume.color[i][0], 0.604, 0.01); // sRGB 0.8
+    ASSERT_NEAR(volume.color[i][1], 0.033, 0.01); // sRGB 0.2
+  }
+}
+
+TEST(Volume, OfARigidLayerFollowsIt) {
+  const encode::Clip clip = clip_of(testing::rigid_motion(4), 4);
+  for (const int frame : {0, 3}) {
+    const Eigen::Vector3d expected = clip.layers[0].motion.canonical_to_world(frame).translation();
+    EXPECT_LT((middle_of(volume_of(clip, frame)) - expected).norm(), 0.005);
+  }
+}
+
+TEST(Volume, OfADeformingLayerIsWhereItsWarpPutsTheBall) {
+  const encode::Clip clip = clip_of(testing::bending_motion(4), 4);
+  const tracking::Warp warp = clip.layers[0].motion.warp(3);
+  const host::Volume volume = volume_of(clip, 3);
+  const host::Volume straight = volume_of(clip, 0);
+  ASSERT_GT(volume.voxels.size(), 0.8 * static_cast<double>(straight.voxels.size()));
+  for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
+    const auto canonical = warp.to_canonical(place_of(volume, i));
+    ASSERT_TRUE(canonical);
+    ASSERT_LT(canonical->norm(), kRadius + 2 * kVoxel);
+  }
+  EXPECT_NEAR(middle_of(volume).y(), -0.3, 0.01);
+}
+
+TEST(Volume, LayersAddUpWhereTheyMeet) {
+  encode::Clip once = clip_of(tracking::Motion::still(), 1);
+  encode::Clip twice = once;
+  twice.layers.push_back(twice.layers[0]);
+  twice.layers.back().motion = tracking::Motion::rigid({{}}); // the same place by another kind of motion
+  const host::Volume one = volume_of(once, 0);
+  const host::Volume two = volume_of(twice, 0);
+  ASSERT_EQ(one.voxels, two.voxels);
+  for (std::size_t i = 0; i < one.voxels.size(); ++i) {
+    ASSERT_NEAR(two.density[i], 2 * one.density[i], 1e-3F * two.density[i]);
+    ASSERT_NEAR(two.color[i][0], one.color[i][0], 1e-3F);
+  }
+}
+
+TEST(Volume, IsTheSameForAnyNumberOfThreads) {
+  const encode::Clip clip = testing::sample_clip(2);
+  set_thread_count(1);
+  const host::Volume one = volume_of(clip, 1);
+  set_thread_count(3);
+  const host::Volume three = volume_of(clip, 1);
+  set_thread_count(0);
+  EXPECT_EQ(one.voxels, three.voxels);
+  EXPECT_EQ(one.density, three.density);
+  EXPECT_EQ(one.color, three.color);
+}
+
+TEST(Volume, VoxelsThatAreTooSmallForTheSceneAreRefused) {
+  encode::Clip clip = clip_of(tracking::Motion::rigid({{testing::moved({5000, 0, 0})}}), 1);
+  const std::vector<std::size_t> layers = {0};
+  VolumeBaker far_away(clip, layers, {0.003, 0.01});
+  EXPECT_THROW((void)far_away.at(0, Progress()), Error);
+  EXPECT_THROW(VolumeBaker(clip, layers, {0, 0.01}), Error);
+}
+
+} // namespace
+} // namespace kinora::bake
