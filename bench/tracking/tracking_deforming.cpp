@@ -85,7 +85,9 @@ void compare_tracks(const Tracks& tracks, const tracking::Motion& motion, const 
   Errors hidden;
   std::vector<Errors> by_frame(frames.size());
   std::vector<std::pair<double, int>> worst;
-  for (const auto& [id, places] : tracks) {
+  for (const auto& track_of_id : tracks) {
+    const int id = track_of_id.first;
+    const std::map<int, TruePlace>& places = track_of_id.second;
     const auto first = std::find_if(frames.begin(), frames.end(), [&](int frame) {
       const auto found = places.find(frame);
       return found != places.end() && found->second.visible;

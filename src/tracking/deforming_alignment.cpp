@@ -248,7 +248,12 @@ DeformingQuality judge_deformation(const LayerModel& model, std::span<const Poin
   double count = 0;
   for (std::size_t p = 0; p < model.points.size(); ++p) {
     const Seen seen = look(model.points[p], states, view);
-    if (seen.pixel_u < 0 || view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) continue;
+    if (seen.pixel_u < 0) continue;
+    const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
+    if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
+      ++quality.in_empty;
+    }
+    if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) continue;
     const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
     const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
     const double distance = seen.normal.dot(seen.place - measured);

@@ -24,7 +24,9 @@ constexpr double kMaxSpacing = 0.25;
 constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
 constexpr float kSeenOften = 2.5F;     // views that a surface must have been seen in before it gets nodes
 constexpr int kPassesWhenFound = 3;
-constexpr double kUnfoldReach = 0.03; // metres
+constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
+constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
+constexpr double kUnfoldReach = 0.03;      // metres
 constexpr std::size_t kPointsPerChunk = 512;
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
@@ -230,7 +232,8 @@ DeformingTracker::Selection DeformingTracker::select(const ObjectView& view, con
 }
 
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
-  return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share;
+  return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
+         quality.empty_share() <= config_.max_empty_share;
 }
 
 Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result) {
@@ -241,7 +244,10 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
-  if (unseen_ > 0 || !is_healthy(result.quality)) {
+  const bool doubtful =
+      result.quality.empty_share() > kMuchEmpty ||
+      (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
+  if (unseen_ > 0 || doubtful || !is_healthy(result.quality)) {
     DeformingAlignment elsewhere;
     elsewhere.nodes = search_layer(model, selection.textures, view, prior).states;
     // Without a frame just before, there is farther to go.

@@ -124,21 +124,22 @@ LayerPlace search_layer(const LayerModel& model, std::span<const PointTexture> t
   const Eigen::Vector2d centre = view.intrinsics.project(mean);
   const Judge judge(view, config);
   // The model's centre goes to every place of the view.
-  const int columns = view.intrinsics.width / config.step + 1;
-  const int rows = view.intrinsics.height / config.step + 1;
+  const int step = std::max(1, std::max(view.intrinsics.width, view.intrinsics.height) / std::max(1, config.shifts));
+  const int columns = view.intrinsics.width / step + 1;
+  const int rows = view.intrinsics.height / step + 1;
   std::vector<Candidate> all(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
   parallel_for(static_cast<std::size_t>(rows), kRowsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
       for (int column = 0; column < columns; ++column) {
-        const double du = config.step * column - centre.x();
-        const double dv = config.step * static_cast<double>(row) - centre.y();
+        const double du = step * column - centre.x();
+        const double dv = step * static_cast<double>(row) - centre.y();
         const Eigen::Vector3d shift = judge.shift_for(probes, du, dv, mean.z());
         all[row * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)] = {shift,
                                                                                            judge.cost(probes, shift)};
       }
     }
   });
-  const double apart = 3 * config.step * mean.z() / view.intrinsics.fx;
+  const double apart = 3 * step * mean.z() / view.intrinsics.fx;
   for (const Candidate& candidate : best_of(std::move(all), config.candidates, apart)) {
     NodeStates states = moved(start, SE3(Eigen::Translation3d(candidate.shift)));
     states = align_rigidly(model, textures, view, states, 2, 0.10, 6);

@@ -10,7 +10,7 @@
 namespace kinora::tracking {
 
 struct LayerSearchConfig {
-  int step = 8;                      ///< pixels between two shifts that are tried
+  int shifts = 80;                   ///< that are tried across the longer side of the view
   std::size_t max_points = 300;      ///< model points that judge a shift
   std::size_t candidates = 8;        ///< shifts that are refined
   double depth_tolerance = 0.03;     ///< metres, where a point's depth counts as wrong

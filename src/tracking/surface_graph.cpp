@@ -84,6 +84,7 @@ std::vector<int> nearest_samples(std::span<const Eigen::Vector3d> nodes, std::sp
   for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
   const NearestPoints nearest(positions, reach);
   std::vector<int> result;
+  result.reserve(nodes.size());
   for (const Eigen::Vector3d& node : nodes) {
     std::array<NearestPoints::Neighbour, 1> found{};
     result.push_back(nearest.find(node, found) > 0 ? found[0].index : -1);
@@ -220,6 +221,7 @@ std::vector<GraphEdge> connect_nodes(std::span<const Eigen::Vector3d> nodes, std
   for (const auto& part : found) edges.insert(part.begin(), part.end());
   tie_pieces(nodes, edges);
   std::vector<GraphEdge> result;
+  result.reserve(edges.size());
   for (const auto& [a, b] : edges) result.push_back({a, b});
   return result;
 }

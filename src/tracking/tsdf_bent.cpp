@@ -86,7 +86,7 @@ void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
   }
   std::array<std::optional<Eigen::Vector3f>, static_cast<std::size_t>(kCorners * kCorners * kCorners)> corners;
   const auto corner = [&](int x, int y, int z) -> std::optional<Eigen::Vector3f>& {
-    return corners[static_cast<std::size_t>((z * kCorners + y) * kCorners + x)];
+    return corners[static_cast<unsigned>((z * kCorners + y) * kCorners + x)];
   };
   for (int z = 0; z < kCorners; ++z) {
     for (int y = 0; y < kCorners; ++y) {

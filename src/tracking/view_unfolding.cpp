@@ -61,7 +61,8 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
       const Live* nearest = nullptr;
       for (int y = std::max(0, row - 1); y <= std::min(rows - 1, row + 1); ++y) {
         for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x) {
-          const int index = front[static_cast<std::size_t>(y * columns + x)];
+          const int cell = y * columns + x;
+          const int index = front[static_cast<std::size_t>(cell)];
           if (index < 0) continue;
           const Live& candidate = live[static_cast<std::size_t>(index)];
           const double squared = (candidate.place - measured).squaredNorm();

@@ -20,6 +20,9 @@ using testing::SceneOptions;
 SceneOptions noisy() {
   SceneOptions options;
   options.noise = 1;
+  options.width = 160;
+  options.height = 120;
+  options.focal = 160;
   return options;
 }
 
@@ -101,7 +104,7 @@ TEST(DeformingTracker, HiddenPartsFollowWhatIsSeen) {
   SceneOptions options = noisy();
   DeformingTracker tracker(2);
   for (std::size_t i = 0; i < plates.size(); ++i) {
-    options.occluded_columns = i == 0 ? 0 : 110;
+    options.occluded_columns = i == 0 ? 0 : 73;
     EXPECT_EQ(tracker.track(render_plate(plates[i], SE3::Identity(), static_cast<int>(i), options)).health,
               Health::kTracked);
   }
@@ -222,7 +225,7 @@ TEST(DeformingTracker, NewSurfaceGetsNodesWithAPast) {
   for (int i = 0; i < 16; ++i) {
     Plate plate;
     plate.to_world = SE3(Eigen::Translation3d(-0.05 + 0.003 * i, 0, 1));
-    options.occluded_columns = 130 - 7 * std::min(i, 11);
+    options.occluded_columns = 87 - 5 * std::min(i, 10);
     last = tracker.track(render_plate(plate, SE3::Identity(), i, options)).nodes;
     if (i == 0) first = last;
   }
