@@ -1,0 +1,275 @@
+// GLB files, read back by hand and judged by the Khronos validator where it is installed.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "formats/sample_capture.h"
+#include "host/mesh_writer.h"
+#include "host/plugin_table.h"
+
+namespace kinora::formats {
+namespace {
+
+using namespace kinora::test;
+using Json = nlohmann::json;
+
+SE3 pose_at(const Eigen::Vector3d& translation, double turn) {
+  SE3 pose = SE3::Identity();
+  pose.translation() = translation;
+  pose.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+  return pose;
+}
+
+/// A tetrahedron, 1 m on its edges, at (0, 0, 2).
+host::Mesh tetrahedron(const std::string& name) {
+  host::Mesh mesh;
+  mesh.name = name;
+  mesh.positions = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {0, 0, 3}};
+  for (const auto& p : mesh.positions) {
+    mesh.normals.push_back((p - Eigen::Vector3f(0.25F, 0.25F, 2.25F)).normalized());
+    mesh.colors.push_back({255, 128, static_cast<std::uint8_t>(80 * p.x())});
+  }
+  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return mesh;
+}
+
+host::Mesh carried(const std::string& name) {
+  host::Mesh mesh = tetrahedron(name);
+  mesh.skin.inverse_bind = {pose_at({0, 0, -2}, 0)};
+  return mesh;
+}
+
+host::Mesh skinned(const std::string& name) {
+  host::Mesh mesh = tetrahedron(name);
+  for (int j = 0; j < 3; ++j) mesh.skin.inverse_bind.push_back(pose_at({-0.5 * j, 0, -2}, 0));
+  mesh.skin.joints = {{0, 0, 0, 0}, {1, 0, 0, 0}, {2, 1, 0, 0}, {0, 1, 2, 0}};
+  mesh.skin.weights = {{1, 0, 0, 0}, {1, 0, 0, 0}, {0.75F, 0.25F, 0, 0}, {1.0F / 3, 1.0F / 3, 1.0F / 3, 0}};
+  return mesh;
+}
+
+struct Glb {
+  Json json;
+  std::string binary;
+
+  /// The floats or other numbers of an accessor.
+  template <class Value> std::vector<Value> values(int accessor, std::size_t components) const {
+    const Json& a = json["accessors"][static_cast<std::size_t>(accessor)];
+    const Json& view = json["bufferViews"][a["bufferView"].get<std::size_t>()];
+    std::vector<Value> out(a["count"].get<std::size_t>() * components);
+    EXPECT_EQ(view["byteLength"].get<std::size_t>(), out.size() * sizeof(Value));
+    std::memcpy(out.data(), binary.data() + view["byteOffset"].get<std::size_t>(), out.size() * sizeof(Value));
+    return out;
+  }
+  const Json& node(const std::string& name) const {
+    for (const Json& n : json["nodes"])
+      if (n["name"] == name) return n;
+    throw std::runtime_error("no node " + name);
+  }
+};
+
+std::uint32_t number_at(const std::string& bytes, std::size_t offset) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, bytes.data() + offset, sizeof number);
+  return number;
+}
+
+Glb read_glb(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(number_at(bytes, 4), 2U);
+  EXPECT_EQ(number_at(bytes, 8), bytes.size());
+  const std::size_t json_bytes = number_at(bytes, 12);
+  EXPECT_EQ(bytes.substr(16, 4), "JSON");
+  EXPECT_EQ(json_bytes % 4, 0U);
+  const std::size_t binary = 20 + json_bytes;
+  EXPECT_EQ(number_at(bytes, binary) + binary + 8, bytes.size());
+  return {Json::parse(bytes.substr(20, json_bytes)), bytes.substr(binary + 8)};
+}
+
+class GlbWriterTest : public testing::Test {
+protected:
+  fs::path path(const std::string& name = "scene.glb") const { return folder_.path() / name; }
+  host::MeshWriter open(const std::string& name = "scene.glb", const host::Options& options = {}) {
+    return {table_.find("glb"), path(name), options};
+  }
+
+  /// Still, carried and skinned, over three frames.
+  fs::path write_scene(const std::string& name = "scene.glb", const host::Options& options = {}) {
+    host::MeshWriter writer = open(name, options);
+    writer.add(tetrahedron("background"));
+    writer.add(carried("object"));
+    writer.add(skinned("person"));
+    for (int i = 0; i < 3; ++i) {
+      const std::vector<SE3> one = {pose_at({0.1 * i, 0, 2}, 2.5 * i)};
+      const std::vector<SE3> three = {pose_at({0, 0, 2}, 0), pose_at({0.5, 0.1 * i, 2}, 0),
+                                      pose_at({1, 0, 2}, 0.3 * i)};
+      writer.pose(1, i / 30.0, one);
+      writer.pose(2, i / 30.0, three);
+    }
+    writer.finish();
+    return path(name);
+  }
+
+  TemporaryFolder folder_;
+  host::PluginTable table_ = host::PluginTable::builtin();
+};
+
+template <class Call> void expect_refusal(ErrorCode code, const std::string& word, const Call& call) {
+  try {
+    call();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(GlbWriterTest, LayersAreNodesByNameWithAnUnlitMaterial) {
+  const Glb glb = read_glb(write_scene());
+  for (const char* name : {"background", "object", "person"}) EXPECT_TRUE(glb.node(name).contains("mesh"));
+  EXPECT_EQ(glb.json["extensionsUsed"], Json({"KHR_materials_unlit"}));
+  EXPECT_TRUE(glb.json["materials"][0]["extensions"].contains("KHR_materials_unlit"));
+  EXPECT_EQ(glb.json["asset"]["version"], "2.0");
+}
+
+TEST_F(GlbWriterTest, TheRootTurnsYUp) {
+  const Glb glb = read_glb(write_scene());
+  const Json& root = glb.json["nodes"][0];
+  const auto q = root["rotation"].get<std::vector<double>>();
+  const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+  EXPECT_LT((turn * Eigen::Vector3d(1, 2, 3) - Eigen::Vector3d(1, -2, -3)).norm(), 1e-12);
+  EXPECT_EQ(glb.json["scenes"][0]["nodes"][0], 0);
+}
+
+TEST_F(GlbWriterTest, ColorsAreLinearLight) {
+  const Glb glb = read_glb(write_scene());
+  const auto colors =
+      glb.values<std::uint16_t>(glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"].get<int>(), 4);
+  EXPECT_EQ(colors[0], 65535);
+  EXPECT_NEAR(colors[1], 0.2158605 * 65535, 1); // IEC 61966-2-1 of 128
+  EXPECT_EQ(colors[2], 0);
+  EXPECT_EQ(colors[3], 65535);
+}
+
+TEST_F(GlbWriterTest, CarriedMeshesLieInTheSpaceOfTheirNode) {
+  const Glb glb = read_glb(write_scene());
+  const auto positions =
+      glb.values<float>(glb.json["meshes"][1]["primitives"][0]["attributes"]["POSITION"].get<int>(), 3);
+  EXPECT_EQ(positions, (std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(glb.node("object")["translation"], Json({0.0, 0.0, 2.0}));
+}
+
+TEST_F(GlbWriterTest, AnimationHoldsWhatMovesAndTurnsTheShortWay) {
+  const Glb glb = read_glb(write_scene());
+  const Json& animation = glb.json["animations"][0];
+  ASSERT_EQ(animation["channels"].size(), 4U); // object turns and moves; joint 1 moves, joint 2 turns
+  std::set<int> inputs;
+  for (const Json& sampler : animation["samplers"]) {
+    inputs.insert(sampler["input"].get<int>());
+    EXPECT_EQ(sampler["interpolation"], "LINEAR");
+  }
+  ASSERT_EQ(inputs.size(), 1U);
+  const auto times = glb.values<float>(*inputs.begin(), 1);
+  EXPECT_FLOAT_EQ(times[2], 2 / 30.0F);
+  EXPECT_EQ(animation["channels"][0]["target"]["path"], "rotation");
+  const auto q = glb.values<float>(animation["samplers"][0]["output"].get<int>(), 4);
+  ASSERT_EQ(q.size(), 12U);
+  for (std::size_t i = 4; i < 12; i += 4) {
+    float agreement = 0;
+    for (std::size_t c = 0; c < 4; ++c) agreement += q[i + c] * q[i - 4 + c];
+    EXPECT_GT(agreement, 0);
+  }
+}
+
+TEST_F(GlbWriterTest, WeightsAddUpExactlyAndBindMatricesAreColumns) {
+  const Glb glb = read_glb(write_scene());
+  const Json& attributes = glb.json["meshes"][2]["primitives"][0]["attributes"];
+  const auto weights = glb.values<std::uint16_t>(attributes["WEIGHTS_0"].get<int>(), 4);
+  for (std::size_t v = 0; v < weights.size(); v += 4)
+    EXPECT_EQ(weights[v] + weights[v + 1] + weights[v + 2] + weights[v + 3], 65535);
+  const Json& skin = glb.json["skins"][0];
+  EXPECT_EQ(skin["joints"].size(), 3U);
+  const auto bind = glb.values<float>(skin["inverseBindMatrices"].get<int>(), 16);
+  EXPECT_FLOAT_EQ(bind[16 + 12], -0.5F);
+  EXPECT_FLOAT_EQ(bind[14], -2);
+  EXPECT_FLOAT_EQ(bind[15], 1);
+}
+
+TEST_F(GlbWriterTest, StepsHoldAPose) {
+  const Glb glb = read_glb(write_scene("steps.glb", {{"interpolation", "step"}}));
+  EXPECT_EQ(glb.json["animations"][0]["samplers"][0]["interpolation"], "STEP");
+}
+
+TEST_F(GlbWriterTest, SingleFramesAreNotAnimated) {
+  host::MeshWriter writer = open();
+  writer.add(carried("object"));
+  writer.pose(0, 0, std::vector<SE3>{pose_at({1, 2, 3}, 0.5)});
+  writer.finish();
+  const Glb glb = read_glb(path());
+  EXPECT_FALSE(glb.json.contains("animations"));
+  EXPECT_EQ(glb.node("object")["translation"], Json({1.0, 2.0, 3.0}));
+}
+
+TEST_F(GlbWriterTest, SameMeshesGiveTheSameBytes) {
+  const auto bytes = [](const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(stream)), {});
+  };
+  EXPECT_EQ(bytes(write_scene("a.glb")), bytes(write_scene("b.glb")));
+}
+
+TEST_F(GlbWriterTest, MeshesThatContradictThemselvesAreRefused) {
+  const auto refused = [&](const std::string& word, const auto& damage) {
+    host::Mesh mesh = skinned("person");
+    damage(mesh);
+    host::MeshWriter writer = open("bad.glb");
+    expect_refusal(ErrorCode::kUsage, word, [&] { writer.add(mesh); });
+  };
+  refused("vertex that is not there", [](host::Mesh& m) { m.faces[1][2] = 4; });
+  refused("joint that is not there", [](host::Mesh& m) { m.skin.joints[2][1] = 3; });
+  refused("add up", [](host::Mesh& m) { m.skin.weights[2][1] = 0.5F; });
+  refused("finite", [](host::Mesh& m) { m.positions[0].x() = std::numeric_limits<float>::infinity(); });
+  refused("no faces", [](host::Mesh& m) { m.faces.clear(); });
+}
+
+TEST_F(GlbWriterTest, PosesThatContradictTheMeshAreRefused) {
+  host::MeshWriter writer = open();
+  writer.add(carried("object"));
+  const std::vector<SE3> one = {SE3::Identity()};
+  const std::vector<SE3> two(2, SE3::Identity());
+  expect_refusal(ErrorCode::kUsage, "not there", [&] { writer.pose(1, 0, one); });
+  expect_refusal(ErrorCode::kUsage, "as many joints", [&] { writer.pose(0, 0, two); });
+  writer.pose(0, 1, one);
+  expect_refusal(ErrorCode::kUsage, "increase", [&] { writer.pose(0, 1, one); });
+  expect_refusal(ErrorCode::kUsage, "before the first pose", [&] { writer.add(carried("late")); });
+}
+
+TEST_F(GlbWriterTest, UnwritablePlacesAndEmptyFilesAreErrors) {
+  expect_refusal(ErrorCode::kUnwritableOutput, "absent", [&] { open("absent/a.glb"); });
+  host::MeshWriter empty = open();
+  expect_refusal(ErrorCode::kFailure, "no mesh", [&] { empty.finish(); });
+  expect_refusal(ErrorCode::kUsage, "does not write meshes", [&] { host::MeshWriter(table_.find("png"), path(), {}); });
+}
+
+TEST_F(GlbWriterTest, KhronosValidatorFindsNothing) {
+  const fs::path interop = fs::path(KINORA_SOURCE_DIR) / "tests/interop";
+  if (!fs::exists(interop / "node_modules/gltf-validator") || std::system("node --version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "the glTF validator is not installed; run tests/interop/install";
+  write_scene("linear.glb");
+  write_scene("steps.glb", {{"interpolation", "step"}});
+  host::MeshWriter still = open("still.glb");
+  still.add(tetrahedron("Ärger \"quoted\""));
+  still.finish();
+  const std::string command = "node '" + (interop / "validate_gltf.mjs").string() + "' '" +
+                              path("linear.glb").string() + "' '" + path("steps.glb").string() + "' '" +
+                              path("still.glb").string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+} // namespace
+} // namespace kinora::formats

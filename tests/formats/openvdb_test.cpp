@@ -1,0 +1,139 @@
+// OpenVDB files, read back by OpenVDB.
+#include <gtest/gtest.h>
+
+#include <openvdb/openvdb.h>
+
+#include "core/error.h"
+#include "formats/sample_capture.h"
+#include "host/plugin_table.h"
+#include "host/volume_writer.h"
+
+namespace kinora::formats {
+namespace {
+
+using namespace kinora::test;
+
+/// Voxels of 2 cm in a block of 5 × 4 × 3, y and z up to 3 and 2.
+host::Volume block() {
+  host::Volume volume;
+  volume.name = "kinora";
+  volume.frame = 7;
+  volume.time = 0.25;
+  volume.voxel_to_world.topLeftCorner<3, 3>() *= 0.02;
+  volume.voxel_to_world(2, 3) = 2; // 2 m ahead
+  for (int i = 0; i < 60; ++i) {
+    volume.voxels.push_back({i % 5, i / 5 % 4, i / 20});
+    volume.density.push_back(10.0F + static_cast<float>(i));
+    volume.color.push_back({0.5F, static_cast<float>(i) / 64, 0});
+  }
+  return volume;
+}
+
+class OpenVdbTest : public testing::Test {
+protected:
+  static void SetUpTestSuite() { openvdb::initialize(); }
+
+  fs::path write(const host::Volume& volume, const std::string& name, const host::Options& options = {}) {
+    host::write_volume(table_.find("openvdb"), folder_.path() / name, options, volume);
+    return folder_.path() / name;
+  }
+  static openvdb::GridPtrVecPtr grids_of(const fs::path& path) {
+    openvdb::io::File file(path.string());
+    file.open();
+    return file.getGrids();
+  }
+  template <class Grid> static typename Grid::Ptr grid_of(const fs::path& path, const std::string& name) {
+    openvdb::io::File file(path.string());
+    file.open();
+    return openvdb::gridPtrCast<Grid>(file.readGrid(name));
+  }
+
+  TemporaryFolder folder_;
+  host::PluginTable table_ = host::PluginTable::builtin();
+};
+
+TEST_F(OpenVdbTest, HoldsDensityAndColorAsFogVolumes) {
+  const fs::path path = write(block(), "a.vdb");
+  ASSERT_EQ(grids_of(path)->size(), 2U);
+  const auto density = grid_of<openvdb::FloatGrid>(path, "density");
+  const auto color = grid_of<openvdb::Vec3SGrid>(path, "Cd");
+  EXPECT_EQ(density->getGridClass(), openvdb::GRID_FOG_VOLUME);
+  EXPECT_EQ(color->getGridClass(), openvdb::GRID_FOG_VOLUME);
+  EXPECT_TRUE(density->saveFloatAsHalf());
+  EXPECT_EQ(density->activeVoxelCount(), 60U);
+  EXPECT_EQ(color->activeVoxelCount(), 60U);
+  EXPECT_FLOAT_EQ(density->background(), 0);
+}
+
+TEST_F(OpenVdbTest, ValuesLieWhereTheyBelongWithYUp) {
+  const fs::path path = write(block(), "a.vdb");
+  const auto density = grid_of<openvdb::FloatGrid>(path, "density");
+  const auto color = grid_of<openvdb::Vec3SGrid>(path, "Cd");
+  // Voxel (4, 3, 2) is the last of the block; in glTF's axes it is at x, -y, -z.
+  const openvdb::Vec3d world(0.08, -0.06, -2.04);
+  const openvdb::Coord place = openvdb::Coord::round(density->worldToIndex(world));
+  EXPECT_FLOAT_EQ(density->tree().getValue(place), 69);
+  EXPECT_NEAR(color->tree().getValue(place).y(), 59.0 / 64, 1e-3);
+  EXPECT_TRUE(density->transform().hasUniformScale());
+  EXPECT_NEAR(density->voxelSize().x(), 0.02, 1e-12);
+  const openvdb::CoordBBox box = density->evalActiveVoxelBoundingBox();
+  EXPECT_EQ(box.dim(), openvdb::Coord(5, 4, 3));
+  EXPECT_NEAR(density->indexToWorld(box.min()).y(), -0.06, 1e-12);
+  EXPECT_NEAR(density->indexToWorld(box.max()).y(), 0, 1e-12);
+}
+
+TEST_F(OpenVdbTest, MetadataNamesFrameAndTime) {
+  openvdb::io::File file(write(block(), "a.vdb").string());
+  file.open();
+  const auto metadata = file.getMetadata();
+  EXPECT_EQ(metadata->metaValue<std::int64_t>("frame"), 7);
+  EXPECT_DOUBLE_EQ(metadata->metaValue<double>("time"), 0.25);
+}
+
+TEST_F(OpenVdbTest, DensitiesBeyondHalfPrecisionStayFinite) {
+  host::Volume volume = block();
+  volume.density[3] = 1e6F;
+  const auto half = grid_of<openvdb::FloatGrid>(write(volume, "half.vdb"), "density");
+  const openvdb::Coord place(3, 0, 0);
+  EXPECT_FLOAT_EQ(half->tree().getValue(place), 65504);
+  const auto full = grid_of<openvdb::FloatGrid>(write(volume, "full.vdb", {{"precision", "float"}}), "density");
+  EXPECT_FLOAT_EQ(full->tree().getValue(place), 1e6F);
+}
+
+TEST_F(OpenVdbTest, EmptyVolumesAreFilesToo) {
+  host::Volume volume = block();
+  volume.voxels.clear();
+  volume.density.clear();
+  volume.color.clear();
+  EXPECT_EQ(grid_of<openvdb::FloatGrid>(write(volume, "empty.vdb"), "density")->activeVoxelCount(), 0U);
+}
+
+TEST_F(OpenVdbTest, SameVolumesGiveTheSameBytesAndOthersAnotherIdentifier) {
+  const auto bytes = [](const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return std::string((std::istreambuf_iterator<char>(stream)), {});
+  };
+  const std::string one = bytes(write(block(), "a.vdb"));
+  EXPECT_EQ(one, bytes(write(block(), "b.vdb")));
+  host::Volume other = block();
+  other.frame = 8;
+  EXPECT_NE(one.substr(21, 36), bytes(write(other, "c.vdb")).substr(21, 36));
+}
+
+TEST_F(OpenVdbTest, UnwritablePlacesAndImpossibleTransformsAreErrors) {
+  const auto code_of = [&](const host::Volume& volume, const std::string& name) {
+    try {
+      write(volume, name);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode{};
+  };
+  EXPECT_EQ(code_of(block(), "absent/a.vdb"), ErrorCode::kUnwritableOutput);
+  host::Volume flat = block();
+  flat.voxel_to_world(0, 0) = 0;
+  EXPECT_EQ(code_of(flat, "a.vdb"), ErrorCode::kUsage);
+}
+
+} // namespace
+} // namespace kinora::formats
