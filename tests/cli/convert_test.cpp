@@ -1,0 +1,169 @@
+// kinora convert and kinora track, as a user runs them, on a clip made here.
+#include <nlohmann/json.hpp>
+
+#include "bake/analytic_field.h"
+#include "cli/run_kinora.h"
+#include "encode/clip_io.h"
+
+namespace kinora::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class ConvertTest : public testing::Test {
+protected:
+  ConvertTest() {
+    encode::write_clip(bake::testing::sample_clip(kFrames), clip());
+    folder_.write("points.csv", "id,x,y,z\nstill,0,0,0.05\nbox,0.3,0.1,0\nhand,-0.3,0.1,0\n");
+  }
+
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  std::string clip() const { return path("clip.mkv").string(); }
+  Said convert(const std::string& output, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"convert", clip(), path(output).string(), "-O",
+                                      path(output).extension() == ".vdb" ? "voxel=0.05" : "triangles=2000"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_kinora(folder_, words);
+  }
+  Said track(const std::string& points, const std::string& frame) {
+    return run_kinora(folder_, {"track", clip(), "--points", path(points).string(), "--frame", frame, "--out",
+                                path("tracks.csv").string()});
+  }
+
+  static constexpr int kFrames = 4;
+  TemporaryFolder folder_;
+};
+
+using TrackTest = ConvertTest;
+
+TEST_F(ConvertTest, ClipBecomesOneAnimatedFile) {
+  const Said said = convert("out.glb", {"--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json told = Json::parse(said.out);
+  EXPECT_EQ(told["schema"], "kinora.convert/1");
+  EXPECT_EQ(told["frames"], kFrames);
+  ASSERT_EQ(told["layers"].size(), 3U);
+  EXPECT_EQ(told["layers"][1]["joints"], 1);
+  EXPECT_GT(told["layers"][2]["joints"], 4);
+  EXPECT_LT(told["layers"][2]["blending_difference"]["largest_m"], 0.01);
+  EXPECT_EQ(told["bytes"], fs::file_size(path("out.glb")));
+  EXPECT_EQ(contents_of(path("out.glb")).substr(0, 4), "glTF");
+}
+
+TEST_F(ConvertTest, ClipBecomesNumberedVolumesInANewFolder) {
+  const Said said = convert("volumes/clip.vdb", {"--frames", "1:4:2", "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(Json::parse(said.out)["voxels"].size(), 2U);
+  EXPECT_TRUE(fs::exists(path("volumes/clip_0001.vdb")));
+  EXPECT_TRUE(fs::exists(path("volumes/clip_0002.vdb")));
+  EXPECT_FALSE(fs::exists(path("volumes/clip_0003.vdb")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("volumes")), {}), 2);
+}
+
+TEST_F(ConvertTest, DryRunSaysWhatWouldBeWrittenAndWritesNothing) {
+  const Said said = convert("volumes/clip.vdb", {"--dry-run", "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json told = Json::parse(said.out);
+  EXPECT_EQ(told["files"], kFrames);
+  EXPECT_EQ(told["dry_run"], true);
+  EXPECT_FALSE(fs::exists(path("volumes")));
+}
+
+TEST_F(ConvertTest, LayersMayBeChosenByName) {
+  const Said said = convert("out.glb", {"-O", "layers=object,nobody", "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(Json::parse(said.out)["layers"].size(), 1U);
+  EXPECT_NE(said.err.find("nobody"), std::string::npos);
+  expect_error(convert("other.glb", {"-O", "layers=nobody"}), 2, "background, object, person");
+}
+
+TEST_F(ConvertTest, FilesAreReplacedOnlyWhenAsked) {
+  folder_.write("out.glb", "precious");
+  expect_error(convert("out.glb"), 5, "--overwrite");
+  EXPECT_EQ(contents_of(path("out.glb")), "precious");
+  EXPECT_EQ(convert("out.glb", {"--overwrite"}).code, 0);
+  EXPECT_NE(contents_of(path("out.glb")), "precious");
+  folder_.write("clip_0003.vdb", "precious");
+  expect_error(convert("clip.vdb"), 5, "clip_0003.vdb");
+  EXPECT_FALSE(fs::exists(path("clip_0001.vdb"))); // found out before the work
+}
+
+TEST_F(ConvertTest, WhatMakesNoSenseIsAUsageError) {
+  expect_error(convert("out.xyz"), 2, ".glb");
+  expect_error(convert("out.glb", {"--to", "png"}), 2, "kinora render");
+  expect_error(convert("out.glb", {"--from", "tum-rgbd"}), 2, "kinora encode");
+  expect_error(convert("out.glb", {"-O", "voxel=0.1"}), 2, "no option \"voxel\"");
+  expect_error(convert("out.glb", {"-O", "triangles=-3"}), 2, "not negative");
+  expect_error(convert("out.glb", {"--frames", "9:12"}), 2, "none of the 4 frames");
+  EXPECT_FALSE(fs::exists(path("out.glb")));
+  EXPECT_FALSE(fs::exists(path("out.glb.part")));
+}
+
+TEST_F(ConvertTest, StrictFailsWhereALayerHasNoSurface) {
+  encode::Clip clip_with_nothing = bake::testing::sample_clip(1);
+  clip_with_nothing.layers[0].field = fields::Field(bake::testing::unit_config());
+  encode::write_clip(clip_with_nothing, clip());
+  const Said lenient = convert("out.glb");
+  EXPECT_EQ(lenient.code, 0) << lenient.err;
+  EXPECT_NE(lenient.err.find("background: it has no surface"), std::string::npos);
+  expect_error(convert("strict.glb", {"--strict"}), 1, "without --strict");
+  EXPECT_FALSE(fs::exists(path("strict.glb")));
+}
+
+TEST_F(TrackTest, EveryPointIsInEveryFrameAndFollowsItsLayer) {
+  const Said said = track("points.csv", "0");
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("1 of background, 1 of object, 1 of person"), std::string::npos) << said.out;
+  std::ifstream file(path("tracks.csv"));
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, "frame,id,x,y,z");
+  const encode::Clip truth = bake::testing::sample_clip(kFrames);
+  const Eigen::Vector3d start[] = {{0, 0, 0.05}, {0.3, 0.1, 0}, {-0.3, 0.1, 0}};
+  const char* names[] = {"still", "box", "hand"};
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_TRUE(std::getline(file, line));
+      std::replace(line.begin(), line.end(), ',', ' ');
+      std::istringstream words(line);
+      int number = -1;
+      std::string id;
+      Eigen::Vector3d place;
+      words >> number >> id >> place.x() >> place.y() >> place.z();
+      EXPECT_EQ(number, frame);
+      EXPECT_EQ(id, names[i]);
+      EXPECT_LT((place - truth.layers[i].motion.warp(frame).to_world(start[i]).value()).norm(), 0.002);
+    }
+  }
+  EXPECT_FALSE(std::getline(file, line));
+}
+
+TEST_F(TrackTest, BadPointFilesNameTheLine) {
+  const auto refused = [&](const std::string& text, const std::string& word) {
+    folder_.write("bad.csv", text);
+    const Said said = track("bad.csv", "0");
+    expect_error(said, 4, "bad.csv, line " + word);
+    EXPECT_FALSE(fs::exists(path("tracks.csv")));
+  };
+  refused("x,y,z,id\n", "1: the first line must be id,x,y,z");
+  refused("id,x,y,z\na,1,2,3\nb,1,2\n", "3: 3 values");
+  refused("id,x,y,z\na,1,2,three\n", "2: \"three\"");
+  refused("id,x,y,z\na,1,2,nan\n", "2: \"nan\"");
+  refused("id,x,y,z\na,1,2,3\n\nb,1,2,3\n", "3: 0 values");
+  refused("id,x,y,z\na,1,2,3\na,1,2,4\n", "3: the id a came before");
+  refused("id,x,y,z\n", "2: there is no point");
+  refused("", "1:");
+}
+
+TEST_F(TrackTest, WindowsLineEndsAndByteOrderMarksAreFine) {
+  folder_.write("windows.csv", "\xEF\xBB\xBFid,x,y,z\r\na,0,0,0.05\r\n");
+  EXPECT_EQ(track("windows.csv", "3").code, 0);
+}
+
+TEST_F(TrackTest, FramesThatAreNotThereAreAUsageError) {
+  expect_error(track("points.csv", "4"), 2, "frames 0 to 3");
+  expect_error(track("absent.csv", "0"), 2, "absent.csv");
+}
+
+} // namespace
+} // namespace kinora::test
