@@ -70,7 +70,8 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_FALSE(capability_names(*entry.format).empty());
     EXPECT_STRNE(entry.format->description, "");
   }
-  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "png", "mp4", "glb", "openvdb"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "png", "mp4", "glb", "openvdb"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {
@@ -104,12 +105,40 @@ TEST(PluginTable, IncompleteDescriptorsAreRefusedByName) {
   EXPECT_NE(fault([](KinoraFormat& f) { f.option_count = 1; }).find("options"), std::string::npos);
 }
 
+TEST(PluginTable, FormatsFromBeforeMeshesAndVolumesAreAcceptedIfTheyWriteNone) {
+  KinoraFormat old = reading_format("old");
+  old.struct_size = offsetof(KinoraFormat, writer_mesh);
+  PluginTable table;
+  add(table, old);
+  EXPECT_EQ(table.formats().size(), 1U);
+  old.open_writer = [](const char*, const KinoraOptionValue*, size_t, KinoraWriter**, KinoraMessage*) {
+    return KinoraStatus{KINORA_FAILURE};
+  };
+  old.writer_finish = [](KinoraWriter*, KinoraMessage*) { return KinoraStatus{KINORA_OK}; };
+  old.writer_abandon = [](KinoraWriter*) {};
+  old.writer_mesh = [](KinoraWriter*, const KinoraMesh*, KinoraMessage*) { return KinoraStatus{KINORA_OK}; };
+  old.capabilities |= KINORA_WRITES_MESHES; // beyond the size that it states
+  PluginTable other;
+  const Error error = error_of_call([&] { add(other, old); });
+  EXPECT_NE(std::string(error.what()).find("writer_mesh"), std::string::npos) << error.what();
+  old.struct_size = sizeof(KinoraFormat);
+  add(other, old);
+  EXPECT_EQ(other.formats().size(), 1U);
+}
+
+TEST(PluginTable, WritersOfMeshesAndVolumesAreFoundByWhatTheyWrite) {
+  const PluginTable table = PluginTable::builtin();
+  EXPECT_STREQ(table.writer_for("a.glb", KINORA_WRITES_MESHES).name, "glb");
+  EXPECT_STREQ(table.writer_for("a.vdb", KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES).name, "openvdb");
+  EXPECT_THROW((void)table.writer_for("a.glb"), Error); // it writes no pictures
+}
+
 TEST(PluginTable, ProbeGivesAllScoresTheSurestFirst) {
   const TemporaryFolder folder;
   test::write_numbered(folder, 1);
   PluginTable table = PluginTable::builtin();
   const std::vector<ProbeScore> scores = table.probe(folder.path());
-  ASSERT_EQ(scores.size(), 3U);
+  ASSERT_EQ(scores.size(), 4U);
   EXPECT_STREQ(scores[0].format->name, "numbered-folder");
   for (const ProbeScore& score : scores) EXPECT_FALSE(score.reason.empty());
   const KinoraFormat boastful = reading_format("boastful");
