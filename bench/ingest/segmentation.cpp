@@ -1,0 +1,83 @@
+// Labels a capture without its masks and prints speed and, where it has masks, their overlap with the labels:
+//   bench_segmentation CAPTURE
+#include <chrono>
+#include <cstdio>
+
+#include "host/plugin_table.h"
+#include "ingest/segmenter.h"
+
+namespace {
+
+using namespace kinora;
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Pixels that both have, over pixels that either has; nothing if neither has any.
+std::optional<double> overlap(const LabelImage& a, const LabelImage& b, int label) {
+  double both = 0;
+  double either = 0;
+  for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+    const bool in_a = a.data()[i] == label;
+    const bool in_b = b.data()[i] == label;
+    both += in_a && in_b ? 1 : 0;
+    either += in_a || in_b ? 1 : 0;
+  }
+  if (either == 0) return std::nullopt;
+  return both / either;
+}
+
+void run(const char* path) {
+  Progress progress;
+  const host::PluginTable plugins = host::PluginTable::builtin();
+  const auto open = [&](const ingest::FrameRange& range) {
+    ingest::CaptureOptions options;
+    options.frames = range;
+    return ingest::Capture::open(plugins, path, options, progress);
+  };
+  const auto segmenter = ingest::make_motion_segmenter();
+  const Clock::time_point begin = Clock::now();
+  segmenter->prepare(open, {}, progress);
+  std::printf("first pass: %.0f ms\n", milliseconds_since(begin));
+  for (const auto& [label, found] : segmenter->labels())
+    std::printf("%d %s, %s: %s\n", label, found.info.name.c_str(), found.info.kind.c_str(), found.why.c_str());
+  const auto capture = open({});
+  std::map<int, std::vector<double>> overlaps;
+  double spent = 0;
+  int frames = 0;
+  while (auto frame = capture->next()) {
+    const LabelImage truth = frame->labels;
+    const Clock::time_point start = Clock::now();
+    segmenter->label(*frame);
+    spent += milliseconds_since(start);
+    ++frames;
+    if (truth.empty()) continue;
+    for (const auto& [label, found] : segmenter->labels())
+      if (const auto share = overlap(frame->labels, truth, label); label > 0 && share)
+        overlaps[label].push_back(*share);
+  }
+  std::printf("second pass: %.1f ms per frame (%d frames)\n", spent / frames, frames);
+  for (const auto& [label, shares] : overlaps) {
+    double sum = 0;
+    for (const double share : shares) sum += share;
+    std::printf("label %d: IoU %.3f (%zu frames)\n", label, sum / static_cast<double>(shares.size()), shares.size());
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: bench_segmentation CAPTURE\n");
+    return 2;
+  }
+  try {
+    run(argv[1]);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_segmentation: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

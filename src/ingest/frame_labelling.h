@@ -1,0 +1,39 @@
+// The second pass: labels one frame after another with what the first pass learned.
+#pragma once
+
+#include <memory>
+
+#include "ingest/background_model.h"
+#include "ingest/handled_things.h"
+
+namespace kinora::ingest {
+
+/// Keeps the labels of the last frame, which are the prior of the next. Not thread-safe.
+class FrameLabelling {
+public:
+  /// `samples`: how many frames the background was made from.
+  FrameLabelling(std::unique_ptr<BackgroundModel> background, SceneThings things, std::size_t samples);
+
+  /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
+  void label(Frame& frame);
+
+private:
+  using Scores = Image<float>;
+
+  void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground, const Mask& faces,
+                   Scores& scores) const;
+  LabelImage label_things(const SegmentationView& view, const Mask& foreground);
+  void clean_things(const SegmentationView& view, LabelImage& labels);
+  void label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const;
+  void fill_unmeasured(const SegmentationView& view, LabelImage& labels) const;
+  LabelImage at_full_size(const Frame& frame, int factor, const SegmentationView& view, const LabelImage& small) const;
+
+  std::unique_ptr<BackgroundModel> background_;
+  SceneThings things_;
+  std::size_t samples_;
+  std::vector<bool> lost_; ///< by thing: not seen in the last frame
+  LabelImage last_labels_;
+  DepthImage last_depth_;
+};
+
+} // namespace kinora::ingest

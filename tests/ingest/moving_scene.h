@@ -1,0 +1,90 @@
+// A room with a floor, a wall and a box that moves, as a still camera with noise sees it.
+#pragma once
+
+#include "core/random.h"
+#include "ingest/segmenter.h"
+#include "ingest/sensor_noise.h"
+
+namespace kinora::ingest {
+
+struct MovingScene {
+  int frames = 24;
+  bool has_body = true; ///< a round body, wider than a limb, that walks to the right
+  double speed = 0.03;  ///< metres per frame
+
+  static Intrinsics intrinsics() { return {160, 120, 140, 140, 79.5, 59.5}; }
+
+  /// Where the body's axis stands at frame i (metres).
+  double body_x(int i) const { return -0.35 + speed * i; }
+
+  Frame frame(int i, LabelImage* truth = nullptr) const {
+    const Intrinsics k = intrinsics();
+    Frame frame;
+    frame.index = i;
+    frame.time = i / 30.0;
+    frame.camera.intrinsics = k;
+    frame.color = ColorImage(k.width, k.height, 3);
+    frame.depth = DepthImage(k.width, k.height);
+    if (truth != nullptr) *truth = LabelImage(k.width, k.height);
+    Random random(17, static_cast<std::uint64_t>(i));
+    for (int v = 0; v < k.height; ++v) {
+      for (int u = 0; u < k.width; ++u) {
+        const Eigen::Vector3d ray = k.unproject(u, v, 1);
+        double z = 2.5; // the wall
+        int color[3] = {200, 200, 190};
+        if (const double floor = ray.y() > 0 ? 0.8 / ray.y() : 100; floor < z) {
+          z = floor;
+          color[0] = 120, color[1] = 90, color[2] = 60;
+        }
+        if (const double body = body_depth(ray, body_x(i)); has_body && body > 0 && body < z) {
+          z = body;
+          color[0] = 40, color[1] = 60, color[2] = 160;
+          if (truth != nullptr) truth->at(u, v) = 1;
+        }
+        frame.depth.at(u, v) = static_cast<float>(z + depth_sigma(z) * random.normal());
+        for (int c = 0; c < 3; ++c)
+          frame.color.at(u, v, c) = static_cast<std::uint8_t>(color[c] + static_cast<int>(random.below(7)) - 3);
+      }
+    }
+    return frame;
+  }
+
+private:
+  /// An upright ellipsoid, 1.2 m high, 0.5 m wide, at 1.7 m; 0: missed.
+  static double body_depth(const Eigen::Vector3d& ray, double x) {
+    const Eigen::Vector3d scale(1 / 0.25, 1 / 0.6, 1 / 0.2);
+    const Eigen::Vector3d d = ray.cwiseProduct(scale);
+    const Eigen::Vector3d c = Eigen::Vector3d(x, 0.1, 1.7).cwiseProduct(scale);
+    const double b = d.dot(c);
+    const double root = b * b - d.squaredNorm() * (c.squaredNorm() - 1);
+    return root < 0 ? 0 : (b - std::sqrt(root)) / d.squaredNorm();
+  }
+};
+
+/// The scene as a capture, so that a segmenter can look at it twice.
+class SceneCapture final : public Capture {
+public:
+  SceneCapture(const MovingScene& scene, const FrameRange& range) : scene_(scene), range_(range), next_(range.begin) {
+    info_.frame_count = scene.frames;
+    info_.intrinsics = MovingScene::intrinsics();
+  }
+  const CaptureInfo& info() const override { return info_; }
+  std::optional<Frame> next() override {
+    if (next_ >= scene_.frames || !range_.contains(next_)) return std::nullopt;
+    Frame frame = scene_.frame(next_);
+    if (moving_camera) frame.camera.camera_to_world.translation().x() = 0.05 * next_;
+    next_ += range_.step;
+    return frame;
+  }
+  const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
+  bool moving_camera = false;
+
+private:
+  MovingScene scene_;
+  FrameRange range_;
+  int next_;
+  CaptureInfo info_;
+  std::vector<SkippedFrame> skipped_;
+};
+
+} // namespace kinora::ingest

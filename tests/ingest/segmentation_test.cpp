@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "ingest/flat_faces.h"
+#include "ingest/moving_scene.h"
+#include "ingest/plane_finder.h"
+#include "ingest/segmentation_view.h"
+#include "ingest/surface_components.h"
+
+namespace kinora::ingest {
+namespace {
+
+std::unique_ptr<Segmenter> prepared(const MovingScene& scene, bool moving_camera = false) {
+  auto segmenter = make_motion_segmenter();
+  Progress progress;
+  segmenter->prepare(
+      [&](const FrameRange& range) {
+        auto capture = std::make_unique<SceneCapture>(scene, range);
+        capture->moving_camera = moving_camera;
+        return capture;
+      },
+      {}, progress);
+  return segmenter;
+}
+
+double overlap(const LabelImage& a, const LabelImage& b, int label) {
+  double both = 0;
+  double any = 0;
+  for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+    both += a.data()[i] == label && b.data()[i] == label ? 1 : 0;
+    any += a.data()[i] == label || b.data()[i] == label ? 1 : 0;
+  }
+  return any == 0 ? 1 : both / any;
+}
+
+TEST(MotionSegmenter, FindsABodyThatWalksAndThatWasThereFromTheFirstFrame) {
+  const MovingScene scene;
+  const auto segmenter = prepared(scene);
+  for (int i = 0; i < scene.frames; i += 4) {
+    LabelImage truth;
+    Frame frame = scene.frame(i, &truth);
+    segmenter->label(frame);
+    EXPECT_GT(overlap(frame.labels, truth, 1), 0.85) << i;
+  }
+  ASSERT_TRUE(segmenter->labels().contains(1));
+  EXPECT_EQ(segmenter->labels().at(1).info.kind, "deforming");
+  EXPECT_FALSE(segmenter->labels().at(1).why.empty());
+}
+
+TEST(MotionSegmenter, TakesARoomInWhichNothingMovesForBackground) {
+  MovingScene scene;
+  scene.has_body = false;
+  const auto segmenter = prepared(scene);
+  for (int i = 0; i < scene.frames; i += 6) {
+    Frame frame = scene.frame(i);
+    segmenter->label(frame);
+    EXPECT_TRUE(std::all_of(frame.labels.values().begin(), frame.labels.values().end(), [](auto l) { return l == 0; }));
+  }
+}
+
+TEST(MotionSegmenter, TakesEverythingForBackgroundWhenTheCameraMovesAndSaysSo) {
+  const MovingScene scene;
+  const auto segmenter = prepared(scene, true);
+  Frame frame = scene.frame(3);
+  segmenter->label(frame);
+  ASSERT_TRUE(frame.labels.same_size(frame.depth));
+  EXPECT_TRUE(std::all_of(frame.labels.values().begin(), frame.labels.values().end(), [](auto l) { return l == 0; }));
+  EXPECT_NE(segmenter->labels().at(0).why.find("camera moves"), std::string::npos);
+}
+
+TEST(MotionSegmenter, GivesTheSameLabelsForAnyNumberOfThreads) {
+  const MovingScene scene;
+  const auto labels_with = [&](int threads) {
+    set_thread_count(threads);
+    const auto segmenter = prepared(scene);
+    Frame frame = scene.frame(5);
+    segmenter->label(frame);
+    set_thread_count(0);
+    return frame.labels;
+  };
+  const LabelImage one = labels_with(1);
+  const LabelImage three = labels_with(3);
+  EXPECT_TRUE(std::equal(one.values().begin(), one.values().end(), three.values().begin()));
+}
+
+TEST(PlaneFinder, FindsFloorAndWallWithNormalsTowardsTheCamera) {
+  MovingScene scene;
+  scene.has_body = false;
+  const std::vector<Plane> planes = find_planes(scene.frame(0).depth, MovingScene::intrinsics());
+  ASSERT_EQ(planes.size(), 2U);
+  for (const Plane& plane : planes) EXPECT_LT(plane.offset, 0);
+  const auto has = [&](const Eigen::Vector3d& normal, double distance) {
+    return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+      return plane.normal.dot(normal) > 0.999 && std::abs(-plane.offset - distance) < 0.01;
+    });
+  };
+  EXPECT_TRUE(has({0, 0, -1}, 2.5));
+  EXPECT_TRUE(has({0, -1, 0}, 0.8));
+}
+
+TEST(SurfaceComponents, AreCutAtJumpsAndBridgeSmallHoles) {
+  DepthImage depth(40, 20, 1, 1.0F);
+  for (int v = 0; v < 20; ++v) {
+    for (int u = 20; u < 40; ++u) depth.at(u, v) = 1.2F;
+    depth.at(10, v) = depth.at(11, v) = 0;
+  }
+  const Mask all(40, 20, 1, 1);
+  const SurfaceComponents parts = surface_components(depth, all, {40, 20, 50, 50, 20, 10});
+  ASSERT_EQ(parts.list.size(), 2U);
+  EXPECT_EQ(parts.list[0].pixels, 18U * 20U);
+  EXPECT_EQ(parts.map.at(0, 0), parts.map.at(15, 5));
+  EXPECT_NE(parts.map.at(0, 0), parts.map.at(25, 5));
+  EXPECT_EQ(parts.largest(), 1);
+}
+
+TEST(FlatFaces, AreFoundOnABoardAndNotOnARoundBody) {
+  const Intrinsics k{160, 120, 140, 140, 79.5, 59.5};
+  DepthImage depth(160, 120);
+  Mask foreground(160, 120);
+  Random random(3);
+  for (int v = 20; v < 100; ++v) {
+    for (int u = 10; u < 60; ++u) { // a ball of 25 cm
+      const Eigen::Vector2d off((u - 35) / 140.0, (v - 60) / 140.0);
+      const double square = 0.18 * 0.18 - off.squaredNorm();
+      if (square < 0.005) continue;
+      depth.at(u, v) = static_cast<float>(1.2 - std::sqrt(square) + 0.3 * depth_sigma(1) * random.normal());
+    }
+    for (int u = 100; u < 140; ++u)
+      if (v >= 40 && v < 80)
+        depth.at(u, v) = static_cast<float>(1 + 0.002 * (u - 120) + depth_sigma(1) * random.normal());
+  }
+  for (std::size_t i = 0; i < depth.pixel_count(); ++i) foreground.data()[i] = depth.data()[i] > 0 ? 1 : 0;
+  const Mask faces = flat_faces(depth, foreground, k);
+  int on_board = 0;
+  int on_ball = 0;
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < 80; ++u) on_ball += faces.at(u, v);
+    for (int u = 80; u < 160; ++u) on_board += faces.at(u, v);
+  }
+  EXPECT_GT(on_board, 0.85 * 40 * 40);
+  EXPECT_EQ(on_ball, 0);
+}
+
+} // namespace
+} // namespace kinora::ingest
