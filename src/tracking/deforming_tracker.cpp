@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "ingest/sensor_noise.h"
 #include "tracking/layer_search.h"
+#include "tracking/layer_view.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
 #include "tracking/view_unfolding.h"
@@ -38,31 +39,32 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   return config;
 }
 
-// Area that the view measures, metres².
-double measured_area(const ObjectView& view) {
-  double area = 0;
-  for (int v = 0; v < view.intrinsics.height; ++v) {
-    for (int u = 0; u < view.intrinsics.width; ++u) {
-      if (view.planes.weights.at(u, v) <= 0) continue;
-      const Eigen::Vector3d point = view.point(u, v);
-      const float* plane = view.planes.planes.pixel(u, v);
-      const double cosine = std::abs(plane[0] * point.x() + plane[1] * point.y() + plane[2] * point.z()) / point.norm();
-      area += point.z() * point.z() / std::max(0.2, cosine);
-    }
-  }
-  return area / (view.intrinsics.fx * view.intrinsics.fy);
-}
-
-ObjectView view_layer(const ingest::Frame& frame, int label) {
-  if (!frame.labels.empty()) return view_object(frame, label);
-  ingest::Frame whole = frame;
-  whole.labels = LabelImage(frame.color.width(), frame.color.height(), 1, static_cast<std::uint8_t>(label));
-  return view_object(whole, label);
-}
-
 SE3 relative_to(const Eigen::Vector3d& origin, const ingest::Frame& frame) {
   SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   return world_to_camera * Eigen::Translation3d(origin);
+}
+
+// What a view shows at a place of the camera's space, on all levels; NaN unless the layer is measured there.
+std::array<float, ObjectView::kLevels> texture_at(const ObjectView& view, const Eigen::Vector3d& place) {
+  std::array<float, ObjectView::kLevels> texture{};
+  texture.fill(std::numeric_limits<float>::quiet_NaN());
+  if (!(place.z() > 0)) return texture;
+  const Eigen::Vector2d pixel = view.intrinsics.project(place);
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
+        pixel.y() < view.intrinsics.height - 1)) {
+    return texture;
+  }
+  const int u = static_cast<int>(std::lround(pixel.x()));
+  const int v = static_cast<int>(std::lround(pixel.y()));
+  const double tolerance = std::max(0.015, 3 * ingest::depth_sigma(place.z()));
+  if (view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0 ||
+      std::abs(view.point(u, v).z() - place.z()) > tolerance) {
+    return texture;
+  }
+  for (std::size_t level = 0; level < texture.size(); ++level) {
+    texture[level] = view.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
+  }
+  return texture;
 }
 
 SE3 orthonormal(SE3 transform) {
@@ -200,32 +202,14 @@ DeformingTracker::Selection DeformingTracker::select(const ObjectView& view, con
   }
   selection.points.resize(indices.size());
   selection.textures.resize(indices.size());
-  const ObjectView& before = past_->view;
   parallel_for(indices.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
       const SurfacePoint& point = surface_[indices[k]];
       selection.points[k] = {point.position.cast<double>(), point.normal.cast<double>(), skin_[indices[k]]};
       PointTexture& texture = selection.textures[k];
-      texture.last.fill(std::numeric_limits<float>::quiet_NaN());
       texture.fused = point.intensity;
       texture.direction = direction_of(point.normal);
-      const Eigen::Vector3d place = blend_motion(last, skin_[indices[k]]).apply(selection.points[k].position);
-      if (!(place.z() > 0)) continue;
-      const Eigen::Vector2d pixel = before.intrinsics.project(place);
-      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < before.intrinsics.width - 1 &&
-            pixel.y() < before.intrinsics.height - 1)) {
-        continue;
-      }
-      const int u = static_cast<int>(std::lround(pixel.x()));
-      const int v = static_cast<int>(std::lround(pixel.y()));
-      const double tolerance = std::max(0.015, 3 * ingest::depth_sigma(place.z()));
-      if (before.mask.at(u, v) != 2 || before.planes.weights.at(u, v) <= 0 ||
-          std::abs(before.point(u, v).z() - place.z()) > tolerance) {
-        continue;
-      }
-      for (std::size_t level = 0; level < texture.last.size(); ++level) {
-        texture.last[level] = before.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
-      }
+      texture.last = texture_at(past_->view, blend_motion(last, skin_[indices[k]]).apply(selection.points[k].position));
     }
   });
   return selection;

@@ -11,6 +11,7 @@ Motion two_nodes() {
   const auto graph =
       std::make_shared<const DeformationGraph>(std::vector<Eigen::Vector3d>{{0, 0, 1}, {1, 0, 1}}, 0.05, 0.1);
   std::vector<Motion::Deformation> deformations;
+  deformations.reserve(3);
   for (int i = 0; i < 3; ++i) {
     deformations.push_back({{DualQuaternion::from(lifted(0.1 * i)), DualQuaternion::from(lifted(-0.1 * i))}});
   }
