@@ -90,7 +90,8 @@ public:
         world_to_canonical_(warp.rigid().inverse()) {}
 
   void run(std::span<const VoxelKey> keys, LayerVolume& out) const {
-    const std::size_t per_voxel = static_cast<std::size_t>(per_axis_ * per_axis_ * per_axis_);
+    const auto per_axis = static_cast<std::size_t>(per_axis_);
+    const std::size_t per_voxel = per_axis * per_axis * per_axis;
     std::vector<VoxelKey> live;
     std::vector<Eigen::Vector3d> points;
     for (const VoxelKey key : keys) {
@@ -137,8 +138,8 @@ private:
     const std::size_t before = points.size();
     bool any = false;
     for (int k = 0; k < per_axis_ * per_axis_ * per_axis_; ++k) {
-      const Eigen::Vector3d place(k % per_axis_, k / per_axis_ % per_axis_, k / per_axis_ / per_axis_);
-      const Eigen::Vector3d offset = (place.array() + 0.5) / per_axis_ - 0.5;
+      const Eigen::Vector3i place(k % per_axis_, k / per_axis_ % per_axis_, k / per_axis_ / per_axis_);
+      const Eigen::Vector3d offset = (place.cast<double>().array() + 0.5) / per_axis_ - 0.5;
       points.emplace_back(canonical + to_canonical * (voxel_ * offset));
       any = any || field_.occupied(points.back());
     }

@@ -42,8 +42,8 @@ template <class Distance, class Color> fields::Field field_of(const Distance& di
   const fields::GridLevel level = fields::grid_levels(config).back();
   const int n = level.resolution + 1;
   for (int i = 0; i < n * n * n; ++i) {
-    const Eigen::Vector3d p = config.box.origin + config.box.side * Eigen::Vector3d(i % n, i / n % n, i / n / n) /
-                                                      static_cast<double>(level.resolution);
+    const Eigen::Vector3d p = config.box.origin + config.box.side / level.resolution *
+                                                      Eigen::Vector3i(i % n, i / n % n, i / n / n).cast<double>();
     float* entry = field.table.data() + (level.offset + static_cast<std::size_t>(i)) * fields::FieldConfig::kFeatures;
     // At the surface a way of one cell is half opaque.
     const double raw = std::log(4 * std::log(2.0)) - 2 * distance(p) / config.cell_size();
@@ -61,7 +61,8 @@ template <class Distance, class Color> fields::Field field_of(const Distance& di
   join_signs(net + FieldConfig::kColorHidden * FieldConfig::kColorHidden, FieldConfig::kColorOutputs, 3);
   const int r = config.occupancy_resolution;
   for (int i = 0; i < r * r * r; ++i) {
-    const Eigen::Vector3d cell(i % r + 0.5, i / r % r + 0.5, i / r / r + 0.5);
+    const Eigen::Vector3d cell =
+        Eigen::Vector3i(i % r, i / r % r, i / r / r).cast<double>() + Eigen::Vector3d::Constant(0.5);
     if (distance(config.box.origin + config.box.side / r * cell) < 0.06)
       field.occupancy.set(i % r, i / r % r, i / r / r);
   }
@@ -95,7 +96,7 @@ inline tracking::Motion rigid_motion(int frames) {
 inline tracking::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
   std::vector<Eigen::Vector3d> nodes;
   for (int i = 0; i < 7 * 7 * 7; ++i)
-    nodes.emplace_back(0.15 * (i % 7 - 3), 0.15 * (i / 7 % 7 - 3), 0.15 * (i / 49 - 3));
+    nodes.emplace_back(0.15 * Eigen::Vector3i(i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3).cast<double>());
   const auto graph = std::make_shared<const tracking::DeformationGraph>(nodes, 0.15, 0.35);
   std::vector<tracking::Motion::Deformation> deformations;
   for (int f = 0; f < frames; ++f) {

@@ -1,4 +1,6 @@
 // kinora convert and kinora track, as a user runs them, on a clip made here.
+#include <cstdlib>
+
 #include <nlohmann/json.hpp>
 
 #include "bake/analytic_field.h"
@@ -48,6 +50,16 @@ TEST_F(ConvertTest, ClipBecomesOneAnimatedFile) {
   EXPECT_LT(told["layers"][2]["blending_difference"]["largest_m"], 0.01);
   EXPECT_EQ(told["bytes"], fs::file_size(path("out.glb")));
   EXPECT_EQ(contents_of(path("out.glb")).substr(0, 4), "glTF");
+}
+
+TEST_F(ConvertTest, KhronosValidatorFindsNothing) {
+  const fs::path interop = fs::path(KINORA_SOURCE_DIR) / "tests/interop";
+  if (!fs::exists(interop / "node_modules/gltf-validator") || std::system("node --version > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "the glTF validator is not installed; run tests/interop/install";
+  ASSERT_EQ(convert("out.glb").code, 0);
+  const std::string command =
+      "node '" + (interop / "validate_gltf.mjs").string() + "' '" + path("out.glb").string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
 TEST_F(ConvertTest, ClipBecomesNumberedVolumesInANewFolder) {
