@@ -45,7 +45,7 @@ std::map<std::string, std::string> read_entries(const fs::path& path) {
     std::string value(trimmed(line.substr(colon + 1)));
     if (!nested) parent = key;
     if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
-    std::string& entry = entries[nested ? parent + "/" + key : key];
+    std::string& entry = entries[nested ? std::string(parent).append("/").append(key) : key];
     entry = std::move(value);
     if (entry.starts_with('[') && entry.find(']') == std::string::npos) open_list = &entry;
   }

@@ -131,7 +131,7 @@ StreamReport StreamEstimates::report() const {
   if (times_.size() < kLeastFrames || !varies(color_motion_) || !varies(depth_motion_)) return report;
   std::array<double, 2 * kMaxShift + 1> scores{};
   for (int shift = -kMaxShift; shift <= kMaxShift; ++shift)
-    scores[static_cast<std::size_t>(shift + kMaxShift)] = correlation(color_motion_, depth_motion_, shift);
+    scores[static_cast<std::size_t>(shift) + kMaxShift] = correlation(color_motion_, depth_motion_, shift);
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
   if (scores[best] < kLeastCorrelation || best == 0 || best + 1 == scores.size()) return report;
   const double left = scores[best - 1], middle = scores[best], right = scores[best + 1];

@@ -24,8 +24,9 @@ SegmentationView segmentation_view(const Frame& frame, int factor) {
   const int height = frame.depth.height() / factor;
   SegmentationView view{frame.camera.intrinsics, ColorImage(width, height, 3), DepthImage(width, height)};
   // Pixel u of the view lies at factor·u + factor/2 of the frame.
+  const int middle = factor / 2;
   Intrinsics& k = view.intrinsics;
-  k = {width, height, k.fx / factor, k.fy / factor, (k.cx - factor / 2) / factor, (k.cy - factor / 2) / factor};
+  k = {width, height, k.fx / factor, k.fy / factor, (k.cx - middle) / factor, (k.cy - middle) / factor};
   const int area = factor * factor;
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) {
