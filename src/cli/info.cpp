@@ -24,13 +24,17 @@ Json intrinsics_json(const Intrinsics& camera) {
 Json layer_json(const encode::Layer& layer, std::size_t frames) {
   std::map<std::string, int> health;
   for (std::size_t i = 0; i < frames; ++i) ++health[std::string(tracking::name_of(layer.motion.health(i)))];
-  return {{"name", layer.name},
-          {"label", layer.label},
-          {"motion", tracking::name_of(layer.motion.kind())},
-          {"frames", health},
-          {"parameters", layer.field.parameter_count()},
-          {"box_side_m", layer.field.config.box.side}};
+  Json out = {{"name", layer.name},
+              {"label", layer.label},
+              {"motion", tracking::name_of(layer.motion.kind())},
+              {"frames", health},
+              {"parameters", layer.field.parameter_count()},
+              {"box_side_m", layer.field.config.box.side}};
+  if (layer.motion.graph()) out["nodes"] = layer.motion.graph()->nodes().size();
+  return out;
 }
+
+std::size_t per_frame(std::size_t bytes, std::size_t frames) { return frames > 0 ? (bytes + frames / 2) / frames : 0; }
 
 Json clip_json(const fs::path& path) {
   encode::ByteAccount account;
@@ -40,6 +44,7 @@ Json clip_json(const fs::path& path) {
               {"kind", "clip"},
               {"bytes", account.total},
               {"frames", clip.times.size()},
+              {"bytes_per_frame", per_frame(account.total, clip.times.size())},
               {"frames_per_second", frames_per_second(clip)},
               {"duration_s", clip.times.back() - clip.times.front()},
               {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
@@ -98,13 +103,14 @@ Json capture_json(const fs::path& path, Context& context) {
 }
 
 std::string parts_text(const Json& info) {
-  Table table({"part", "bytes", "share"});
+  Table table({"part", "bytes", "per frame", "share"});
   const auto total = info["bytes"].get<double>();
+  const auto frames = info["frames"].get<std::size_t>();
   for (const Json& part : info["parts"]) {
     const auto bytes = part["bytes"].get<std::size_t>();
     std::string name = part["name"];
     if (part.value("files", std::size_t{1}) != 1) name += fmt::format(" ({} files)", part["files"].get<std::size_t>());
-    table.add({name, format_bytes(bytes),
+    table.add({name, format_bytes(bytes), format_bytes(per_frame(bytes, frames)),
                fmt::format("{:.1f} %", total > 0 ? 100.0 * static_cast<double>(bytes) / total : 0)});
   }
   return "Where every byte went:\n" + table.str();
@@ -116,17 +122,18 @@ std::string size_text(const Json& info) {
 }
 
 std::string clip_text(const Json& info) {
-  std::string text = fmt::format(
-      "{}: a Kinora clip (volumetric video), {}\n{} frames, {:.2f} s at {:.4g} frames/s; taken by a {} camera of {}\n",
-      info["path"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
-      info["duration_s"].get<double>(), info["frames_per_second"].get<double>(), info["camera"].get<std::string>(),
-      size_text(info));
-  Table table({"layer", "motion", "tracked", "held", "lost", "parameters"});
+  std::string text = fmt::format("{}: a Kinora clip (volumetric video), {}, {} per frame\n{} frames, {:.2f} s at "
+                                 "{:.4g} frames/s; taken by a {} camera of {}\n",
+                                 info["path"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()),
+                                 format_bytes(info["bytes_per_frame"].get<std::size_t>()), info["frames"].get<int>(),
+                                 info["duration_s"].get<double>(), info["frames_per_second"].get<double>(),
+                                 info["camera"].get<std::string>(), size_text(info));
+  Table table({"layer", "motion", "nodes", "tracked", "held", "lost", "parameters"});
   for (const Json& layer : info["layers"]) {
     const Json& health = layer["frames"];
-    table.add({layer["name"], layer["motion"], std::to_string(health.value("tracked", 0)),
-               std::to_string(health.value("held", 0)), std::to_string(health.value("lost", 0)),
-               layer["parameters"].dump()});
+    table.add({layer["name"], layer["motion"], std::to_string(layer.value("nodes", 0)),
+               std::to_string(health.value("tracked", 0)), std::to_string(health.value("held", 0)),
+               std::to_string(health.value("lost", 0)), layer["parameters"].dump()});
   }
   return text + table.str() + parts_text(info);
 }

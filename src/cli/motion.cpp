@@ -1,4 +1,5 @@
 // kinora motion: where every layer is at every frame, as JSON.
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -39,6 +40,7 @@ Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
                   {"time", clip.times[i]},
                   {"health", tracking::name_of(layer.motion.health(i))}};
     if (rigid) entry["transform"] = matrix_json(layer.motion.canonical_to_world(frame) * world_to_canonical);
+    if (layer.motion.graph()) entry["nodes"] = nodes_json(layer.motion, i);
     if (clip.camera_to_world.size() > 1) {
       entry["camera_to_world"] = matrix_json(clip.capture_camera(frame).camera_to_world);
     }

@@ -48,7 +48,9 @@ std::string truth_text(const Json& truth) {
 std::string quality_table(const Json& evaluation) {
   Table table({"layer", "frames", "n", "PSNR dB", "SSIM box", "MAE", "IoU", "depth error mm"});
   for (const Json& layer : evaluation.at("layers")) add_rows(layer, table);
-  if (evaluation.contains("whole")) add_rows(evaluation.at("whole"), table);
+  for (const char* name : {"whole", "foreground"}) {
+    if (evaluation.contains(name)) add_rows(evaluation.at(name), table);
+  }
   std::string text = table.str();
   if (evaluation.contains("ground_truth")) text += truth_text(evaluation.at("ground_truth"));
   return text;

@@ -25,7 +25,7 @@ std::string default_kind(int label) { return label == 0 ? "still" : label == 1 ?
 } // namespace
 
 LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
-  LayerPlan plan{label, default_name(label), std::nullopt, ""};
+  LayerPlan plan{label, default_name(label), tracking::MotionKind::kStill, ""};
   std::string kind = default_kind(label);
   std::string source = label == 0 ? "what has no other label stays where it is in the world"
                                   : fmt::format("label {} is {} by default", label, kind);
@@ -43,7 +43,8 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
     plan.motion = tracking::MotionKind::kRigid;
     plan.why = source + ": one pose per frame is tracked";
   } else if (kind == "deforming") {
-    plan.why = source + ", which is not modelled; its pixels only teach the other layers where space is empty";
+    plan.motion = tracking::MotionKind::kDeforming;
+    plan.why = source + ": the bending of a graph is tracked";
   } else {
     throw Error(ErrorCode::kCorruptInput, fmt::format("labels.json gives label {} the kind \"{}\"; use deforming, "
                                                       "rigid or still",

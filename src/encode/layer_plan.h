@@ -1,7 +1,6 @@
 // Which labels of a capture become layers of a clip, under which name and with which motion.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "ingest/capture.h"
@@ -12,12 +11,12 @@ namespace kinora::encode {
 struct LayerPlan {
   int label = 0;
   std::string name;
-  std::optional<tracking::MotionKind> motion; ///< nothing: not modelled
-  std::string why;                            ///< one sentence for the report
+  tracking::MotionKind motion = tracking::MotionKind::kStill;
+  std::string why; ///< one sentence for the report
 };
 
 /// The label's default (0 background, still; 1 person, deforming; 2 object, rigid; n > 2 object(n−1), rigid), unless
-/// the capture's labels.json says otherwise. Deforming layers are not modelled.
+/// the capture's labels.json says otherwise.
 /// Throws Error(kCorruptInput) for a kind that does not exist.
 LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture);
 

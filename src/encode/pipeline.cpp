@@ -92,11 +92,11 @@ struct LayerJob {
 
 // Empty if the label can be modelled.
 std::string why_not_modelled(const TrackedLabel& label) {
-  if (!label.plan.motion) return label.plan.why;
   const auto lost = [](const auto& pose) { return pose.health == tracking::Health::kLost; };
   if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
     return "too little of it is measured in every frame to follow it";
   }
+  if (label.bending && !label.bending->started()) return "too little of it is measured in every frame to follow it";
   return "";
 }
 
@@ -160,10 +160,16 @@ Json config_json(const fields::TrainerConfig& config) {
 
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   Json out = {{"kind", tracking::name_of(motion.kind())}};
-  if (label.poses.empty()) return out;
+  if (motion.kind() == tracking::MotionKind::kStill && label.poses.empty()) return out;
   std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
   for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+  for (const auto& deformation : motion.deformations()) ++health[std::string(tracking::name_of(deformation.health))];
   out["frames"] = health;
+  if (motion.graph() != nullptr) {
+    out["nodes"] = motion.graph()->nodes().size();
+    out["node_spacing_m"] = round4(label.bending->node_spacing());
+    return out;
+  }
   out["relocalised"] = label.relocalised;
   out["weak_directions_per_frame"] = round4(label.weak_directions / static_cast<double>(label.poses.size()));
   out["largest_move_m"] = round4(SceneTracker::largest_move(label));

@@ -12,6 +12,14 @@ constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for
 /// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
 constexpr double kStillMove = 0.004;
 
+// A deforming layer is followed from its first frame on; in the frames before it is lost.
+tracking::Motion with_frames_before(const tracking::Motion& motion, int count) {
+  std::vector<tracking::Motion::Deformation> all(
+      static_cast<std::size_t>(count), {motion.deformations().front().node_to_world, tracking::Health::kLost});
+  all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
+  return tracking::Motion::deforming(motion.graph(), std::move(all));
+}
+
 } // namespace
 
 struct SceneTracker::Sight {
@@ -59,9 +67,9 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   const Eigen::Vector3d mean = sight.sum / static_cast<double>(sight.pixels);
   tracked.centre = frame.camera.camera_to_world * mean;
   tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
-  if (!tracked.plan.motion) {
-    progress_.warn(fmt::format("{} (label {}) is not modelled: {}", tracked.plan.name, label, tracked.plan.why));
-  } else if (*tracked.plan.motion == tracking::MotionKind::kRigid) {
+  if (tracked.plan.motion == tracking::MotionKind::kDeforming) {
+    tracked.bending = std::make_unique<tracking::DeformingTracker>(label);
+  } else if (tracked.plan.motion == tracking::MotionKind::kRigid) {
     tracked.tracker = std::make_unique<tracking::RigidTracker>(label);
     tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
   }
@@ -73,6 +81,7 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
     if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += sight.pixels;
   }
   for (auto& [label, tracked] : labels_) {
+    if (tracked.bending) times.measure("track " + tracked.plan.name, [&, &t = tracked] { t.bending->track(frame); });
     if (!tracked.tracker) continue;
     const auto result =
         times.measure("track " + tracked.plan.name, [&, &t = tracked] { return t.tracker->track(frame); });
@@ -95,6 +104,7 @@ double SceneTracker::largest_move(const TrackedLabel& label) {
 }
 
 tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
+  if (label.bending) return with_frames_before(label.bending->motion(), label.first_frame);
   const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
   return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
 }

@@ -11,6 +11,7 @@
 #include "encode/layer_plan.h"
 #include "encode/stage_times.h"
 #include "ingest/frame.h"
+#include "tracking/deforming_tracker.h"
 #include "tracking/rigid_tracker.h"
 
 namespace kinora::encode {
@@ -25,7 +26,8 @@ struct TrackedLabel {
   std::vector<tracking::Motion::Pose> poses; ///< one per frame so far, if rigid
   int relocalised = 0;                       ///< times it was found again
   int weak_directions = 0;                   ///< summed over frames, of six each: what geometry could not tell
-  std::unique_ptr<tracking::RigidTracker> tracker;
+  std::unique_ptr<tracking::RigidTracker> tracker;     ///< if rigid
+  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming
 };
 
 /// Not thread-safe.
@@ -40,7 +42,7 @@ public:
   const std::map<int, TrackedLabel>& labels() const { return labels_; }
   /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.
   tracking::Motion motion_of(const TrackedLabel& label) const;
-  /// Greatest distance (metres) of the label's points from where they were in its first frame.
+  /// Greatest distance (metres) of the label's points from where they were in its first frame; only if rigid.
   static double largest_move(const TrackedLabel& label);
 
 private:

@@ -118,6 +118,17 @@ Subject whole_subject(const Player& player) {
   return whole;
 }
 
+std::optional<Subject> foreground_subject(const Player& player) {
+  Subject foreground{"foreground", "pixels with any label but 0", {}, {}, false};
+  for (int label = 1; label < 256; ++label) foreground.labels.insert(label);
+  const auto& layers = player.clip().layers;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (layers[i].label != 0) foreground.layers.push_back(i);
+  }
+  if (foreground.layers.empty()) return std::nullopt;
+  return foreground;
+}
+
 void compare(const fields::Picture& picture, const ingest::Frame& frame, const Subject& subject, Means& means) {
   const LabelImage region = region_of(subject, frame);
   if (std::all_of(region.values().begin(), region.values().end(), [](std::uint8_t x) { return x == 0; })) return;

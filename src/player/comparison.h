@@ -43,6 +43,9 @@ std::vector<Subject> layer_subjects(const Player& player, bool masks);
 /// All layers together, where masks tell which pixels are modelled.
 Subject whole_subject(const Player& player);
 
+/// All labelled layers together against everything that is labelled, modelled or not; nothing if there is none.
+std::optional<Subject> foreground_subject(const Player& player);
+
 /// Adds the measures of evaluate.h to `means`; nothing if the frame shows nothing of the subject. Of the frame, only
 /// colour, depth and labels are looked at.
 void compare(const fields::Picture& picture, const ingest::Frame& frame, const Subject& subject, Means& means);

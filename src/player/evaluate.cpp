@@ -34,11 +34,13 @@ struct Groups {
   }
 };
 
-// One per layer, then the whole where that says more.
+// One per layer, then the whole and the foreground where they say more.
 std::vector<Groups> groups_of(const Player& player, bool masks) {
   std::vector<Groups> groups;
   for (Subject& subject : layer_subjects(player, masks)) groups.push_back({std::move(subject), {}, {}});
-  if (masks && groups.size() > 1) groups.push_back({whole_subject(player), {}, {}});
+  if (!masks || groups.size() < 2) return groups;
+  groups.push_back({whole_subject(player), {}, {}});
+  if (auto foreground = foreground_subject(player)) groups.push_back({std::move(*foreground), {}, {}});
   return groups;
 }
 
@@ -102,7 +104,9 @@ Json evaluate(const Player& player, ingest::Capture& capture, const EvaluateOpti
   }
   Json report = {{"schema", "kinora.evaluation/1"}, {"frames_compared", done}, {"layers", Json::array()}};
   for (std::size_t k = 0; k < clip.layers.size(); ++k) report["layers"].push_back(groups[k].json());
-  if (groups.size() > clip.layers.size()) report["whole"] = groups.back().json();
+  for (std::size_t k = clip.layers.size(); k < groups.size(); ++k) {
+    report[groups[k].subject.name] = groups[k].json();
+  }
   return report;
 }
 

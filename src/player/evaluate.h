@@ -27,7 +27,8 @@ struct EvaluateOptions {
 /// - `depth_error_median`: metres, |drawn − measured| over the region's measured pixels, an undrawn one counting as
 ///   infinitely wrong (null if most are); `depth_coverage`: the share of them that is drawn;
 /// and `trained_minus_held_out_db`, of `psnr`. `whole` is the same for all layers drawn together, where masks tell
-/// which pixels are modelled. Throws Error(kUsage) if the capture is not the clip's.
+/// which pixels are modelled; `foreground` for the labelled layers against everything that is labelled. Throws
+/// Error(kUsage) if the capture is not the clip's.
 nlohmann::json evaluate(const Player& player, ingest::Capture& capture, const EvaluateOptions& options,
                         Progress& progress);
 

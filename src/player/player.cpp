@@ -73,12 +73,23 @@ std::optional<std::size_t> Player::layer_with_label(int label) const {
   return std::nullopt;
 }
 
+fields::PosedField Player::posed(std::size_t layer, double frame) const {
+  const tracking::Motion& motion = clip_.layers[layer].motion;
+  if (motion.kind() != tracking::MotionKind::kDeforming) return fields::pose(*drawables_.at(layer), motion.warp(frame));
+  const std::lock_guard lock(last_posed_mutex_);
+  const auto known = last_posed_.find(layer);
+  if (known != last_posed_.end() && known->second.frame == frame) return known->second.posed;
+  const fields::PosedField posed = fields::pose(*drawables_.at(layer), motion.warp(frame));
+  last_posed_.insert_or_assign(layer, LastPosed{frame, posed});
+  return posed;
+}
+
 fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers) const {
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
     if (frame < static_cast<double>(first_frames_.at(i))) continue;
-    posed.push_back({drawables_.at(i).get(), clip_.layers[i].motion.canonical_to_world(frame)});
+    posed.push_back(this->posed(i, frame));
   }
   return fields::render(posed, camera);
 }
@@ -86,7 +97,12 @@ fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoi
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {
   const auto& centre = centres_.at(layer);
   if (!centre) return std::nullopt;
-  return clip_.layers[layer].motion.canonical_to_world(frame) * *centre;
+  const tracking::Warp warp = clip_.layers[layer].motion.warp(frame);
+  if (warp.is_rigid()) return warp.rigid() * *centre;
+  // No node need be near the centre of what bends.
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& node : warp.node_positions()) sum += node;
+  return sum / static_cast<double>(warp.node_positions().size());
 }
 
 } // namespace kinora::player

@@ -1,7 +1,9 @@
 // A clip that can be looked at: any frame or time, any camera, any of its layers.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,10 +46,19 @@ public:
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
 private:
+  fields::PosedField posed(std::size_t layer, double frame) const;
+
   encode::Clip clip_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
   std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
   std::vector<std::size_t> first_frames_;
+  /// Of a layer that deforms, the last frame that was drawn: from other cameras it is often drawn again.
+  struct LastPosed {
+    double frame;
+    fields::PosedField posed;
+  };
+  mutable std::mutex last_posed_mutex_;
+  mutable std::map<std::size_t, LastPosed> last_posed_; ///< by layer
 };
 
 } // namespace kinora::player

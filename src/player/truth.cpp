@@ -51,7 +51,7 @@ Json object_pose_json(const Player& player, const ingest::GroundTruth& truth) {
   if (!index || truth.object_to_camera().empty()) return nullptr;
   const encode::Layer& layer = clip.layers[*index];
   const auto first = first_common_frame(clip, layer, truth);
-  if (!first) return nullptr;
+  if (!first || layer.motion.kind() == tracking::MotionKind::kDeforming) return nullptr;
   const SE3 first_truth = true_pose(clip, truth, *first).value();
   const SE3 first_drawn = layer.motion.canonical_to_world(static_cast<double>(*first));
   const Eigen::Vector3d centroid = truth.object_centroid().value_or(Eigen::Vector3d::Zero());
@@ -125,7 +125,8 @@ Json camera_json(const Player& player, const ingest::GroundTruth& truth, const i
 
 Json compare_with_truth(const Player& player, const ingest::GroundTruth& truth, Progress& progress) {
   const bool masks = player.clip().layers.size() > 1 || player.layer_with_label(0) == std::nullopt;
-  const std::vector<Subject> subjects = layer_subjects(player, masks);
+  std::vector<Subject> subjects = layer_subjects(player, masks);
+  if (auto foreground = foreground_subject(player)) subjects.push_back(std::move(*foreground));
   progress.stage("comparing from novel cameras", truth.novel_cameras().size());
   Json cameras = Json::array();
   for (const ingest::NovelCamera& camera : truth.novel_cameras()) {

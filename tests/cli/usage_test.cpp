@@ -167,5 +167,44 @@ TEST_F(Tool, RigidMotionBeginsAtTheIdentityAndHasTheCamera) {
   }
 }
 
+TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
+  const encode::Clip clip = encode::testing::bending_clip(1, 4, true);
+  const tracking::Motion& walker = clip.layers[2].motion;
+  encode::write_clip(clip, path("clip.mkv"));
+  EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
+  const Json person = Json::parse(contents_of(path("m.json"))).at("layers").at(2);
+  EXPECT_EQ(person.at("name"), "person");
+  EXPECT_EQ(person.at("kind"), "deforming");
+  ASSERT_EQ(person.at("frames").size(), 4U);
+  for (std::size_t f = 0; f < 4; ++f) {
+    const Json& frame = person["frames"][f];
+    EXPECT_EQ(frame.at("health"), tracking::name_of(walker.health(f)));
+    EXPECT_TRUE(frame.contains("camera_to_world"));
+    EXPECT_FALSE(frame.contains("transform"));
+    ASSERT_EQ(frame.at("nodes").size(), walker.graph()->nodes().size());
+    for (std::size_t i = 0; i < walker.graph()->nodes().size(); ++i) {
+      const SE3 expected = walker.deformations()[f].node_to_world[i].to_se3();
+      const auto p = frame["nodes"][i].at("position").get<std::array<double, 3>>();
+      const auto q = frame["nodes"][i].at("rotation").get<std::array<double, 4>>();
+      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - expected * walker.graph()->nodes()[i]).norm(), 2e-4);
+      EXPECT_LE(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).angularDistance(Eigen::Quaterniond(expected.linear())),
+                2e-3);
+    }
+  }
+}
+
+TEST_F(Tool, InfoOfADeformingLayerCountsItsNodes) {
+  const encode::Clip clip = encode::testing::bending_clip(1, 4, true);
+  encode::write_clip(clip, path("clip.mkv"));
+  const Json info = Json::parse(run({"info", path("clip.mkv"), "--json"}).out);
+  EXPECT_EQ(info.at("layers").at(2).at("motion"), "deforming");
+  EXPECT_EQ(info.at("layers").at(2).at("nodes"), clip.layers[2].motion.graph()->nodes().size());
+  EXPECT_FALSE(info.at("layers").at(1).contains("nodes"));
+  EXPECT_NEAR(info.at("bytes_per_frame").get<double>() * 4, static_cast<double>(fs::file_size(path("clip.mkv"))), 2);
+  const Said text = run({"info", path("clip.mkv")});
+  EXPECT_NE(text.out.find("motion person"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("per frame"), std::string::npos) << text.out;
+}
+
 } // namespace
 } // namespace kinora::test

@@ -19,7 +19,7 @@ namespace {
 
 using container::testing::load;
 using container::testing::TemporaryFolder;
-using testing::sample_clip;
+using testing::bending_clip;
 
 void expect_equal_deformations(const tracking::Motion& a, const tracking::Motion& b) {
   ASSERT_EQ(a.graph() == nullptr, b.graph() == nullptr);
@@ -89,7 +89,7 @@ void store(const Bytes& bytes, const std::filesystem::path& path) {
 TEST(ClipFile, GivesBackTheClipAsStored) {
   const TemporaryFolder folder;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    const Clip clip = sample_clip(seed, 1 + seed * 9, seed % 2 == 1);
+    const Clip clip = bending_clip(seed, 1 + seed * 9, seed % 2 == 1);
     write_clip(clip, folder / "a.mkv");
     expect_equal(read_clip(folder / "a.mkv"), as_stored(clip));
   }
@@ -98,8 +98,8 @@ TEST(ClipFile, GivesBackTheClipAsStored) {
 TEST(ClipFile, IsTheSameFileWhenItsClipIsWrittenAgain) {
   const TemporaryFolder folder;
   for (std::uint64_t seed = 10; seed < 14; ++seed) {
-    write_clip(sample_clip(seed, 20, true), folder / "a.mkv");
-    write_clip(sample_clip(seed, 20, true), folder / "same.mkv");
+    write_clip(bending_clip(seed, 20, true), folder / "a.mkv");
+    write_clip(bending_clip(seed, 20, true), folder / "same.mkv");
     write_clip(read_clip(folder / "a.mkv"), folder / "again.mkv");
     EXPECT_EQ(load(folder / "a.mkv"), load(folder / "same.mkv"));
     EXPECT_EQ(load(folder / "a.mkv"), load(folder / "again.mkv"));
@@ -108,7 +108,7 @@ TEST(ClipFile, IsTheSameFileWhenItsClipIsWrittenAgain) {
 
 TEST(ClipFile, AccountsForEveryByte) {
   const TemporaryFolder folder;
-  write_clip(sample_clip(20, 30, true), folder / "a.mkv");
+  write_clip(bending_clip(20, 30, true), folder / "a.mkv");
   ByteAccount account;
   read_clip(folder / "a.mkv", &account);
   EXPECT_EQ(account.total, std::filesystem::file_size(folder / "a.mkv"));
@@ -127,7 +127,7 @@ TEST(ClipFile, AccountsForEveryByte) {
 
 TEST(ClipFile, StoresNoMotionForAStillLayer) {
   const TemporaryFolder folder;
-  Clip clip = sample_clip(21, 30, false);
+  Clip clip = bending_clip(21, 30, false);
   clip.layers.resize(1, clip.layers[0]);
   write_clip(clip, folder / "a.mkv");
   container::Reader reader(folder / "a.mkv");
@@ -136,7 +136,7 @@ TEST(ClipFile, StoresNoMotionForAStillLayer) {
 
 TEST(ClipFile, RefusesADeformingLayerWhoseFramesAreOutOfOrder) {
   const TemporaryFolder folder;
-  write_clip(sample_clip(29, 6, false), folder / "a.mkv");
+  write_clip(bending_clip(29, 6, false), folder / "a.mkv");
   container::Reader reader(folder / "a.mkv");
   container::FileHead head;
   head.kind = "clip";
@@ -160,7 +160,7 @@ TEST(ClipFile, RefusesADeformingLayerWhoseFramesAreOutOfOrder) {
 TEST(ClipFile, SurvivesRemuxingByMkvmerge) {
   if (std::system("command -v mkvmerge > /dev/null 2>&1") != 0) GTEST_SKIP() << "mkvmerge is not installed";
   const TemporaryFolder folder;
-  const Clip clip = sample_clip(22, 40, true);
+  const Clip clip = bending_clip(22, 40, true);
   write_clip(clip, folder / "a.mkv");
   ASSERT_EQ(std::system(
                 fmt::format("mkvmerge -q -o {} {}", (folder / "b.mkv").string(), (folder / "a.mkv").string()).c_str()),
@@ -170,7 +170,7 @@ TEST(ClipFile, SurvivesRemuxingByMkvmerge) {
 
 TEST(ClipFile, IsRefusedWhenItIsCutAnywhere) {
   const TemporaryFolder folder;
-  write_clip(sample_clip(23, 3, false), folder / "a.mkv");
+  write_clip(bending_clip(23, 3, false), folder / "a.mkv");
   const Bytes whole = load(folder / "a.mkv");
   for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 150) {
     store(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)), folder / "cut.mkv");
@@ -183,7 +183,7 @@ TEST(ClipFile, IsRefusedWhenItIsCutAnywhere) {
 
 TEST(ClipFile, NoticesFlippedBitsOfItsPayloads) {
   const TemporaryFolder folder;
-  write_clip(sample_clip(24, 5, true), folder / "a.mkv");
+  write_clip(bending_clip(24, 5, true), folder / "a.mkv");
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges;
   {
     container::Reader reader(folder / "a.mkv");
@@ -225,7 +225,7 @@ TEST(ClipFile, IsToldFromOtherFiles) {
 
 TEST(ClipFile, SaysThatADiskIsFullOrAFolderMissing) {
   const TemporaryFolder folder;
-  const Clip clip = sample_clip(25, 5, false);
+  const Clip clip = bending_clip(25, 5, false);
   for (const std::filesystem::path& path : {std::filesystem::path("/dev/full"), folder / "missing/a.mkv"}) {
     if (path == "/dev/full" && !std::filesystem::exists(path)) continue;
     try {
@@ -241,7 +241,7 @@ TEST(ClipFile, SaysThatADiskIsFullOrAFolderMissing) {
 TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   const TemporaryFolder folder;
   const auto expect_refused = [&](const std::function<void(Clip&)>& spoil) {
-    Clip clip = sample_clip(26, 6, true);
+    Clip clip = bending_clip(26, 6, true);
     spoil(clip);
     try {
       write_clip(clip, folder / "a.mkv");
@@ -288,13 +288,13 @@ TEST(Clip, FindsFramesByTime) {
 }
 
 TEST(Clip, MovesTheCaptureCameraAlongItsPath) {
-  const Clip clip = sample_clip(27, 5, true);
+  const Clip clip = bending_clip(27, 5, true);
   EXPECT_EQ(clip.capture_camera(3).camera_to_world.matrix(), clip.camera_to_world[3].matrix());
   EXPECT_EQ(clip.capture_camera(99).camera_to_world.matrix(), clip.camera_to_world[4].matrix());
   EXPECT_EQ(clip.capture_camera(-1).camera_to_world.matrix(), clip.camera_to_world[0].matrix());
   const SE3 halfway = interpolate(clip.camera_to_world[1], clip.camera_to_world[2], 0.5);
   EXPECT_TRUE(clip.capture_camera(1.5).camera_to_world.isApprox(halfway, 1e-12));
-  const Clip still = sample_clip(28, 5, false);
+  const Clip still = bending_clip(28, 5, false);
   EXPECT_EQ(still.capture_camera(2.5).camera_to_world.matrix(), still.camera_to_world[0].matrix());
   EXPECT_EQ(still.capture_camera(2.5).intrinsics, still.intrinsics);
 }

@@ -63,12 +63,18 @@ inline Clip sample_clip(std::uint64_t seed, std::size_t frames, bool camera_move
     poses.push_back({random_pose(random), static_cast<tracking::Health>(random.below(3))});
   }
   clip.layers.push_back({"object", 2, random_field(seed * 10 + 1), tracking::Motion::rigid(std::move(poses))});
-  WalkerOptions walker_options;
-  walker_options.nodes = 20 + seed;
-  walker_options.frames = frames;
-  walker_options.seed = seed;
-  clip.layers.push_back({"person", 1, random_field(seed * 10 + 2), walker(walker_options)});
   clip.metadata = {{"config", {{"preset", "balanced"}, {"seed", 7}}}, {"note", "Ärger"}, {"numbers", {0.1, -1, 1e300}}};
+  return clip;
+}
+
+/// The same with a third layer, which deforms.
+inline Clip bending_clip(std::uint64_t seed, std::size_t frames, bool camera_moves) {
+  Clip clip = sample_clip(seed, frames, camera_moves);
+  WalkerOptions options;
+  options.nodes = 20 + seed;
+  options.frames = frames;
+  options.seed = seed;
+  clip.layers.push_back({"person", 1, random_field(seed * 10 + 2), walker(options)});
   return clip;
 }
 

@@ -44,7 +44,7 @@ void write_mutated(const std::filesystem::path& path, const std::filesystem::pat
 
 TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
   const TemporaryFolder folder;
-  write_clip(testing::sample_clip(1, 4, true), folder / "a.mkv");
+  write_clip(testing::bending_clip(1, 4, true), folder / "a.mkv");
   for (std::uint64_t i = 0; i < 300; ++i) {
     Random random(7, i);
     write_mutated(folder / "a.mkv", folder / "b.mkv", random);
