@@ -27,11 +27,26 @@ Json matrix_json(const SE3& transform) {
   return rows;
 }
 
+// A clip keeps a node to a tenth of a millimetre and a thousandth of a radian: six decimals are all that it knows.
+double rounded(double value) { return std::round(value * 1e6) / 1e6; }
+
+Json nodes_json(const tracking::Motion& motion, std::size_t frame) {
+  const tracking::Warp warp = motion.warp(static_cast<double>(frame));
+  Json nodes = Json::array();
+  for (std::size_t i = 0; i < warp.node_positions().size(); ++i) {
+    const Eigen::Vector3d& p = warp.node_positions()[i];
+    const Eigen::Quaterniond& q = motion.deformations()[frame].node_to_world[i].real;
+    nodes.push_back({{"position", {rounded(p.x()), rounded(p.y()), rounded(p.z())}},
+                     {"rotation", {rounded(q.w()), rounded(q.x()), rounded(q.y()), rounded(q.z())}}});
+  }
+  return nodes;
+}
+
 Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
   const std::size_t count = clip.times.size();
   const bool rigid = layer.motion.kind() == tracking::MotionKind::kRigid;
   const double first = static_cast<double>(player::first_frame_of(layer.motion, count));
-  const SE3 world_to_canonical = layer.motion.canonical_to_world(first).inverse();
+  const SE3 world_to_canonical = rigid ? layer.motion.canonical_to_world(first).inverse() : SE3::Identity();
   Json frames = Json::array();
   for (std::size_t i = 0; i < count; ++i) {
     const double frame = static_cast<double>(i);
