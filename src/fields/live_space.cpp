@@ -84,7 +84,8 @@ private:
 
   static std::size_t corner_index(const std::array<int, 3>& cell, int corner) {
     const auto along = [&](std::size_t axis) {
-      return static_cast<std::size_t>(cell[axis] + ((corner >> static_cast<int>(axis)) & 1));
+      const int steps = cell[axis] + ((corner >> static_cast<int>(axis)) & 1);
+      return static_cast<std::size_t>(steps);
     };
     return (along(2) * kSide + along(1)) * kSide + along(0);
   }

@@ -29,7 +29,7 @@ private:
 struct PosedField {
   const DrawableField* field = nullptr; ///< must outlive this
   SE3 canonical_to_world = SE3::Identity();
-  std::shared_ptr<const LiveSpace> live; ///< of a layer that deforms; its own place is then in the warp
+  std::shared_ptr<const LiveSpace> live = nullptr; ///< of a layer that deforms; its own place is then in the warp
 };
 
 /// Prepares a field to be drawn; for a deforming warp this inverts the warp once for all rays.
