@@ -86,7 +86,6 @@ OccupiedIntervals::OccupiedIntervals(const DistanceField& distances, const Field
                                      float far_depth)
     : distances_(&distances), depth_(near_depth), end_(far_depth) {
   const float resolution = static_cast<float>(distances.resolution());
-  float fastest = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     origin_[a] = ray.origin[a] * resolution;
     direction_[a] = ray.direction[a] * resolution;
@@ -95,31 +94,56 @@ OccupiedIntervals::OccupiedIntervals(const DistanceField& distances, const Field
     const float t1 = (resolution - origin_[a]) * inverse_[a];
     depth_ = std::max(depth_, std::min(t0, t1));
     end_ = std::min(end_, std::max(t0, t1));
-    fastest = std::max(fastest, std::abs(direction_[a]));
   }
-  step_ = 1e-4F * safe_inverse(fastest);
+  if (depth_ >= end_) return;
+  for (std::size_t a = 0; a < 3; ++a) {
+    cell_[a] = cell_of(origin_[a] + depth_ * direction_[a], distances.resolution());
+  }
+}
+
+int OccupiedIntervals::advance() {
+  const int resolution = distances_->resolution();
+  const int distance = distances_->at(cell_[0], cell_[1], cell_[2]);
+  const int reach = std::max(distance - 1, 0); // empty cells on each side that may be leapt over
+  std::size_t axis = 3;                        // whose wall the ray meets first
+  float exit = end_;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (direction_[a] == 0) continue;
+    const float wall = static_cast<float>(direction_[a] > 0 ? cell_[a] + 1 + reach : cell_[a] - reach);
+    const float depth = (wall - origin_[a]) * inverse_[a];
+    if (depth < exit) {
+      exit = depth;
+      axis = a;
+    }
+  }
+  depth_ = std::max(depth_, exit);
+  if (axis == 3) {
+    depth_ = end_;
+    return distance;
+  }
+  // Cells are counted, not derived from depth_ alone: rounding may lay a point on the wrong side of a wall, and a walk
+  // that trusts it creeps along that wall. So the axis that is crossed moves by whole cells, and no other turns back.
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int direction = direction_[a] > 0 ? 1 : -1;
+    if (a == axis) {
+      cell_[a] += direction * (reach + 1);
+    } else if (direction_[a] != 0) {
+      const int there = cell_of(origin_[a] + depth_ * direction_[a], resolution);
+      cell_[a] += direction * std::clamp((there - cell_[a]) * direction, 0, reach);
+    }
+  }
+  if (cell_[axis] < 0 || cell_[axis] >= resolution) depth_ = end_;
+  return distance;
 }
 
 bool OccupiedIntervals::next(Interval& interval) {
   bool inside = false;
   while (depth_ < end_) {
-    std::array<int, 3> cell{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      cell[a] = cell_of(origin_[a] + depth_ * direction_[a], distances_->resolution());
-    }
-    const int distance = distances_->at(cell[0], cell[1], cell[2]);
-    const int reach = std::max(distance - 1, 0); // empty cells on each side that may be leapt over
-    float exit = end_;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const float wall = static_cast<float>(direction_[a] > 0 ? cell[a] + 1 + reach : cell[a] - reach);
-      exit = std::min(exit, (wall - origin_[a]) * inverse_[a]);
-    }
     const float begin = depth_;
-    depth_ = std::max(exit, depth_) + step_ + 3e-7F * depth_;
-    if (distance == 0) {
+    if (advance() == 0) {
       if (!inside) interval.begin = begin;
       inside = true;
-      interval.end = std::min(depth_, end_);
+      interval.end = depth_;
     } else if (inside) {
       return true;
     }

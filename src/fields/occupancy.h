@@ -51,13 +51,16 @@ public:
   bool next(Interval& interval);
 
 private:
+  // Leaves the cell, or all that is known to be empty around it; the distance to the nearest occupied cell from there.
+  int advance();
+
   const DistanceField* distances_ = nullptr;
+  std::array<int, 3> cell_{};        // where the ray is at depth_
   std::array<float, 3> origin_{};    // in cells
   std::array<float, 3> direction_{}; // cells per metre of depth
   std::array<float, 3> inverse_{};
   float depth_ = 0;
   float end_ = 0;
-  float step_ = 0; // smallest advance, so that rounding never stops the walk
 };
 
 /// Whether a position relative to the box lies in an occupied cell; outside the box nothing does.

@@ -13,7 +13,6 @@ namespace {
 
 using testing::pose_at;
 using testing::render_frame;
-using testing::Shape;
 using testing::ShapeKind;
 
 ingest::Frame plane_frame(double noise) {

@@ -51,8 +51,8 @@ Errors follow(const Shape& shape, const std::vector<SE3>& poses, const SceneOpti
 }
 
 std::vector<SE3> carried_poses(int count) {
-  std::vector<SE3> poses;
-  for (int i = 0; i < count; ++i) poses.push_back(carried(i));
+  std::vector<SE3> poses(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) poses[static_cast<std::size_t>(i)] = carried(i);
   return poses;
 }
 
@@ -84,8 +84,10 @@ TEST(RigidTracker, FollowsANoisyBoxThreeMetresAway) {
 }
 
 TEST(RigidTracker, FollowsStepsOfFiveCentimetresAndFifteenDegrees) {
-  std::vector<SE3> poses;
-  for (int i = 0; i < 6; ++i) poses.push_back(pose_at({-0.12 + 0.04 * i, 0.03 * (i % 2), 1}, 25, 30 - 15 * i));
+  std::vector<SE3> poses(6);
+  for (int i = 0; i < 6; ++i) {
+    poses[static_cast<std::size_t>(i)] = pose_at({-0.12 + 0.04 * i, 0.03 * (i % 2), 1}, 25, 30 - 15 * i);
+  }
   SceneOptions options;
   options.noise = 1;
   const Errors errors = follow({}, poses, options);
