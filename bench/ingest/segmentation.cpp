@@ -42,7 +42,7 @@ void run(const char* path) {
   segmenter->prepare(open, {}, progress);
   std::printf("first pass: %.0f ms\n", milliseconds_since(begin));
   for (const auto& [label, found] : segmenter->labels())
-    std::printf("%d %s, %s: %s\n", label, found.info.name.c_str(), found.info.kind.c_str(), found.why.c_str());
+    std::printf("%d %s, %s: %s\n", label, found.name.c_str(), found.kind.c_str(), found.why.c_str());
   const auto capture = open({});
   std::map<int, std::vector<double>> overlaps;
   double spent = 0;

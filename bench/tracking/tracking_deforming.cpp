@@ -12,12 +12,11 @@
 #include <fstream>
 #include <map>
 
-#include <zlib.h>
-
 #include "core/error.h"
 #include "core/image_codec.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
+#include "ingest/true_tracks.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/point_track.h"
 
@@ -51,43 +50,15 @@ struct Errors {
   }
 };
 
-struct TruePlace {
-  Eigen::Vector3d point;
-  bool visible;
-};
-/// By track, then by frame.
-using Tracks = std::map<int, std::map<int, TruePlace>>;
-
-Tracks read_tracks(const std::filesystem::path& path) {
-  Tracks tracks;
-  gzFile file = gzopen(path.c_str(), "rb");
-  if (file == nullptr) return tracks;
-  std::array<char, 256> line{};
-  while (gzgets(file, line.data(), line.size()) != nullptr) {
-    int frame = 0;
-    int id = 0;
-    int visible = 0;
-    TruePlace place;
-    if (std::sscanf(line.data(), "%d,%d,%lf,%lf,%lf,%d", &frame, &id, &place.point.x(), &place.point.y(),
-                    &place.point.z(), &visible) != 6) {
-      continue;
-    }
-    place.visible = visible != 0;
-    tracks[id][frame] = place;
-  }
-  gzclose(file);
-  return tracks;
-}
-
 // Each track from its first visible frame, over all frames.
-void compare_tracks(const Tracks& tracks, const tracking::Motion& motion, const std::vector<int>& frames) {
+void compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion, const std::vector<int>& frames) {
   Errors visible;
   Errors hidden;
   std::vector<Errors> by_frame(frames.size());
   std::vector<std::pair<double, int>> worst;
   for (const auto& track_of_id : tracks) {
     const int id = track_of_id.first;
-    const std::map<int, TruePlace>& places = track_of_id.second;
+    const std::map<int, ingest::TruePlace>& places = track_of_id.second;
     const auto first = std::find_if(frames.begin(), frames.end(), [&](int frame) {
       const auto found = places.find(frame);
       return found != places.end() && found->second.visible;
@@ -210,7 +181,7 @@ void run(const std::string& folder, int label) {
   std::printf("frames %zu, not tracked %d, spacing %.1f mm\n", frames.size(), not_tracked,
               1e3 * tracker.node_spacing());
   const tracking::Motion motion = tracker.motion();
-  const Tracks tracks = read_tracks(std::filesystem::path(folder) / "gt" / "tracks.csv.gz");
+  const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   if (!tracks.empty()) compare_tracks(tracks, motion, frames);
   if (!flow.values.empty()) compare_flow(flow, first, motion);
   std::printf("nodes %zu; per frame: median %.1f ms, 99th percentile %.1f ms\n", motion.graph()->nodes().size(),

@@ -13,6 +13,7 @@
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/pipeline.h"
+#include "ingest/network_segmenter.h"
 #include "player/evaluate.h"
 
 namespace kinora::cli {
@@ -30,6 +31,7 @@ struct Options {
   std::string frames;
   std::string format;
   bool no_masks = false;
+  std::filesystem::path segmenter;
   int holdout = 0;
   std::uint64_t seed = 1;
   std::filesystem::path report;
@@ -49,8 +51,30 @@ ingest::CaptureOptions capture_options(const Options& options) {
   ingest::CaptureOptions out;
   out.format = options.format;
   if (!options.frames.empty()) out.frames = ingest::FrameRange::parse(options.frames);
-  out.use_masks = !options.no_masks;
+  out.use_masks = !options.no_masks && options.segmenter.empty();
   return out;
+}
+
+/// A capture whose frames are labelled, and in words by whom.
+struct LabelledCapture {
+  std::unique_ptr<ingest::Capture> capture;
+  std::string labels_from;
+};
+
+// Masks where there are some, else what moves, unless a network is asked for.
+LabelledCapture open_labelled(const Options& options, Context& context) {
+  const auto open = [&](const ingest::FrameRange& range) {
+    ingest::CaptureOptions how = capture_options(options);
+    how.frames = range;
+    return ingest::Capture::open(context.plugins(), options.capture, how, context.progress);
+  };
+  const ingest::FrameRange range = capture_options(options).frames;
+  if (!options.segmenter.empty()) {
+    return {ingest::segmented_capture(open, range, ingest::make_network_segmenter(options.segmenter), context.progress),
+            "network " + options.segmenter.filename().string()};
+  }
+  if (auto capture = open(range); capture->info().has_masks) return {std::move(capture), "masks"};
+  return {ingest::segmented_capture(open, range, ingest::make_motion_segmenter(), context.progress), "motion"};
 }
 
 encode::EncodeOptions encode_options(const Options& options) {
@@ -59,7 +83,6 @@ encode::EncodeOptions encode_options(const Options& options) {
     throw Error(ErrorCode::kUsage, "--holdout 1 would leave no frame to train on; use 2 or more, such as 10");
   }
   out.holdout = options.holdout;
-  out.use_masks = !options.no_masks;
   out.seed = options.seed;
   out.frames = capture_options(options).frames;
   return out;
@@ -112,16 +135,17 @@ std::string summary(const Json& report) {
 }
 
 void run(const Options& options, Context& context) {
-  const encode::EncodeOptions how = encode_options(options);
+  encode::EncodeOptions how = encode_options(options);
   require_input(options.capture);
+  if (!options.segmenter.empty()) require_input(options.segmenter);
   OutputFile out(options.clip, context.shared.overwrite, {options.capture});
   std::optional<OutputFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
 
   const Stopwatch watch;
-  const auto capture =
-      ingest::Capture::open(context.plugins(), options.capture, capture_options(options), context.progress);
-  encode::EncodeResult result = encode::encode_capture(*capture, how, context.progress);
+  const LabelledCapture labelled = open_labelled(options, context);
+  how.labels_from = labelled.labels_from;
+  encode::EncodeResult result = encode::encode_capture(*labelled.capture, how, context.progress);
   context.progress.stage("writing", 0);
   encode::write_clip(result.clip, out.writing_path());
   out.commit();
@@ -172,7 +196,11 @@ void add_encode(CLI::App& app, Context& context) {
       ->type_name("A:B:S");
   command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
       ->type_name("NAME");
-  command.add_flag("--no-masks", options->no_masks, "Do not read masks; everything is one still layer");
+  command.add_flag("--no-masks", options->no_masks, "Do not read masks: tell people and things by what moves");
+  command
+      .add_option("--segmenter", options->segmenter,
+                  "Label the frames with this network (background, person, object, ...) instead of masks")
+      ->type_name("ONNX");
   command.add_option("--holdout", options->holdout, "Keep frames N-1, 2N-1, ... out of the training, to judge by them")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("N");

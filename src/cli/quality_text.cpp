@@ -32,6 +32,14 @@ std::string truth_text(const Json& truth) {
                         pose.at("layer").get<std::string>(), number(pose, "error_m_mean", "{:.2f}", 1000),
                         number(pose, "error_degrees_mean", "{:.2f}"));
   }
+  if (const Json& tracks = truth.at("tracks"); tracks.is_object()) {
+    const Json& visible = tracks.at("visible");
+    text += fmt::format("Points of {} that are seen, against the truth: {} mm on average, 95 % within {} mm, {} of {} "
+                        "places missing\n",
+                        tracks.at("layer").get<std::string>(), number(visible, "error_m_mean", "{:.1f}", 1000),
+                        number(visible, "error_m_p95", "{:.1f}", 1000), visible.at("missing").dump(),
+                        visible.at("places").dump());
+  }
   Table table({"camera", "layer", "n", "PSNR dB", "SSIM box", "MAE", "IoU", "depth error mm"});
   for (const Json& camera : truth.at("novel_cameras")) {
     for (const Json& means : camera.at("layers")) {
@@ -48,7 +56,7 @@ std::string truth_text(const Json& truth) {
 std::string quality_table(const Json& evaluation) {
   Table table({"layer", "frames", "n", "PSNR dB", "SSIM box", "MAE", "IoU", "depth error mm"});
   for (const Json& layer : evaluation.at("layers")) add_rows(layer, table);
-  for (const char* name : {"whole", "foreground"}) {
+  for (const char* name : {"whole", "foreground", "moving", "still"}) {
     if (evaluation.contains(name)) add_rows(evaluation.at(name), table);
   }
   std::string text = table.str();

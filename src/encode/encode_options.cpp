@@ -59,7 +59,7 @@ std::size_t EncodeOptions::expected_frames(int frame_count) const {
 nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
-          {"use_masks", use_masks},
+          {"labels_from", labels_from},
           {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
           {"seed", seed},
           {"max_stored_pixels", max_stored_pixels},

@@ -19,7 +19,7 @@ std::string name_of(Preset preset);
 struct EncodeOptions {
   Preset preset = Preset::kBalanced;
   int holdout = 0;           ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
-  bool use_masks = true;     ///< false: labels are ignored and everything is one layer
+  std::string labels_from;   ///< in words, for the record: who labelled the frames
   ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   std::uint64_t seed = 1;
   std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each

@@ -35,6 +35,9 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
       kind = found->second.kind;
       source = fmt::format("labels.json says that label {} is {}", label, kind);
     }
+    if (!found->second.why.empty()) {
+      source = fmt::format("{} ({})", kind, found->second.why);
+    }
   }
   if (kind == "still") {
     plan.motion = tracking::MotionKind::kStill;

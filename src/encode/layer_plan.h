@@ -16,7 +16,7 @@ struct LayerPlan {
 };
 
 /// The label's default (0 background, still; 1 person, deforming; 2 object, rigid; n > 2 object(n−1), rigid), unless
-/// the capture's labels.json says otherwise.
+/// the capture's labels.json or a segmenter says otherwise.
 /// Throws Error(kCorruptInput) for a kind that does not exist.
 LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture);
 

@@ -10,6 +10,7 @@
 #include "encode/stage_times.h"
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
+#include "ingest/exposure.h"
 
 namespace kinora::encode {
 namespace {
@@ -20,6 +21,7 @@ using Json = nlohmann::json;
 struct Pass {
   fields::PixelStore pixels;
   SceneTracker scene;
+  ingest::StreamEstimates streams;
   Clip clip;                  ///< timeline and camera path
   std::size_t unlabelled = 0; ///< frames without mask in a capture with masks: tracked nowhere, trained on nowhere
   StageTimes times;
@@ -40,7 +42,6 @@ void add_to_timeline(const ingest::Frame& frame, const ingest::CaptureInfo& info
 
 void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pass& pass, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
-  const bool masks = options.use_masks && info.has_masks;
   progress.stage("reading and tracking", options.expected_frames(info.frame_count));
   for (std::size_t i = 0;; ++i) {
     progress.check();
@@ -48,8 +49,8 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     if (!frame) break;
     const bool held_out = is_held_out(i, options.holdout);
     add_to_timeline(*frame, info, held_out, pass.clip);
-    const bool labelled = !masks || !frame->labels.empty();
-    if (!masks) frame->labels = {};
+    const bool labelled = !info.has_masks || !frame->labels.empty();
+    pass.streams.add(*frame);
     pass.scene.add(*frame, pass.times);
     if (!labelled) {
       ++pass.unlabelled;
@@ -246,6 +247,15 @@ Json capture_json(const ingest::Capture& capture, const Pass& pass) {
           {"skipped", skipped}};
 }
 
+Json streams_json(const ingest::StreamEstimates& estimates) {
+  const ingest::StreamReport report = estimates.report();
+  Json gains = Json::array();
+  for (const double gain : report.gains) gains.push_back(round4(gain));
+  return {{"exposure_gains", std::move(gains)},
+          {"exposure_changes", report.exposure_changes},
+          {"depth_behind_color_s", report.time_offset ? Json(round4(*report.time_offset)) : Json(nullptr)}};
+}
+
 Json camera_json(const ingest::CaptureInfo& info) {
   return info.has_poses ? Json{{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}}
                         : Json{{"path", "still"}, {"why", "the capture brings no camera poses"}};
@@ -256,7 +266,8 @@ Json camera_json(const ingest::CaptureInfo& info) {
 EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
   Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
-            SceneTracker(info, options.use_masks && info.has_masks, progress),
+            SceneTracker(info, progress),
+            {},
             {},
             0,
             {}};
@@ -266,7 +277,7 @@ EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& optio
   if (jobs.empty()) {
     throw Error(ErrorCode::kFailure,
                 "nothing in this capture can be modelled: no still or rigid layer has a pixel with "
-                "measured depth; try --no-masks");
+                "measured depth");
   }
   pass.clip.metadata["not_modelled"] = report["not_modelled"];
   for (const LayerJob& job : jobs) train_layer(job, options, pass, report, progress);
@@ -277,6 +288,7 @@ EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& optio
   report["config"] = options.json();
   report["capture"] = capture_json(capture, pass);
   report["camera"] = camera_json(info);
+  report["streams"] = streams_json(pass.streams);
   report["timing"] = {{"stages", pass.times.json(frames)}};
   return {std::move(pass.clip), std::move(report)};
 }

@@ -12,7 +12,8 @@ namespace kinora::encode {
 
 struct EncodeResult {
   Clip clip;
-  /// "kinora.encode/1": `capture` (what was read, skipped frames with reasons), `camera`, `layers` (what was modelled
+  /// "kinora.encode/1": `capture` (what was read, skipped frames with reasons), `camera`,
+  /// `streams` (exposure and delay between colour and depth, as estimated), `layers` (what was modelled
   /// and why, parameters, tracking health, training, milliseconds per frame), `not_modelled`, `config`, `timing`.
   nlohmann::json report;
 };

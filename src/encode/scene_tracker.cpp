@@ -28,17 +28,16 @@ struct SceneTracker::Sight {
   double squares = 0;                            ///< sum of their squared lengths
 };
 
-SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, bool use_masks, Progress& progress)
-    : capture_(capture), use_masks_(use_masks), progress_(progress) {}
+SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, Progress& progress)
+    : capture_(capture), progress_(progress) {}
 
 std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& frame) const {
   std::array<Sight, 256> sights;
-  const bool labelled = use_masks_ && !frame.labels.empty();
   for (int v = 0; v < frame.depth.height(); ++v) {
     for (int u = 0; u < frame.depth.width(); ++u) {
       const float depth = frame.depth.at(u, v);
       if (!(depth > 0)) continue;
-      Sight& sight = sights[labelled ? frame.labels.at(u, v) : 0];
+      Sight& sight = sights[frame.labels.empty() ? 0 : frame.labels.at(u, v)];
       const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
       ++sight.pixels;
       sight.sum += point;

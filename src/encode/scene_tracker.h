@@ -33,7 +33,7 @@ struct TrackedLabel {
 /// Not thread-safe.
 class SceneTracker {
 public:
-  SceneTracker(const ingest::CaptureInfo& capture, bool use_masks, Progress& progress);
+  SceneTracker(const ingest::CaptureInfo& capture, Progress& progress);
 
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
@@ -51,7 +51,6 @@ private:
   void begin_label(int label, const Sight& sight, const ingest::Frame& frame);
 
   const ingest::CaptureInfo& capture_;
-  bool use_masks_;
   Progress& progress_;
   int frames_ = 0;
   std::map<int, TrackedLabel> labels_;

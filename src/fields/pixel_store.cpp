@@ -1,11 +1,42 @@
 #include "fields/pixel_store.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/random.h"
+#include "fields/surface_band.h"
 
 namespace kinora::fields {
+namespace {
+
+// The depth of a pixel that has no clean one: that of a clean pixel near it with the same label, of these the one that
+// agrees best with what was measured, or else the nearest. Between two layers a measurement may lie on neither, but the
+// label says whose surface it is. 0 if there is none.
+float guessed_depth(const ingest::Frame& frame, int u, int v) {
+  constexpr int kReach = 6;
+  const float measured = frame.depth.at(u, v);
+  const auto label_at = [&frame](int x, int y) { return frame.labels.empty() ? 0 : frame.labels.at(x, y); };
+  const int label = label_at(u, v);
+  float best = 0;
+  float least = std::numeric_limits<float>::infinity();
+  for (int y = std::max(v - kReach, 0); y <= std::min(v + kReach, frame.depth.height() - 1); ++y) {
+    for (int x = std::max(u - kReach, 0); x <= std::min(u + kReach, frame.depth.width() - 1); ++x) {
+      const float clean = frame.clean_depth.at(x, y);
+      if (!(clean > 0) || label_at(x, y) != label) continue;
+      const auto distance = static_cast<float>((x - u) * (x - u) + (y - v) * (y - v));
+      const float cost = measured > 0 ? std::abs(clean - measured) : distance;
+      if (cost < least) {
+        least = cost;
+        best = clean;
+      }
+    }
+  }
+  return measured > 0 && least <= three_sigma(best) ? measured : best;
+}
+
+} // namespace
 
 PixelStore::PixelStore(std::size_t max_pixels, std::size_t expected_frames)
     : max_pixels_(max_pixels), expected_frames_(std::max<std::size_t>(expected_frames, 1)),
@@ -33,7 +64,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
       }
       --missing;
       const float clean = frame.clean_depth.at(u, v);
-      const float depth = clean > 0 ? clean : -frame.depth.at(u, v);
+      const float depth = clean > 0 ? clean : -guessed_depth(frame, u, v);
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       pixels_.push_back({static_cast<std::uint16_t>(u),
                          static_cast<std::uint16_t>(v),

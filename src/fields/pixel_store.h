@@ -14,7 +14,7 @@ namespace kinora::fields {
 /// 12 bytes.
 struct StoredPixel {
   std::uint16_t u, v;
-  float depth; ///< metres; negative where it was measured but cleaned away; 0 where nothing was measured
+  float depth; ///< metres; negative where it is guessed from clean neighbours; 0 where it is not known
   std::array<std::uint8_t, 3> color;
   std::uint8_t label;
 };

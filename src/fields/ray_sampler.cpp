@@ -8,12 +8,6 @@
 #include "fields/surface_band.h"
 
 namespace kinora::fields {
-namespace {
-
-constexpr float kFarthest = 1e6F; // metres
-
-} // namespace
-
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                        const SamplingConfig& sampling)
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling) {
@@ -102,9 +96,9 @@ void RaySampler::find_others() {
         frames.begin());
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       while (i >= frames[f].end) ++f;
-      if (all[i].label == label_ || all[i].depth <= 0) continue;
+      if (all[i].label == label_) continue;
       const PixelRef ref{f, static_cast<std::uint32_t>(i)};
-      OccupiedIntervals walk(distances_, ray_of(ref), sampling_.near_depth, all[i].depth - three_sigma(all[i].depth));
+      OccupiedIntervals walk(distances_, ray_of(ref), sampling_.near_depth, empty_until(all[i]));
       Interval interval{};
       if (walk.next(interval)) found[chunk.index].push_back(ref);
     }
@@ -190,8 +184,8 @@ WarpedPixel RaySampler::chosen(bool own, Random& random) const {
     return i < warped_own_.size() ? warped_own_[i] : warped_space_.unmeasured[i - warped_own_.size()];
   }
   const PixelRef ref = any(own ? own_ : others_);
-  const float depth = pixels_.pixels()[ref.pixel].depth;
-  return {ref.pixel, ray_of(ref), {sampling_.near_depth, own ? kFarthest : depth - three_sigma(depth)}};
+  const float end = own ? kFarthest : empty_until(pixels_.pixels()[ref.pixel]);
+  return {ref.pixel, ray_of(ref), {sampling_.near_depth, end}};
 }
 
 void RaySampler::draw(Random& random, std::size_t count, RayBatch& batch) const {

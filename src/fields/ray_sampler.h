@@ -24,7 +24,7 @@ struct SamplingConfig {
 };
 
 /// Rays of one layer. Pixels of the layer teach colour, opacity and depth; pixels of other layers teach emptiness
-/// in front of their surface less three standard deviations, and nothing behind. Immutable, so thread-safe.
+/// in front of their surface (surface_band.h, empty_until), and nothing behind. Immutable, so thread-safe.
 class RaySampler {
 public:
   /// `pixels` and `motion` must outlive the sampler.

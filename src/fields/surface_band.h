@@ -1,12 +1,16 @@
-// Within which distance of a measured depth the surface is expected.
+// What a measured depth tells: within which distance of it the surface is expected, and where nothing is.
 #pragma once
 
 #include <algorithm>
 
 #include "fields/field.h"
+#include "fields/pixel_store.h"
 #include "ingest/sensor_noise.h"
 
 namespace kinora::fields {
+
+/// Metres: beyond all that is modelled.
+inline constexpr float kFarthest = 1e6F;
 
 /// Metres: three standard deviations of the sensor at a depth.
 inline float three_sigma(float depth) { return static_cast<float>(3.0 * ingest::depth_sigma(depth)); }
@@ -16,6 +20,15 @@ inline float three_sigma(float depth) { return static_cast<float>(3.0 * ingest::
 inline float surface_band(const FieldConfig& config, float depth) {
   const double pose_error = std::min(0.02, 0.02 * config.box.side);
   return std::max({three_sigma(depth), static_cast<float>(4 * config.cell_size()), static_cast<float>(pose_error)});
+}
+
+/// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the
+/// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
+/// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
+inline float empty_until(const StoredPixel& pixel) {
+  if (pixel.depth > 0) return pixel.depth - three_sigma(pixel.depth);
+  if (pixel.depth < 0) return -pixel.depth - 2 * three_sigma(-pixel.depth);
+  return pixel.label == 0 ? kFarthest : 0;
 }
 
 } // namespace kinora::fields

@@ -12,7 +12,6 @@ namespace kinora::fields {
 namespace {
 
 constexpr std::size_t kChunk = 2048;
-constexpr float kFarthest = 1e6F; ///< metres
 /// Longest piece of a ray, in cells of live space, that is taken as straight.
 constexpr double kPieceCells = 4;
 
@@ -115,9 +114,10 @@ WarpedSpace warp_occupied_space(const PixelStore& pixels, int label, const track
     });
     for_pixels(frame, space.before, [&](std::size_t i, std::vector<WarpedPixel>& part) {
       const StoredPixel& pixel = pixels.pixels()[i];
-      if (pixel.depth <= 0) return;
-      const float margin = pixel.label == label ? surface_band(config, pixel.depth) : three_sigma(pixel.depth);
-      Pieces pieces(live, live_ray(pixel), near_depth, pixel.depth - margin);
+      const bool own = pixel.label == label;
+      if (own && pixel.depth <= 0) return;
+      const float end = own ? pixel.depth - surface_band(config, pixel.depth) : empty_until(pixel);
+      Pieces pieces(live, live_ray(pixel), near_depth, end);
       WarpedPixel piece{static_cast<std::uint32_t>(i), {}, {}};
       while (pieces.next(piece)) part.push_back(piece);
     });

@@ -23,7 +23,7 @@ CaptureInfo info_of(const host::FrameReader& reader, const CaptureOptions& optio
   info.has_poses = given.has_poses != 0;
   info.has_masks = given.has_masks != 0 && options.use_masks;
   for (std::size_t i = 0; i < given.label_count; ++i)
-    info.labels[given.labels[i].label] = {given.labels[i].name, given.labels[i].kind};
+    info.labels[given.labels[i].label] = {given.labels[i].name, given.labels[i].kind, ""};
   return info;
 }
 

@@ -33,10 +33,11 @@ struct CaptureOptions {
   bool use_masks = true; ///< false: masks on disk are not read
 };
 
-/// How a label is to be modelled, from the capture's labels.json.
+/// How a label is to be modelled, from the capture's labels.json or from a segmenter.
 struct LabelInfo {
   std::string name;
   std::string kind; ///< "deforming", "rigid", "still", or empty: decided by label (1 deforming, 2… rigid)
+  std::string why;  ///< one clause for the report, from a segmenter only
 };
 
 struct CaptureInfo {

@@ -17,13 +17,13 @@ constexpr double kLeastStill = 0.35;    ///< share of the background that keeps 
 class MotionSegmenter final : public Segmenter {
 public:
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
-    labels_ = {{0, {{"background", "still"}, "what keeps still, and planes that it lies on"}}};
+    labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
     std::vector<SegmentationView> samples = read_samples(open, range, progress);
     if (camera_moves_) return take_all_for_background(progress);
     auto background = std::make_unique<BackgroundModel>(samples);
     if (background->still_share() < kLeastStill) return take_all_for_background(progress);
     SceneThings things = find_handled_things(samples, *background);
-    labels_[1] = {{"person", "deforming"}, "what moves before the background, without the things it handles"};
+    labels_[1] = {"person", "deforming", "what moves before the background, without the things it handles"};
     for (std::size_t i = 0; i < things.things.size(); ++i) add_thing(things.things[i], static_cast<int>(i) + 2);
     labelling_ = std::make_unique<FrameLabelling>(std::move(background), std::move(things), samples.size());
   }
@@ -35,7 +35,7 @@ public:
       frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
   }
 
-  const std::map<int, FoundLabel>& labels() const override { return labels_; }
+  const std::map<int, LabelInfo>& labels() const override { return labels_; }
 
 private:
   std::vector<SegmentationView> read_samples(const CaptureFactory& open, FrameRange range, Progress& progress) {
@@ -70,16 +70,16 @@ private:
   void add_thing(const HandledThing& thing, int label) {
     const std::string name = label == 2 ? "object" : fmt::format("object{}", label - 1);
     if (thing.flat)
-      labels_[label] = {{name, "rigid"}, "flat faces, of other colours than the one who holds it, are seen all along"};
+      labels_[label] = {name, "rigid", "flat faces, of other colours than the one who holds it, are seen all along"};
     else if (thing.bends)
-      labels_[label] = {{name, "deforming"},
+      labels_[label] = {name, "deforming",
                         "it lay alone, was touched or moved, and has no flat faces that would keep their shape"};
     else
-      labels_[label] = {{name, "rigid"}, "it lay alone, was touched or moved, and has flat faces"};
+      labels_[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
   }
 
   bool camera_moves_ = false;
-  std::map<int, FoundLabel> labels_;
+  std::map<int, LabelInfo> labels_;
   std::unique_ptr<FrameLabelling> labelling_;
 };
 

@@ -28,13 +28,11 @@ public:
     network_.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     network_.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
     const std::string why = "the network " + path.filename().string() + " says so";
-    labels_ = {{0, {{"background", "still"}, why}}, {1, {{"person", "deforming"}, why}}};
+    labels_ = {{0, {"background", "still", why}}, {1, {"person", "deforming", why}}};
   }
 
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& /*progress*/) override {
-    FrameRange first = range;
-    first.end = range.begin + 1;
-    if (auto frame = open(first)->next()) label(*frame); // an output of a wrong form is known before the work begins
+    if (auto frame = open(range)->next()) label(*frame); // an output of a wrong form is known before the work begins
   }
 
   void label(Frame& frame) override {
@@ -56,7 +54,7 @@ public:
     }
   }
 
-  const std::map<int, FoundLabel>& labels() const override { return labels_; }
+  const std::map<int, LabelInfo>& labels() const override { return labels_; }
 
 private:
   [[noreturn]] void fail(const std::string& problem) const {
@@ -89,12 +87,12 @@ private:
 
   void add_labels(int classes) {
     for (int label = static_cast<int>(labels_.size()); label < classes; ++label)
-      labels_[label] = {{label == 2 ? "object" : fmt::format("object{}", label - 1), "rigid"}, labels_[0].why};
+      labels_[label] = {label == 2 ? "object" : fmt::format("object{}", label - 1), "rigid", labels_[0].why};
   }
 
   std::string path_;
   cv::dnn::Net network_;
-  std::map<int, FoundLabel> labels_;
+  std::map<int, LabelInfo> labels_;
 };
 
 } // namespace

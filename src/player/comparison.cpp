@@ -100,7 +100,7 @@ std::vector<Subject> layer_subjects(const Player& player, bool masks) {
   std::vector<Subject> subjects;
   const auto& layers = player.clip().layers;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    Subject subject{layers[i].name, "pixels with measured depth", {i}, {}, true};
+    Subject subject{layers[i].name, "pixels with measured depth", {i}, {}, true, true};
     if (masks) {
       subject.labels = {layers[i].label};
       subject.measured_only = layers[i].label == 0;
@@ -112,10 +112,17 @@ std::vector<Subject> layer_subjects(const Player& player, bool masks) {
   return subjects;
 }
 
-Subject whole_subject(const Player& player) {
-  Subject whole{"whole", "pixels of the modelled layers with measured depth", player.all_layers(), {}, true};
+Subject whole_subject(const Player& player, bool masks) {
+  Subject whole{"whole", "pixels with measured depth", player.all_layers(), {}, true};
+  if (!masks) return whole;
+  whole.region = "pixels of the modelled layers with measured depth";
   for (const encode::Layer& layer : player.clip().layers) whole.labels.insert(layer.label);
   return whole;
+}
+
+std::vector<Subject> moving_subjects(const Player& player) {
+  return {{"moving", "pixels that move, with measured depth", player.all_layers(), {1}, true},
+          {"still", "pixels that keep still, with measured depth", player.all_layers(), {0}, true}};
 }
 
 std::optional<Subject> foreground_subject(const Player& player) {

@@ -36,12 +36,15 @@ struct Subject {
   LayerChoice layers;
   std::set<int> labels;       ///< of the region; empty: every pixel
   bool measured_only = false; ///< the region is cut to pixels with measured depth
+  bool of_one_layer = false;
 };
 
 /// One for each layer.
 std::vector<Subject> layer_subjects(const Player& player, bool masks);
-/// All layers together, where masks tell which pixels are modelled.
-Subject whole_subject(const Player& player);
+/// All layers together: where masks tell which pixels are modelled, else everywhere.
+Subject whole_subject(const Player& player, bool masks);
+/// All layers together over moving and over still pixels: `moving` has label 1, `still` label 0.
+std::vector<Subject> moving_subjects(const Player& player);
 
 /// All labelled layers together against everything that is labelled, modelled or not; nothing if there is none.
 std::optional<Subject> foreground_subject(const Player& player);

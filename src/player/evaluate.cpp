@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "ingest/ground_truth.h"
 #include "player/comparison.h"
+#include "player/track_error.h"
 #include "player/truth.h"
 
 namespace kinora::player {
@@ -34,13 +35,20 @@ struct Groups {
   }
 };
 
-// One per layer, then the whole and the foreground where they say more.
-std::vector<Groups> groups_of(const Player& player, bool masks) {
+// One per layer that can be told from the others, then groups of layers where they say more.
+std::vector<Groups> groups_of(const Player& player, bool masks, bool moving) {
+  std::vector<Subject> subjects;
+  const bool several = player.clip().layers.size() > 1;
+  if (masks || !several) subjects = layer_subjects(player, masks);
+  if (several) subjects.push_back(whole_subject(player, masks));
+  if (auto foreground = foreground_subject(player); masks && several && foreground) {
+    subjects.push_back(std::move(*foreground));
+  }
+  if (moving) {
+    for (Subject& subject : moving_subjects(player)) subjects.push_back(std::move(subject));
+  }
   std::vector<Groups> groups;
-  for (Subject& subject : layer_subjects(player, masks)) groups.push_back({std::move(subject), {}, {}});
-  if (!masks || groups.size() < 2) return groups;
-  groups.push_back({whole_subject(player), {}, {}});
-  if (auto foreground = foreground_subject(player)) groups.push_back({std::move(*foreground), {}, {}});
+  for (Subject& subject : subjects) groups.push_back({std::move(subject), {}, {}});
   return groups;
 }
 
@@ -73,18 +81,20 @@ void require_same_source(const encode::Clip& clip, const ingest::CaptureInfo& in
 
 } // namespace
 
-Json evaluate(const Player& player, ingest::Capture& capture, const EvaluateOptions& options, Progress& progress) {
+Json evaluate(const Player& player, ingest::Capture& capture, const MovingPixels* moving,
+              const EvaluateOptions& options, Progress& progress) {
   const encode::Clip& clip = player.clip();
   require_same_source(clip, capture.info());
-  std::vector<Groups> groups = groups_of(player, capture.info().has_masks);
+  std::vector<Groups> groups = groups_of(player, capture.info().has_masks, moving != nullptr);
   const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_frames_per_group);
   progress.stage("comparing", chosen.size());
   std::size_t done = 0;
   while (done < chosen.size()) {
-    const auto frame = capture.next();
+    auto frame = capture.next();
     if (!frame) break;
     const auto match = chosen.find(frame->index);
     if (match == chosen.end()) continue;
+    if (moving != nullptr) frame->labels = moving->in(frame->color);
     const std::size_t i = match->second;
     std::vector<fields::Picture> pictures;
     for (const Groups& group : groups) {
@@ -103,9 +113,12 @@ Json evaluate(const Player& player, ingest::Capture& capture, const EvaluateOpti
                                    "made from");
   }
   Json report = {{"schema", "kinora.evaluation/1"}, {"frames_compared", done}, {"layers", Json::array()}};
-  for (std::size_t k = 0; k < clip.layers.size(); ++k) report["layers"].push_back(groups[k].json());
-  for (std::size_t k = clip.layers.size(); k < groups.size(); ++k) {
-    report[groups[k].subject.name] = groups[k].json();
+  for (const Groups& group : groups) {
+    if (group.subject.of_one_layer) {
+      report["layers"].push_back(group.json());
+    } else {
+      report[group.subject.name] = group.json();
+    }
   }
   return report;
 }
@@ -114,12 +127,18 @@ Json evaluate_against(const std::filesystem::path& capture, const host::PluginTa
                       const EvaluateOptions& options, Progress& progress) {
   ingest::CaptureOptions how;
   how.format = options.format;
-  how.use_masks = player.clip().metadata.value("/encoder/options/use_masks"_json_pointer, true);
-  const auto opened = ingest::Capture::open(plugins, capture, how, progress);
-  Json report = evaluate(player, *opened, options, progress);
+  auto opened = ingest::Capture::open(plugins, capture, how, progress);
+  std::optional<MovingPixels> moving;
+  if (!opened->info().has_masks) {
+    progress.stage("telling what moves", 0);
+    moving = MovingPixels::of(*opened);
+    opened = ingest::Capture::open(plugins, capture, how, progress);
+  }
+  Json report = evaluate(player, *opened, moving ? &*moving : nullptr, options, progress);
   if (!options.ground_truth) return report;
   if (const auto truth = ingest::GroundTruth::read(capture, player.clip().capture_camera(0).camera_to_world)) {
     report["ground_truth"] = compare_with_truth(player, *truth, progress);
+    report["ground_truth"]["tracks"] = track_error(player.clip(), ingest::read_true_tracks(capture));
   }
   return report;
 }

@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
+#include "player/moving_pixels.h"
 #include "player/player.h"
 
 namespace kinora::player {
@@ -27,12 +28,14 @@ struct EvaluateOptions {
 /// - `depth_error_median`: metres, |drawn − measured| over the region's measured pixels, an undrawn one counting as
 ///   infinitely wrong (null if most are); `depth_coverage`: the share of them that is drawn;
 /// and `trained_minus_held_out_db`, of `psnr`. `whole` is the same for all layers drawn together, where masks tell
-/// which pixels are modelled; `foreground` for the labelled layers against everything that is labelled. Throws
-/// Error(kUsage) if the capture is not the clip's.
-nlohmann::json evaluate(const Player& player, ingest::Capture& capture, const EvaluateOptions& options,
-                        Progress& progress);
+/// which pixels are modelled; `foreground` for the labelled layers against everything that is labelled. Without masks
+/// there are no layers to tell apart if the clip has several; a still camera's capture then has `moving` and `still`,
+/// all layers over the pixels of each kind (`moving`, if not null). Throws Error(kUsage) if the capture is not the
+/// clip's.
+nlohmann::json evaluate(const Player& player, ingest::Capture& capture, const MovingPixels* moving,
+                        const EvaluateOptions& options, Progress& progress);
 
-/// Opens the capture as the clip's encoder did (with or without masks) and evaluates.
+/// Opens the capture, with its masks if it has some, tells moving pixels from still ones if not, and evaluates.
 nlohmann::json evaluate_against(const std::filesystem::path& capture, const host::PluginTable& plugins,
                                 const Player& player, const EvaluateOptions& options, Progress& progress);
 

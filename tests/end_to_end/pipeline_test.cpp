@@ -36,10 +36,8 @@ encode::EncodeOptions quick_options() {
 
 encode::EncodeResult encode_folder(const TemporaryFolder& folder, const encode::EncodeOptions& options,
                                    Progress& progress) {
-  ingest::CaptureOptions how;
-  how.use_masks = options.use_masks;
   const auto table = host::PluginTable::builtin();
-  const auto capture = ingest::Capture::open(table, folder.path(), how, progress);
+  const auto capture = ingest::Capture::open(table, folder.path(), {}, progress);
   return encode::encode_capture(*capture, options, progress);
 }
 
@@ -143,7 +141,7 @@ TEST(Encoder, LabelsFileRenamesAndStillsAnObject) {
   EXPECT_EQ(result.clip.layers[2].motion.kind(), tracking::MotionKind::kStill);
 }
 
-TEST(Encoder, WithoutMasksEverythingIsBackground) {
+TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   const TemporaryFolder folder;
   BoxScene scene;
   scene.frames = 3;
@@ -151,8 +149,11 @@ TEST(Encoder, WithoutMasksEverythingIsBackground) {
   Listener listener;
   auto options = quick_options();
   options.rays_per_frame = 10'000;
-  options.use_masks = false;
-  const encode::EncodeResult result = encode_folder(folder, options, listener);
+  ingest::CaptureOptions how;
+  how.use_masks = false;
+  const auto table = host::PluginTable::builtin();
+  const auto capture = ingest::Capture::open(table, folder.path(), how, listener);
+  const encode::EncodeResult result = encode::encode_capture(*capture, options, listener);
   ASSERT_EQ(result.clip.layers.size(), 1U);
   EXPECT_EQ(result.clip.layers[0].name, "background");
   EXPECT_TRUE(listener.warnings.empty());

@@ -79,7 +79,7 @@ TEST(NetworkSegmenter, TakesTheLargestOfSeveralClassesForTheLabel) {
   EXPECT_EQ(frame.labels.at(30, 5), 0);
   EXPECT_EQ(frame.labels.at(50, 5), 2);
   ASSERT_TRUE(segmenter->labels().contains(2));
-  EXPECT_EQ(segmenter->labels().at(2).info.name, "object");
+  EXPECT_EQ(segmenter->labels().at(2).name, "object");
 }
 
 void expect_corrupt(const std::filesystem::path& path) {

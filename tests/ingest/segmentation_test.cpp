@@ -43,7 +43,7 @@ TEST(MotionSegmenter, FindsABodyThatWalksAndThatWasThereFromTheFirstFrame) {
     EXPECT_GT(overlap(frame.labels, truth, 1), 0.85) << i;
   }
   ASSERT_TRUE(segmenter->labels().contains(1));
-  EXPECT_EQ(segmenter->labels().at(1).info.kind, "deforming");
+  EXPECT_EQ(segmenter->labels().at(1).kind, "deforming");
   EXPECT_FALSE(segmenter->labels().at(1).why.empty());
 }
 
