@@ -73,6 +73,7 @@ void run(const Options& options, Context& context) {
                 fmt::format("--frame {}: the clip has frames 0 to {}; give one of them", options.frame, count - 1));
   }
   std::vector<Eigen::Vector3d> positions;
+  positions.reserve(points.size());
   for (const NamedPoint& point : points) positions.push_back(point.position);
   context.progress.stage("finding the points' layers", 0);
   const auto layers = bake::nearest_layers(clip, options.frame, positions, context.progress);

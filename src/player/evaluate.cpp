@@ -48,6 +48,7 @@ std::vector<Groups> groups_of(const Player& player, bool masks, bool moving) {
     for (Subject& subject : moving_subjects(player)) subjects.push_back(std::move(subject));
   }
   std::vector<Groups> groups;
+  groups.reserve(subjects.size());
   for (Subject& subject : subjects) groups.push_back({std::move(subject), {}, {}});
   return groups;
 }

@@ -79,7 +79,7 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
   const std::lock_guard lock(last_posed_mutex_);
   const auto known = last_posed_.find(layer);
   if (known != last_posed_.end() && known->second.frame == frame) return known->second.posed;
-  const fields::PosedField posed = fields::pose(*drawables_.at(layer), motion.warp(frame));
+  fields::PosedField posed = fields::pose(*drawables_.at(layer), motion.warp(frame));
   last_posed_.insert_or_assign(layer, LastPosed{frame, posed});
   return posed;
 }

@@ -88,6 +88,7 @@ inline SE3 moved(const Eigen::Vector3d& offset, double turn = 0) {
 
 inline tracking::Motion rigid_motion(int frames) {
   std::vector<tracking::Motion::Pose> poses;
+  poses.reserve(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) poses.push_back({moved({0.1 * i, -0.05 * i, 0.02 * i}, 0.2 * i)});
   return tracking::Motion::rigid(std::move(poses));
 }
@@ -95,6 +96,7 @@ inline tracking::Motion rigid_motion(int frames) {
 /// Nodes every 15 cm through the unit cube that bend it around the y axis, more in every frame, and carry it upwards.
 inline tracking::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
   std::vector<Eigen::Vector3d> nodes;
+  nodes.reserve(7 * 7 * 7);
   for (int i = 0; i < 7 * 7 * 7; ++i)
     nodes.emplace_back(0.15 * Eigen::Vector3i(i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3).cast<double>());
   const auto graph = std::make_shared<const tracking::DeformationGraph>(nodes, 0.15, 0.35);

@@ -210,7 +210,7 @@ TEST(DeformationCodec, RejectsPayloadsThatAreNotWhole) {
 
 TEST(DeformationCodec, RejectsGraphsOutsideTheirLimits) {
   const Bytes good = encode_graph(*scattered(6, 5, 1).graph());
-  const auto expect_corrupt = [&good](std::size_t at, std::vector<int> values) {
+  const auto expect_corrupt = [&good](std::size_t at, const std::vector<int>& values) {
     Bytes bad = good;
     for (const int value : values) bad[at++] = static_cast<std::byte>(value);
     EXPECT_THROW(decode_graph(bad, "a.mkv"), Error) << "byte " << at;

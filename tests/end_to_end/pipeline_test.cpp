@@ -56,13 +56,13 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   options.holdout = 5;
   encode::EncodeResult result = encode_folder(folder, options, listener);
 
-  ASSERT_EQ(result.clip.layers.size(), 2U);
+  ASSERT_EQ(result.clip.layers.size(), 3U);
   EXPECT_EQ(result.clip.layers[0].motion.kind(), tracking::MotionKind::kStill);
-  EXPECT_EQ(result.clip.layers[1].motion.kind(), tracking::MotionKind::kRigid);
-  EXPECT_EQ(result.report.at("not_modelled").at(0).at("name"), "person");
+  EXPECT_EQ(result.clip.layers[1].motion.kind(), tracking::MotionKind::kDeforming);
+  EXPECT_EQ(result.clip.layers[2].motion.kind(), tracking::MotionKind::kRigid);
+  EXPECT_TRUE(result.report.at("not_modelled").empty());
   EXPECT_EQ(result.report.at("capture").at("frames_held_out"), 2);
-  ASSERT_EQ(listener.warnings.size(), 1U);
-  EXPECT_NE(listener.warnings[0].find("person"), std::string::npos);
+  EXPECT_TRUE(listener.warnings.empty());
 
   const player::Player player(std::move(result.clip));
   player::EvaluateOptions how;
@@ -70,7 +70,7 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
   const Json object = layer_named(quality, "object").at("held_out");
   const Json background = layer_named(quality, "background").at("held_out");
-  // At this size the rim, which no reliable depth teaches, is an eighth of the box: hence the overlap and no more.
+  std::printf("DBG %s\n%s\n", object.dump().c_str(), background.dump().c_str());
   EXPECT_GT(object.at("psnr_inside").get<double>(), 24);
   EXPECT_GT(object.at("iou").get<double>(), 0.8);
   EXPECT_LT(object.at("depth_error_median").get<double>(), 0.01);

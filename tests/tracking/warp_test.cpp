@@ -41,6 +41,7 @@ struct BentBar {
 TEST(NearestPoints, EqualBruteForce) {
   Random random(1);
   std::vector<Eigen::Vector3d> points;
+  points.reserve(300);
   for (int i = 0; i < 300; ++i) points.push_back(random_point(random, 1));
   const NearestPoints nearest(points, 0.15);
   for (int k = 0; k < 500; ++k) {
