@@ -1,8 +1,12 @@
-// Labels a capture without its masks and prints speed and, where it has masks, their overlap with the labels:
-//   bench_segmentation CAPTURE
+// Labels a capture without its masks and prints speed and, where it has masks, their overlap with the labels; every
+// tenth frame, tinted by label, goes into FOLDER:
+//   bench_segmentation CAPTURE [FOLDER]
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
+#include "core/image_codec.h"
 #include "host/plugin_table.h"
 #include "ingest/segmenter.h"
 
@@ -29,7 +33,27 @@ std::optional<double> overlap(const LabelImage& a, const LabelImage& b, int labe
   return both / either;
 }
 
-void run(const char* path) {
+// Colour darkened, with a tint for each label but 0.
+void write_tinted(const ingest::Frame& frame, const std::filesystem::path& folder) {
+  constexpr std::array<std::array<int, 3>, 6> kTints{
+      {{0, 0, 120}, {120, 0, 0}, {0, 120, 0}, {120, 120, 0}, {0, 120, 120}, {120, 0, 120}}};
+  ColorImage image = frame.color;
+  for (std::size_t i = 0; i < frame.labels.pixel_count(); ++i) {
+    const int label = frame.labels.data()[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::uint8_t& value = image.data()[3 * i + c];
+      const int tint = label == 0 ? 0 : kTints[static_cast<std::size_t>(label) % kTints.size()][c];
+      value = static_cast<std::uint8_t>(value / 2 + tint);
+    }
+  }
+  const Bytes png = encode_png(image);
+  char name[32];
+  std::snprintf(name, sizeof name, "%06d.png", frame.index);
+  std::ofstream(folder / name, std::ios::binary)
+      .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+}
+
+void run(const char* path, const std::filesystem::path& folder) {
   Progress progress;
   const host::PluginTable plugins = host::PluginTable::builtin();
   const auto open = [&](const ingest::FrameRange& range) {
@@ -52,6 +76,7 @@ void run(const char* path) {
     const Clock::time_point start = Clock::now();
     segmenter->label(*frame);
     spent += milliseconds_since(start);
+    if (!folder.empty() && frames % 10 == 0) write_tinted(*frame, folder);
     ++frames;
     if (truth.empty()) continue;
     for (const auto& [label, found] : segmenter->labels())
@@ -69,12 +94,12 @@ void run(const char* path) {
 } // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: bench_segmentation CAPTURE\n");
+  if (argc < 2 || argc > 3) {
+    std::fprintf(stderr, "usage: bench_segmentation CAPTURE [FOLDER]\n");
     return 2;
   }
   try {
-    run(argv[1]);
+    run(argv[1], argc == 3 ? argv[2] : "");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_segmentation: %s\n", error.what());
     return 1;
