@@ -1,17 +1,13 @@
 #include "tracking/deformation_graph.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 
 #include "core/error.h"
-#include "core/random.h"
 
 namespace kinora::tracking {
 namespace {
-
-long cell_of(double coordinate, double size) { return static_cast<long>(std::floor(coordinate / size)); }
 
 bool nearer(const NearestPoints::Neighbour& a, const NearestPoints::Neighbour& b) {
   return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
@@ -21,53 +17,62 @@ bool nearer(const NearestPoints::Neighbour& a, const NearestPoints::Neighbour& b
 
 NearestPoints::NearestPoints(std::span<const Eigen::Vector3d> points, double reach)
     : reach_(reach), points_(points.begin(), points.end()) {
-  const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, 2 * points_.size()));
-  begin_.assign(slots + 1, 0);
-  std::vector<std::uint32_t> slot(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3d& p = points_[i];
-    slot[i] =
-        static_cast<std::uint32_t>(slot_of(cell_of(p.x(), reach_), cell_of(p.y(), reach_), cell_of(p.z(), reach_)));
-    ++begin_[slot[i] + 1];
+  if (points_.empty()) return;
+  constexpr double kMostCells = 64; // along an axis
+  Eigen::Vector3d low = points_.front();
+  Eigen::Vector3d high = points_.front();
+  for (const Eigen::Vector3d& point : points_) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
   }
+  low_ = low;
+  const double size = std::max(reach_, (high - low).maxCoeff() / kMostCells);
+  cells_per_metre_ = 1 / size;
+  for (int a = 0; a < 3; ++a) cells_[static_cast<std::size_t>(a)] = static_cast<int>((high[a] - low[a]) / size) + 1;
+  const auto cell_of = [this](const Eigen::Vector3d& point) {
+    const Eigen::Vector3i c = ((point - low_) * cells_per_metre_).cast<int>();
+    return row_of(std::min(c.y(), cells_[1] - 1), std::min(c.z(), cells_[2] - 1)) +
+           static_cast<std::size_t>(std::min(c.x(), cells_[0] - 1));
+  };
+  begin_.assign(row_of(0, cells_[2]) + 1, 0);
+  for (const Eigen::Vector3d& point : points_) ++begin_[cell_of(point) + 1];
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  order_.resize(points_.size());
+  sorted_.resize(points_.size());
   std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::size_t i = 0; i < points_.size(); ++i) order_[next[slot[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    sorted_[next[cell_of(points_[i])]++] = {points_[i], static_cast<int>(i)};
 }
 
-std::size_t NearestPoints::slot_of(long x, long y, long z) const {
-  const auto hash = mix64(static_cast<std::uint64_t>(x) * 0x9E3779B1U ^ mix64(static_cast<std::uint64_t>(y)) ^
-                          mix64(mix64(static_cast<std::uint64_t>(z))));
-  return hash & (begin_.size() - 2);
+std::size_t NearestPoints::row_of(int y, int z) const {
+  return (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(y)) *
+         static_cast<std::size_t>(cells_[0]);
 }
 
 std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbour> found) const {
   std::size_t count = 0;
   if (points_.empty() || found.empty() || !query.allFinite()) return 0;
-  const long x = cell_of(query.x(), reach_);
-  const long y = cell_of(query.y(), reach_);
-  const long z = cell_of(query.z(), reach_);
-  std::array<std::size_t, 27> looked{};
-  std::size_t looked_count = 0;
-  for (long dz = -1; dz <= 1; ++dz) {
-    for (long dy = -1; dy <= 1; ++dy) {
-      for (long dx = -1; dx <= 1; ++dx) {
-        const std::size_t slot = slot_of(x + dx, y + dy, z + dz);
-        // Two cells may share a slot: it is looked through once.
-        if (std::find(looked.begin(), looked.begin() + static_cast<std::ptrdiff_t>(looked_count), slot) !=
-            looked.begin() + static_cast<std::ptrdiff_t>(looked_count)) {
-          continue;
-        }
-        looked[looked_count++] = slot;
-        for (std::uint32_t k = begin_[slot]; k < begin_[slot + 1]; ++k) {
-          const Neighbour candidate{static_cast<int>(order_[k]), (points_[order_[k]] - query).squaredNorm()};
-          if (candidate.squared_distance > reach_ * reach_) continue;
-          if (count == found.size() && !nearer(candidate, found[count - 1])) continue;
-          std::size_t at = count < found.size() ? count++ : count - 1;
-          for (; at > 0 && nearer(candidate, found[at - 1]); --at) found[at] = found[at - 1];
-          found[at] = candidate;
-        }
+  // Cells are at least as wide as the reach: only those about the query's own matter.
+  std::array<int, 3> first{};
+  std::array<int, 3> last{};
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    const double c = std::floor((query[a] - low_[a]) * cells_per_metre_);
+    if (c < -1 || c > cells_[i]) return 0;
+    first[i] = std::max(static_cast<int>(c) - 1, 0);
+    last[i] = std::min(static_cast<int>(c) + 1, cells_[i] - 1);
+  }
+  const double reach_squared = reach_ * reach_;
+  for (int z = first[2]; z <= last[2]; ++z) {
+    for (int y = first[1]; y <= last[1]; ++y) {
+      const std::size_t row = row_of(y, z);
+      const std::uint32_t end = begin_[row + static_cast<std::size_t>(last[0]) + 1];
+      for (std::uint32_t k = begin_[row + static_cast<std::size_t>(first[0])]; k < end; ++k) {
+        const Neighbour candidate{sorted_[k].index, (sorted_[k].point - query).squaredNorm()};
+        if (candidate.squared_distance > reach_squared) continue;
+        if (count == found.size() && !nearer(candidate, found[count - 1])) continue;
+        std::size_t at = count < found.size() ? count++ : count - 1;
+        for (; at > 0 && nearer(candidate, found[at - 1]); --at) found[at] = found[at - 1];
+        found[at] = candidate;
       }
     }
   }

@@ -13,7 +13,7 @@
 
 namespace kinora::tracking {
 
-/// The nearest points to a query among a fixed set; a uniform hash grid. Immutable, thread-safe.
+/// The nearest points to a query among a fixed set; a uniform grid. Immutable, thread-safe.
 class NearestPoints {
 public:
   NearestPoints() = default;
@@ -29,12 +29,19 @@ public:
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
 
 private:
-  std::size_t slot_of(long x, long y, long z) const;
+  struct Sorted {
+    Eigen::Vector3d point;
+    int index;
+  };
+  std::size_t row_of(int y, int z) const; ///< number of the first cell of a row along x
 
   double reach_ = 1;
   std::vector<Eigen::Vector3d> points_;
-  std::vector<std::uint32_t> begin_; // per slot, into order_; one more at the end
-  std::vector<std::uint32_t> order_; // point indices by slot
+  Eigen::Vector3d low_ = Eigen::Vector3d::Zero(); ///< the grid's corner
+  double cells_per_metre_ = 1;
+  std::array<int, 3> cells_{};
+  std::vector<std::uint32_t> begin_; ///< per cell, into sorted_; one more at the end
+  std::vector<Sorted> sorted_;       ///< points by cell
 };
 
 /// Which nodes move a canonical point, heaviest first; weights add up to 1. `count` 0: no node is near enough.

@@ -12,22 +12,16 @@
 #include "tracking/layer_view.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
-#include "tracking/view_unfolding.h"
 
 namespace kinora::tracking {
 namespace {
 
-constexpr double kWeightRadius = 1.1;    // in units of the nodes' spacing
-constexpr double kInfluenceRadius = 2.5; // so that a surface between nodes, and what lies before it, is carried
-constexpr double kSampleShare = 1.0 / 3; // of the spacing: grid of the thinned surface
 constexpr double kMinSpacing = 0.02;
 constexpr double kMaxSpacing = 0.25;
 constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
-constexpr float kSeenOften = 2.5F;     // views that a surface must have been seen in before it gets nodes
 constexpr int kPassesWhenFound = 3;
 constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
 constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
-constexpr double kUnfoldReach = 0.03;      // metres
 constexpr std::size_t kPointsPerChunk = 512;
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
@@ -256,69 +250,6 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->world_to_camera = relative_to(volume_->origin(), frame);
   fuse(view, alignment.nodes);
   return Health::kTracked;
-}
-
-void DeformingTracker::fuse(const ObjectView& view, const NodeStates& states) {
-  const TsdfVolume::Places places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
-  const auto to_camera = [&](const Eigen::Vector3f& point) -> std::optional<Eigen::Vector3f> {
-    const Eigen::Vector3d canonical = point.cast<double>();
-    const Influence influence = graph_->influence(canonical);
-    if (influence.count == 0) return std::nullopt;
-    return blend_motion(states, influence).apply(canonical).cast<float>();
-  };
-  volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places);
-  surface_ = volume_->surface_points();
-  grow_graph(kSeenOften * unit_weight_);
-}
-
-// New nodes on surface that has none, with the past that the graph so far would have given them.
-void DeformingTracker::grow_graph(float min_weight) {
-  const double cell = kSampleShare * spacing_;
-  const std::vector<SurfaceSample> samples = thin_surface(surface_, cell, min_weight);
-  const std::size_t old = nodes_.size();
-  std::vector<Eigen::Vector3d> nodes = nodes_;
-  add_nodes(samples, spacing_, config_.max_nodes, nodes);
-  for (std::size_t i = old; i < nodes.size(); ++i) {
-    Influence influence = graph_ ? graph_->influence(nodes[i]) : Influence();
-    if (graph_ && influence.count == 0) {
-      const auto nearest = std::min_element(nodes_.begin(), nodes_.begin() + static_cast<std::ptrdiff_t>(old),
-                                            [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-                                              return (a - nodes[i]).squaredNorm() < (b - nodes[i]).squaredNorm();
-                                            });
-      influence.count = 1;
-      influence.nodes[0] = static_cast<int>(nearest - nodes_.begin());
-      influence.weights[0] = 1;
-    }
-    for (Record& record : records_) {
-      if (graph_ && record.nodes.empty()) continue;
-      if (!graph_) {
-        if (&record == &records_.back()) record.nodes.push_back(SE3::Identity());
-        continue;
-      }
-      std::array<DualQuaternion, Influence::kMost> transforms;
-      const auto count = static_cast<std::size_t>(influence.count);
-      for (std::size_t k = 0; k < count; ++k) {
-        transforms[k] = DualQuaternion::from(record.nodes[static_cast<std::size_t>(influence.nodes[k])]);
-      }
-      record.nodes.push_back(
-          blend(std::span(transforms).first(count), std::span(influence.weights).first(count)).to_se3());
-    }
-  }
-  if (nodes.size() > old) {
-    nodes_ = std::move(nodes);
-    graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
-    edges_ = connect_nodes(nodes_, samples, spacing_, cell);
-  }
-  renew_surface();
-}
-
-void DeformingTracker::renew_surface() {
-  skin_.resize(surface_.size());
-  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      skin_[i] = graph_->influence(surface_[i].position.cast<double>());
-    }
-  });
 }
 
 Motion DeformingTracker::motion() const {

@@ -10,6 +10,7 @@
 #include "ingest/frame.h"
 #include "tracking/deforming_alignment.h"
 #include "tracking/motion.h"
+#include "tracking/new_pieces.h"
 #include "tracking/surface_graph.h"
 #include "tracking/tsdf.h"
 
@@ -71,9 +72,12 @@ private:
   NodeStates in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const;
   std::vector<SE3> predicted(double time) const;
   Selection select(const ObjectView& view, const NodeStates& states) const;
-  void fuse(const ObjectView& view, const NodeStates& states);
+  void fuse(const ObjectView& view, NodeStates states);
+  std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
+  void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
   void renew_surface();
   void grow_graph(float min_weight);
+  void connect_graph(std::span<const SurfaceSample> samples);
 
   int label_;
   DeformingTrackerConfig config_;
@@ -92,6 +96,11 @@ private:
   std::vector<Record> records_;
   std::unique_ptr<Past> past_;
   int unseen_ = 0;
+  struct SeenPiece {
+    Eigen::Vector3d centroid; ///< in the camera
+    int frames;               ///< in a row that have shown it
+  };
+  std::vector<SeenPiece> pieces_; ///< apart from the model in the last frame
 };
 
 } // namespace kinora::tracking

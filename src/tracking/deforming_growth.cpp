@@ -1,0 +1,147 @@
+// How the canonical model of a deforming layer grows: measurements are fused, and surface without nodes gets some.
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "tracking/deforming_tracker.h"
+#include "tracking/new_pieces.h"
+#include "tracking/view_unfolding.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr double kWeightRadius = 1.1;    // in units of the nodes' spacing
+constexpr double kInfluenceRadius = 2.5; // so that a surface between nodes, and what lies before it, is carried
+constexpr double kSampleShare = 1.0 / 3; // of the spacing: grid of the thinned surface
+constexpr float kSeenOften = 2.5F;       // views that a surface must have been seen in before it gets nodes
+constexpr double kUnfoldReach = 0.03;    // metres
+constexpr int kPieceFrames = 8;          // in a row that show a piece apart before it is taken into the model
+constexpr double kPieceStep = 0.08;      // metres that a piece may go from frame to frame
+constexpr std::size_t kPieceCells = 12;
+constexpr double kPieceJump = 0.03; // metres
+constexpr std::size_t kPointsPerChunk = 512;
+
+// The node that is nearest to a place now.
+std::size_t nearest_node(const NodeStates& states, const Eigen::Vector3d& place) {
+  const auto nearest = std::min_element(states.positions.begin(), states.positions.end(),
+                                        [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                          return (a - place).squaredNorm() < (b - place).squaredNorm();
+                                        });
+  return static_cast<std::size_t>(nearest - states.positions.begin());
+}
+
+} // namespace
+
+// The pieces that have kept apart from the model for long enough. One that is apart for a moment is a part of the model
+// that the tracker has lost and will find again.
+std::vector<NewPiece> DeformingTracker::lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places) {
+  std::vector<NewPiece> lasting;
+  std::vector<SeenPiece> seen;
+  for (NewPiece& piece : find_new_pieces(view, places, kPieceCells, kPieceJump)) {
+    const Eigen::Vector3d centroid = piece.centroid();
+    int frames = 1;
+    for (const SeenPiece& before : pieces_) {
+      if ((before.centroid - centroid).norm() < kPieceStep) frames = std::max(frames, before.frames + 1);
+    }
+    seen.push_back({centroid, frames});
+    if (frames >= kPieceFrames) lasting.push_back(std::move(piece));
+  }
+  pieces_ = std::move(seen);
+  return lasting;
+}
+
+// Pieces apart from the model: each is carried back as if it had always moved with the node nearest to it.
+void DeformingTracker::adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places) {
+  const std::size_t old = nodes_.size();
+  for (const NewPiece& piece : lasting_pieces(view, places)) {
+    const std::size_t carrier = nearest_node(states, piece.centroid());
+    const SE3 to_canonical = states.transforms[carrier].to_se3().inverse();
+    std::vector<SurfaceSample> samples;
+    for (std::size_t i = 0; i < piece.cells.size(); ++i) {
+      const Eigen::Vector3d place = to_canonical * piece.points[i];
+      if (graph_->influence(place).count > 0) continue; // something else is there in canonical space
+      std::copy_n(place.cast<float>().eval().data(), 3, places.of_cell.pixel(piece.cells[i][0], piece.cells[i][1]));
+      samples.push_back({place, Eigen::Vector3d::UnitZ()});
+    }
+    const std::size_t before = nodes_.size();
+    add_nodes(samples, spacing_, config_.max_nodes, nodes_);
+    for (std::size_t i = before; i < nodes_.size(); ++i) {
+      states.push_back(DualQuaternion(states.transforms[carrier]), nodes_[i]);
+      for (Record& record : records_) {
+        if (!record.nodes.empty()) record.nodes.push_back(SE3(record.nodes[carrier]));
+      }
+    }
+  }
+  if (nodes_.size() == old) return;
+  graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+}
+
+void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
+  TsdfVolume::Places places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
+  const std::size_t old = nodes_.size();
+  adopt_pieces(view, states, places);
+  const auto to_camera = [&](const Eigen::Vector3f& point) -> std::optional<Eigen::Vector3f> {
+    const Eigen::Vector3d canonical = point.cast<double>();
+    const Influence influence = graph_->influence(canonical);
+    if (influence.count == 0) return std::nullopt;
+    return blend_motion(states, influence).apply(canonical).cast<float>();
+  };
+  volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places);
+  surface_ = volume_->surface_points();
+  if (nodes_.size() > old) connect_graph(thin_surface(surface_, kSampleShare * spacing_, 0));
+  grow_graph(kSeenOften * unit_weight_);
+}
+
+void DeformingTracker::connect_graph(std::span<const SurfaceSample> samples) {
+  graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+  edges_ = connect_nodes(nodes_, samples, spacing_, kSampleShare * spacing_);
+}
+
+// New nodes on surface that has none, with the past that the graph so far would have given them.
+void DeformingTracker::grow_graph(float min_weight) {
+  const std::vector<SurfaceSample> samples = thin_surface(surface_, kSampleShare * spacing_, min_weight);
+  const std::size_t old = nodes_.size();
+  std::vector<Eigen::Vector3d> nodes = nodes_;
+  add_nodes(samples, spacing_, config_.max_nodes, nodes);
+  for (std::size_t i = old; i < nodes.size(); ++i) {
+    Influence influence = graph_ ? graph_->influence(nodes[i]) : Influence();
+    if (graph_ && influence.count == 0) {
+      const auto nearest = std::min_element(nodes_.begin(), nodes_.begin() + static_cast<std::ptrdiff_t>(old),
+                                            [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                              return (a - nodes[i]).squaredNorm() < (b - nodes[i]).squaredNorm();
+                                            });
+      influence.count = 1;
+      influence.nodes[0] = static_cast<int>(nearest - nodes_.begin());
+      influence.weights[0] = 1;
+    }
+    for (Record& record : records_) {
+      if (graph_ && record.nodes.empty()) continue;
+      if (!graph_) {
+        if (&record == &records_.back()) record.nodes.push_back(SE3::Identity());
+        continue;
+      }
+      std::array<DualQuaternion, Influence::kMost> transforms;
+      const auto count = static_cast<std::size_t>(influence.count);
+      for (std::size_t k = 0; k < count; ++k) {
+        transforms[k] = DualQuaternion::from(record.nodes[static_cast<std::size_t>(influence.nodes[k])]);
+      }
+      record.nodes.push_back(
+          blend(std::span(transforms).first(count), std::span(influence.weights).first(count)).to_se3());
+    }
+  }
+  if (nodes.size() > old) {
+    nodes_ = std::move(nodes);
+    connect_graph(samples);
+  }
+  renew_surface();
+}
+
+void DeformingTracker::renew_surface() {
+  skin_.resize(surface_.size());
+  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      skin_[i] = graph_->influence(surface_[i].position.cast<double>());
+    }
+  });
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,24 @@
+// Parts of a deforming layer that come into view apart from all that is known of it: a second hand, say.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tracking/object_view.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+/// A piece of measured surface that hangs together and shows nothing known.
+struct NewPiece {
+  std::vector<std::array<int, 2>> cells; ///< column and row in `Places`
+  std::vector<Eigen::Vector3d> points;   ///< what the middle of each cell measures, in the camera
+  Eigen::Vector3d centroid() const;
+};
+
+/// Pieces of at least `least_cells` cells, in the order of their first cell. Neighbouring cells hang together where
+/// their depths differ by less than `max_jump` metres.
+std::vector<NewPiece> find_new_pieces(const ObjectView& view, const TsdfVolume::Places& places, std::size_t least_cells,
+                                      double max_jump);
+
+} // namespace kinora::tracking

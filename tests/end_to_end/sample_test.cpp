@@ -1,0 +1,59 @@
+// The main job on a piece of the sample, as a user runs it: a capture becomes a clip, which is drawn, compared with the
+// truth, followed and converted. The bounds lie between what the chain reaches and what it reaches when the tracker
+// stands still (points 30 mm off, novel cameras at 17 dB) or the trainer stops early.
+#include <nlohmann/json.hpp>
+
+#include "cli/run_kinora.h"
+
+namespace kinora::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const Json& named(const Json& list, const std::string& name) {
+  for (const Json& entry : list) {
+    if (entry.at("name") == name) return entry;
+  }
+  throw std::runtime_error("no entry named " + name);
+}
+
+TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
+  const TemporaryFolder folder;
+  const std::string sample = std::string(KINORA_SOURCE_DIR) + "/samples/carry_box";
+  const std::string clip = (folder.path() / "clip.mkv").string();
+  const Said encoded = run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout",
+                                           "5"});
+  ASSERT_EQ(encoded.code, 0) << encoded.err;
+
+  const Said judged = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
+  ASSERT_EQ(judged.code, 0) << judged.err;
+  const Json report = Json::parse(judged.out);
+  const Json& held_out = report.at("foreground").at("held_out");
+  EXPECT_GT(held_out.at("psnr_box").get<double>(), 21.5);
+  EXPECT_GT(held_out.at("iou").get<double>(), 0.92);
+  EXPECT_LT(std::abs(report.at("foreground").at("trained_minus_held_out_db").get<double>()), 1);
+  EXPECT_GT(named(report.at("layers"), "background").at("held_out").at("psnr").get<double>(), 33);
+  EXPECT_LT(named(report.at("layers"), "person").at("held_out").at("depth_error_median").get<double>(), 0.012);
+
+  const Json& truth = report.at("ground_truth");
+  double psnr = 0;
+  double iou = 0;
+  for (const Json& camera : truth.at("novel_cameras")) {
+    const Json& foreground = named(camera.at("layers"), "foreground");
+    psnr += foreground.at("psnr_box").get<double>() / static_cast<double>(truth.at("novel_cameras").size());
+    iou += foreground.at("iou").get<double>() / static_cast<double>(truth.at("novel_cameras").size());
+  }
+  EXPECT_GT(psnr, 19.3);
+  EXPECT_GT(iou, 0.86);
+  EXPECT_LT(truth.at("object_pose").at("error_m_mean").get<double>(), 0.004);
+  EXPECT_LT(truth.at("tracks").at("visible").at("error_m_mean").get<double>(), 0.012);
+  EXPECT_EQ(truth.at("tracks").at("visible").at("missing"), 0);
+
+  const std::string mesh = (folder.path() / "clip.glb").string();
+  const Said converted = run_kinora(folder, {"convert", clip, mesh, "-O", "triangles=5000"});
+  ASSERT_EQ(converted.code, 0) << converted.err;
+  EXPECT_EQ(contents_of(mesh).substr(0, 4), "glTF");
+}
+
+} // namespace
+} // namespace kinora::test
