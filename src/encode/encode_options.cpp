@@ -12,15 +12,15 @@ namespace {
 struct PresetBudget {
   Preset preset;
   const char* name;
-  std::size_t rays_per_frame;
+  double rays_per_pixel;
   std::size_t min_rays;
   std::size_t max_rays;
 };
 
 constexpr std::array<PresetBudget, 3> kPresets{{
-    {Preset::kFast, "fast", 50'000, 500'000, 20'000'000},
-    {Preset::kBalanced, "balanced", 200'000, 2'000'000, 80'000'000},
-    {Preset::kBest, "best", 800'000, 8'000'000, 400'000'000},
+    {Preset::kFast, "fast", 0.16, 500'000, 20'000'000},
+    {Preset::kBalanced, "balanced", 0.65, 2'000'000, 80'000'000},
+    {Preset::kBest, "best", 2.6, 8'000'000, 400'000'000},
 }};
 
 const PresetBudget& budget_of(Preset preset) {
@@ -45,7 +45,7 @@ EncodeOptions EncodeOptions::of(Preset preset) {
   const PresetBudget& budget = budget_of(preset);
   EncodeOptions options;
   options.preset = preset;
-  options.rays_per_frame = budget.rays_per_frame;
+  options.rays_per_pixel = budget.rays_per_pixel;
   options.min_rays = budget.min_rays;
   options.max_rays = budget.max_rays;
   return options;
@@ -63,7 +63,7 @@ nlohmann::json EncodeOptions::json() const {
           {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
           {"seed", seed},
           {"max_stored_pixels", max_stored_pixels},
-          {"rays_per_frame", rays_per_frame},
+          {"rays_per_pixel", rays_per_pixel},
           {"min_rays", min_rays},
           {"max_rays", max_rays}};
 }

@@ -23,8 +23,8 @@ struct EncodeOptions {
   ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   std::uint64_t seed = 1;
   std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each
-  /// Rays that train all layers together: rays_per_frame × frames, kept within the bounds.
-  std::size_t rays_per_frame = 0;
+  /// Rays that train all layers together: rays_per_pixel × pixels of all frames, kept within the bounds.
+  double rays_per_pixel = 0;
   std::size_t min_rays = 0;
   std::size_t max_rays = 0;
 

@@ -116,8 +116,10 @@ std::vector<LayerJob> share_rays(const Pass& pass, const EncodeOptions& options,
     jobs.push_back({&label, found->second});
     weights += std::sqrt(static_cast<double>(found->second));
   }
-  const std::size_t budget =
-      std::clamp(options.rays_per_frame * pass.clip.times.size(), options.min_rays, options.max_rays);
+  const Intrinsics& camera = pass.clip.intrinsics;
+  const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(pass.clip.times.size());
+  const auto budget =
+      std::clamp(static_cast<std::size_t>(options.rays_per_pixel * pixels), options.min_rays, options.max_rays);
   for (LayerJob& job : jobs) {
     const double share = std::sqrt(static_cast<double>(job.rays)) / weights;
     job.rays = static_cast<std::size_t>(share * static_cast<double>(budget));

@@ -21,6 +21,7 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     if (motion.health(static_cast<std::size_t>(stored.frame)) == tracking::Health::kLost) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
       const StoredPixel& pixel = pixels.pixels()[i];
+      // A mask says that a pixel is the layer's even where no depth is known; for the background nothing does.
       if (pixel.label == label && (label != 0 || pixel.depth != 0)) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
@@ -58,10 +59,8 @@ FieldRay RaySampler::ray_of(const PixelRef& ref) const {
 Occupancy RaySampler::seed_occupancy() const {
   Occupancy occupancy(config_.occupancy_resolution);
   const auto mark = [&](std::size_t pixel, const FieldRay& ray) {
-    // A mask says that a pixel is the layer's even where its depth is guessed; for the background nothing does.
-    const float known = pixels_.pixels()[pixel].depth;
-    const float depth = label_ != 0 ? std::abs(known) : known;
-    if (!(depth > 0)) return;
+    const float depth = std::abs(pixels_.pixels()[pixel].depth);
+    if (depth == 0) return;
     const float band = surface_band(config_, depth);
     mark_occupied(occupancy, ray, {depth - band, depth + band});
   };

@@ -29,7 +29,7 @@ public:
 /// Small budgets: a test has seconds.
 encode::EncodeOptions quick_options() {
   auto options = encode::EncodeOptions::of(encode::Preset::kFast);
-  options.rays_per_frame = 60'000;
+  options.rays_per_pixel = 5;
   options.min_rays = 0;
   return options;
 }
@@ -117,7 +117,7 @@ TEST(Encoder, ObjectThatNeverMovesIsStoredWithoutMotion) {
   }
   Listener listener;
   auto options = quick_options();
-  options.rays_per_frame = 10'000;
+  options.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   const Json object = layer_named(result.report, "object");
   EXPECT_EQ(object.at("motion").at("kind"), "still");
@@ -132,7 +132,7 @@ TEST(Encoder, LabelsFileRenamesAndStillsAnObject) {
   folder.write("labels.json", R"({"1": {"name": "ball", "kind": "rigid"}, "2": {"name": "crate", "kind": "still"}})");
   Listener listener;
   auto options = quick_options();
-  options.rays_per_frame = 10'000;
+  options.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   ASSERT_EQ(result.clip.layers.size(), 3U);
   EXPECT_EQ(result.clip.layers[1].name, "ball");
@@ -147,7 +147,7 @@ TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   write_box_capture(folder, scene);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_frame = 10'000;
+  options.rays_per_pixel = 0.8;
   ingest::CaptureOptions how;
   how.use_masks = false;
   const auto table = host::PluginTable::builtin();
@@ -166,7 +166,7 @@ TEST(Encoder, DamagedFrameIsSkippedAndCounted) {
   std::filesystem::resize_file(folder.path() / "depth/000002.png", 100);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_frame = 10'000;
+  options.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   EXPECT_EQ(result.clip.capture_frames, (std::vector<int>{0, 1, 3, 4}));
   const Json& skipped = result.report.at("capture").at("skipped");
@@ -181,7 +181,7 @@ TEST(Encoder, SameBytesForOneThreadAndTwo) {
   scene.frames = 5;
   write_box_capture(folder, scene);
   auto options = quick_options();
-  options.rays_per_frame = 10'000;
+  options.rays_per_pixel = 0.8;
   std::vector<std::string> files;
   for (const int threads : {1, 2}) {
     set_thread_count(threads);
