@@ -18,9 +18,9 @@ struct PresetBudget {
 };
 
 constexpr std::array<PresetBudget, 3> kPresets{{
-    {Preset::kFast, "fast", 0.16, 500'000, 20'000'000},
-    {Preset::kBalanced, "balanced", 0.65, 2'000'000, 80'000'000},
-    {Preset::kBest, "best", 2.6, 8'000'000, 400'000'000},
+    {Preset::kFast, "fast", 0.2, 500'000, 20'000'000},
+    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000},
+    {Preset::kBest, "best", 4.8, 8'000'000, 400'000'000},
 }};
 
 const PresetBudget& budget_of(Preset preset) {

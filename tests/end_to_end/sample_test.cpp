@@ -21,8 +21,8 @@ TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
   const TemporaryFolder folder;
   const std::string sample = std::string(KINORA_SOURCE_DIR) + "/samples/carry_box";
   const std::string clip = (folder.path() / "clip.mkv").string();
-  const Said encoded = run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout",
-                                           "5"});
+  const Said encoded =
+      run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout", "5"});
   ASSERT_EQ(encoded.code, 0) << encoded.err;
 
   const Said judged = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
