@@ -3,6 +3,7 @@
 
 #include "cli/run_kinora.h"
 #include "end_to_end/box_capture.h"
+#include "ingest/tiny_network.h"
 
 namespace kinora::test {
 namespace {
@@ -51,6 +52,23 @@ TEST_F(Encode, LeavesAClipAReportAndNothingElse) {
   const Json quality = Json::parse(eval.out);
   EXPECT_EQ(quality.at("layers").at(0).at("held_out"), report.at("evaluation").at("layers").at(0).at("held_out"));
   EXPECT_TRUE(quality.at("ground_truth").at("object_pose").is_object());
+}
+
+TEST_F(Encode, LabelsComeFromWhomeverTheUserAsks) {
+  // Red pixels are a person.
+  std::ofstream(path("net.onnx"), std::ios::binary) << onnx::convolution(1, {1, -1, 0}, {0});
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "masks"}, {{"--no-masks"}, "motion"}, {{"--segmenter", path("net.onnx")}, "network net.onnx"}};
+  for (const auto& [words, from] : cases) {
+    std::vector<std::string> all{path("c.mkv"), "--overwrite", "--json"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Said said = encode(all);
+    if (said.code == 6 && words.size() == 2) GTEST_SKIP() << "built without OpenCV";
+    ASSERT_EQ(said.code, 0) << from << ": " << said.err;
+    EXPECT_EQ(Json::parse(said.out).at("config").at("labels_from"), from);
+  }
+  expect_error(encode({path("d.mkv"), "--segmenter", path("c.mkv")}), 4, "c.mkv");
+  EXPECT_FALSE(fs::exists(path("d.mkv")));
 }
 
 TEST_F(Encode, SameBytesForOneThreadAndTwo) {
