@@ -9,8 +9,8 @@
 namespace kinora::ingest {
 namespace {
 
-using kinora::test::onnx::convolution;
 using kinora::test::TemporaryFolder;
+using kinora::test::onnx::convolution;
 
 Frame red_and_green() {
   Frame frame;
