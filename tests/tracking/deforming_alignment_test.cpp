@@ -82,19 +82,19 @@ NodeStates disturbed(const Scene& scene, double size, std::uint64_t seed) {
   return stepped(scene.start, steps);
 }
 
-// The derivative by the step of some nodes against differences of the energy.
-void expect_gradient(const DeformingProblem& problem, const NodeStates& states) {
+// The derivative by the step of some nodes against differences of the energy; `tolerance` in units of its length.
+void expect_gradient(const DeformingProblem& problem, const NodeStates& states, double size, double tolerance) {
   const BlockSystem system = problem.linearise(states);
   for (const std::size_t node : {0U, 20U, 31U, 40U, 62U}) {
     for (int i = 0; i < 6; ++i) {
-      constexpr double kStep = 1e-6;
       const auto energy = [&](double step) {
         std::vector<Twist> steps(states.size(), Twist::Zero());
         steps[node][i] = step;
         return problem.energy(stepped(states, steps));
       };
-      const double expected = (energy(kStep) - energy(-kStep)) / (2 * kStep);
-      EXPECT_NEAR(system.gradient[node][i], expected, 1e-4 * (1 + system.gradient[node].norm())) << node << ' ' << i;
+      const double expected = (energy(size) - energy(-size)) / (2 * size);
+      EXPECT_NEAR(system.gradient[node][i], expected, tolerance * (1 + system.gradient[node].norm()))
+          << node << ' ' << i;
     }
   }
 }
@@ -107,7 +107,7 @@ TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
   config.photometric_share = 0;
   associate(model, scene.textures, scene.view, scene.start, 0, 0.1, config, problem.terms());
   problem.set_prior(scene.start);
-  expect_gradient(problem, disturbed(scene, 0.02, 4));
+  expect_gradient(problem, disturbed(scene, 0.02, 4), 1e-6, 1e-4);
 }
 
 TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
@@ -128,20 +128,7 @@ TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
   for (PointTerms& terms : problem.terms()) terms.plane_scale = 0;
   // Steps are large against the rounding of the image's floats.
   problem.set_rigidity_sigma(1);
-  const NodeStates states = disturbed(scene, 0.005, 5);
-  const BlockSystem system = problem.linearise(states);
-  for (const std::size_t node : {0U, 31U, 40U, 62U}) {
-    for (int i = 0; i < 6; ++i) {
-      constexpr double kStep = 1e-4;
-      const auto energy = [&](double step) {
-        std::vector<Twist> steps(states.size(), Twist::Zero());
-        steps[node][i] = step;
-        return problem.energy(stepped(states, steps));
-      };
-      const double expected = (energy(kStep) - energy(-kStep)) / (2 * kStep);
-      EXPECT_NEAR(system.gradient[node][i], expected, 0.01 * system.gradient[node].norm()) << node << ' ' << i;
-    }
-  }
+  expect_gradient(problem, disturbed(scene, 0.005, 5), 1e-4, 0.01);
 }
 
 TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
