@@ -1,6 +1,6 @@
-// Labels a capture without its masks and prints speed and, where it has masks, their overlap with the labels; every
-// tenth frame, tinted by label, goes into FOLDER:
-//   bench_segmentation CAPTURE [FOLDER]
+// Labels a capture without its masks, or with every Nth of them (N > 0), and prints speed and, where it has masks,
+// their overlap with the labels; every tenth frame, tinted by label, goes into FOLDER:
+//   bench_segmentation CAPTURE [N [FOLDER]]
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 #include "core/image_codec.h"
 #include "host/plugin_table.h"
-#include "ingest/segmenter.h"
+#include "ingest/mask_completion.h"
 
 namespace {
 
@@ -53,7 +53,7 @@ void write_tinted(const ingest::Frame& frame, const std::filesystem::path& folde
       .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
 }
 
-void run(const char* path, const std::filesystem::path& folder) {
+void run(const char* path, int every, const std::filesystem::path& folder) {
   Progress progress;
   const host::PluginTable plugins = host::PluginTable::builtin();
   const auto open = [&](const ingest::FrameRange& range) {
@@ -61,7 +61,7 @@ void run(const char* path, const std::filesystem::path& folder) {
     options.frames = range;
     return ingest::Capture::open(plugins, path, options, progress);
   };
-  const auto segmenter = ingest::make_motion_segmenter();
+  const auto segmenter = every > 0 ? ingest::make_mask_completion() : ingest::make_motion_segmenter();
   const Clock::time_point begin = Clock::now();
   segmenter->prepare(open, {}, progress);
   std::printf("first pass: %.0f ms\n", milliseconds_since(begin));
@@ -73,15 +73,16 @@ void run(const char* path, const std::filesystem::path& folder) {
   int frames = 0;
   while (auto frame = capture->next()) {
     const LabelImage truth = frame->labels;
+    const bool given = every > 0 && frame->index % every == 0;
+    if (!given) frame->labels = {};
     const Clock::time_point start = Clock::now();
     segmenter->label(*frame);
     spent += milliseconds_since(start);
-    if (!folder.empty() && frames % 10 == 0) write_tinted(*frame, folder);
+    if (!folder.empty() && (frames % 10 == 0 || capture->info().frame_count < 10)) write_tinted(*frame, folder);
     ++frames;
-    if (truth.empty()) continue;
-    for (const auto& [label, found] : segmenter->labels())
-      if (const auto share = overlap(frame->labels, truth, label); label > 0 && share)
-        overlaps[label].push_back(*share);
+    if (truth.empty() || given) continue;
+    for (int label = 1; label < 256; ++label)
+      if (const auto share = overlap(frame->labels, truth, label)) overlaps[label].push_back(*share);
   }
   std::printf("second pass: %.1f ms per frame (%d frames)\n", spent / frames, frames);
   for (const auto& [label, shares] : overlaps) {
@@ -94,12 +95,12 @@ void run(const char* path, const std::filesystem::path& folder) {
 } // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::fprintf(stderr, "usage: bench_segmentation CAPTURE [FOLDER]\n");
+  if (argc < 2 || argc > 4) {
+    std::fprintf(stderr, "usage: bench_segmentation CAPTURE [N [FOLDER]]\n");
     return 2;
   }
   try {
-    run(argv[1], argc == 3 ? argv[2] : "");
+    run(argv[1], argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? argv[3] : "");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_segmentation: %s\n", error.what());
     return 1;

@@ -13,6 +13,7 @@
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/pipeline.h"
+#include "ingest/mask_completion.h"
 #include "ingest/network_segmenter.h"
 #include "player/evaluate.h"
 
@@ -73,7 +74,10 @@ LabelledCapture open_labelled(const Options& options, Context& context) {
     return {ingest::segmented_capture(open, range, ingest::make_network_segmenter(options.segmenter), context.progress),
             "network " + options.segmenter.filename().string()};
   }
-  if (auto capture = open(range); capture->info().has_masks) return {std::move(capture), "masks"};
+  if (auto capture = open(range); capture->info().has_masks) {
+    capture.reset();
+    return {ingest::segmented_capture(open, range, ingest::make_mask_completion(), context.progress), "masks"};
+  }
   return {ingest::segmented_capture(open, range, ingest::make_motion_segmenter(), context.progress), "motion"};
 }
 

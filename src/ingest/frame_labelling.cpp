@@ -2,11 +2,14 @@
 
 #include "core/parallel.h"
 #include "ingest/flat_faces.h"
+#include "ingest/grab_cut.h"
+#include "ingest/optical_flow.h"
 
 namespace kinora::ingest {
 namespace {
 
 constexpr std::uint8_t kPerson = 1;
+constexpr int kSharpened = 4; ///< pixels to both sides of a border
 constexpr std::size_t kFewSamples = 6;
 constexpr std::size_t kRowsPerChunk = 16;
 constexpr float kImpossible = -100;
@@ -92,12 +95,23 @@ void FrameLabelling::label(Frame& frame) {
   const int factor = segmentation_factor(frame.depth.width());
   const SegmentationView view = segmentation_view(frame, factor);
   const Mask foreground = foreground_mask(view, background_->ground_of(view));
+  carry_last_labels(view);
   LabelImage labels = label_things(view, foreground);
   label_persons(view, foreground, labels);
   last_labels_ = labels;
   last_depth_ = view.depth;
+  last_color_ = view.color;
   fill_unmeasured(view, labels);
   frame.labels = at_full_size(frame, factor, view, labels);
+  sharpen_borders(frame.color, kSharpened, frame.labels);
+}
+
+/// What is known of the last frame moves with the picture.
+void FrameLabelling::carry_last_labels(const SegmentationView& view) {
+  if (last_labels_.empty() || things_.things.empty()) return;
+  const Image<float> flow = optical_flow(view.color, last_color_);
+  last_labels_ = carried(last_labels_, flow);
+  last_depth_ = carried(last_depth_, flow);
 }
 
 /// How much likelier each foreground pixel is the thing than the rest, by colour around it, by where the thing was and

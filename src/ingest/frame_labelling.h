@@ -18,6 +18,8 @@ public:
   void label(Frame& frame);
 
 private:
+  void carry_last_labels(const SegmentationView& view);
+
   using Scores = Image<float>;
 
   void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground, const Mask& faces,
@@ -34,6 +36,7 @@ private:
   std::vector<bool> lost_; ///< by thing: not seen in the last frame
   LabelImage last_labels_;
   DepthImage last_depth_;
+  ColorImage last_color_;
 };
 
 } // namespace kinora::ingest

@@ -1,4 +1,4 @@
-// Labels from a segmentation network in an ONNX file. Library kinora_segmenter_onnx: the only one that needs OpenCV.
+// Labels from a segmentation network in an ONNX file.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace kinora::ingest {
 ///  - one class: a foreground score; above 0.5 is label 1 (person),
 ///  - more: the class with the largest score is the label: 0 background, 1 person, 2 object, 3….
 /// Scores of another size are read at the nearest pixel. No pass over the capture is needed.
-/// Throws Error: kCorruptInput if the file is missing or is no network that OpenCV can run, kMissingComponent if Kinora
-/// was built without OpenCV; `label` throws kCorruptInput if the output is of another form.
+/// Throws Error: kCorruptInput if the file is missing or is no network that OpenCV can run; `label` throws
+/// kCorruptInput if the output is of another form.
 std::unique_ptr<Segmenter> make_network_segmenter(const std::filesystem::path& network);
 
 } // namespace kinora::ingest

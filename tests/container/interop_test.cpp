@@ -175,7 +175,7 @@ TEST(ContainerInterop, MkvinfoAndFfprobeListEveryTrack) {
   write_sample(sample, folder / "a.mkv");
   const std::string a = (folder / "a.mkv").string();
   const std::string log = (folder / "log").string();
-  EXPECT_EQ(run(fmt::format("mkvinfo {} > {}", a, log)), 0);
+  EXPECT_EQ(run(fmt::format("LC_ALL=C.UTF-8 mkvinfo {} > {}", a, log)), 0);
   EXPECT_EQ(run(fmt::format("ffprobe -hide_banner {} >> {} 2>&1", a, log)), 0);
   const Bytes bytes = testing::load(log);
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
