@@ -80,6 +80,32 @@ typename Grid::Ptr grid_of(const char* name, const KinoraVolume& volume, const o
   return grid;
 }
 
+/// Readers interpolate between voxels. Each unset voxel beside set ones takes the mean of those, so that colour does
+/// not fade to black where density does.
+void spread_by_a_voxel(const KinoraVolume& volume, openvdb::Vec3SGrid& colors) {
+  const auto sums = openvdb::Vec3SGrid::create();
+  const auto counts = openvdb::FloatGrid::create();
+  {
+    const auto set = colors.getConstAccessor();
+    auto sum = sums->getAccessor();
+    auto count = counts->getAccessor();
+    for (std::size_t i = 0; i < volume.voxel_count; ++i) {
+      const std::int32_t* v = volume.voxels + 3 * i;
+      const openvdb::Coord from(v[0], -v[1], -v[2]);
+      for (int k = 0; k < 27; ++k) {
+        const openvdb::Coord to = from.offsetBy(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        if (set.isValueOn(to)) continue;
+        sum.setValue(to, sum.getValue(to) + set.getValue(from));
+        count.setValue(to, count.getValue(to) + 1);
+      }
+    }
+  }
+  const auto count = counts->getConstAccessor();
+  auto out = colors.getAccessor();
+  for (auto sum = sums->cbeginValueOn(); sum; ++sum)
+    out.setValue(sum.getCoord(), *sum / count.getValue(sum.getCoord()));
+}
+
 const KinoraVolumeChannel* channel_of(const KinoraVolume& volume, std::string_view name, int components) {
   for (std::size_t i = 0; i < volume.channel_count; ++i) {
     const KinoraVolumeChannel& channel = volume.channels[i];
@@ -104,6 +130,8 @@ openvdb::GridCPtrVec grids_of(const KinoraVolume& volume, bool half_floats, cons
     const float* c = color->values + 3 * i;
     return openvdb::Vec3s(c[0], c[1], c[2]);
   });
+  spread_by_a_voxel(volume, *colors);
+  colors->addStatsMetadata();
   colors->setVectorType(openvdb::VEC_INVARIANT); // not turned with the volume
   grids.push_back(colors);
   return grids;

@@ -11,7 +11,7 @@
 namespace kinora::bake {
 
 struct SurfaceOptions {
-  std::size_t triangles = 200'000; ///< about so many per layer at most; fewer if the field has no more detail
+  std::size_t triangles = 200'000; ///< so many per layer and a tenth at most; fewer if the field has no more detail
   int resolution = 0;              ///< cells per side of the layer's box; 0: as `triangles` asks
   double opacity = 0.5;        ///< the surface is where a way of one cell of the field's finest level is this opaque
   double smallest_part = 0.02; ///< parts with less than this share of the largest one's faces are left out

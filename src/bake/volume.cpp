@@ -11,6 +11,7 @@
 namespace kinora::bake {
 namespace {
 
+constexpr float kBlack = 1e-4F; ///< share of light that nobody sees: voxels are no denser than for that
 constexpr std::size_t kMostVoxels = 200'000'000; ///< of a frame, before empty ones are left out
 
 std::vector<Eigen::Vector3d> occupied_centres(const fields::Field& field) {
@@ -101,15 +102,16 @@ public:
     field_.evaluate(points, samples);
     std::vector<std::array<float, FieldSamples::kFeatures>> features;
     for (std::size_t i = 0; i < live.size(); ++i) {
-      float density = 0;
+      float through = 0; // mean share of light that passes
       float weight = 0;
       std::array<float, FieldSamples::kFeatures> mean{};
       for (std::size_t k = i * per_voxel; k < (i + 1) * per_voxel; ++k) {
-        density += samples.density[k] / static_cast<float>(per_voxel);
         const float opacity = 1 - std::exp(-samples.density[k] * static_cast<float>(voxel_));
+        through += (1 - opacity) / static_cast<float>(per_voxel);
         weight += opacity;
         for (std::size_t f = 0; f < mean.size(); ++f) mean[f] += opacity * samples.features[k][f];
       }
+      const float density = -std::log(std::max(through, kBlack)) / static_cast<float>(voxel_);
       if (density < least_density_) continue;
       for (float& f : mean) f /= std::max(weight, 1e-6F);
       out.keys.push_back(live[i]);

@@ -61,7 +61,7 @@ TEST_F(OpenVdbTest, HoldsDensityAndColorAsFogVolumes) {
   EXPECT_EQ(color->getGridClass(), openvdb::GRID_FOG_VOLUME);
   EXPECT_TRUE(density->saveFloatAsHalf());
   EXPECT_EQ(density->activeVoxelCount(), 60U);
-  EXPECT_EQ(color->activeVoxelCount(), 60U);
+  EXPECT_EQ(color->activeVoxelCount(), 7U * 6 * 5); // one voxel further to every side
   EXPECT_FLOAT_EQ(density->background(), 0);
 }
 
@@ -80,6 +80,16 @@ TEST_F(OpenVdbTest, ValuesLieWhereTheyBelongWithYUp) {
   EXPECT_EQ(box.dim(), openvdb::Coord(5, 4, 3));
   EXPECT_NEAR(density->indexToWorld(box.min()).y(), -0.06, 1e-12);
   EXPECT_NEAR(density->indexToWorld(box.max()).y(), 0, 1e-12);
+}
+
+TEST_F(OpenVdbTest, ColorDoesNotFadeBesideTheSurface) {
+  host::Volume volume = block();
+  for (auto& color : volume.color) color = {0.5F, 0.25F, 1};
+  const auto color = grid_of<openvdb::Vec3SGrid>(write(volume, "a.vdb"), "Cd");
+  for (auto value = color->cbeginValueOn(); value; ++value) EXPECT_EQ(*value, openvdb::Vec3s(0.5F, 0.25F, 1));
+  // In glTF's axes the block reaches from 0 to 4, −3 and −2.
+  EXPECT_TRUE(color->tree().isValueOn(openvdb::Coord(5, 1, 1)));
+  EXPECT_FALSE(color->tree().isValueOn(openvdb::Coord(6, 1, 1)));
 }
 
 TEST_F(OpenVdbTest, MetadataNamesFrameAndTime) {
