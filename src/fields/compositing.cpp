@@ -13,8 +13,8 @@ float sigmoid(float x) { return 1.0F / (1.0F + std::exp(-x)); }
 
 } // namespace
 
-void ChunkCompositor::forward(const RayBatch& rays, const float* geometry, const LossWeights& weights,
-                              ColorBatch& color) {
+void ChunkCompositor::forward(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
+                              const LossWeights& weights, ColorBatch& color) {
   const std::size_t n = rays.samples.size();
   weight_.resize(n);
   transmittance_.resize(n);
@@ -24,6 +24,7 @@ void ChunkCompositor::forward(const RayBatch& rays, const float* geometry, const
   color.input.resize(rays.ray_count() * kG);
   own_rays_ = 0;
   own_opacity_ = 0;
+  kernels::densities(geometry, lengths.data(), n, density_.data(), transmittance_.data());
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     const RayTarget& target = rays.targets[r];
     float transmittance = 1;
@@ -31,8 +32,7 @@ void ChunkCompositor::forward(const RayBatch& rays, const float* geometry, const
     std::array<float, kG> features{};
     for (std::size_t i = rays.first_sample[r]; i < rays.first_sample[r + 1]; ++i) {
       const float* g = geometry + i * kG;
-      density_[i] = std::exp(std::min(g[0], kMaxRawDensity));
-      const float behind = transmittance * std::exp(-density_[i] * rays.samples[i].length);
+      const float behind = transmittance * transmittance_[i];
       weight_[i] = transmittance - behind;
       transmittance_[i] = transmittance = behind;
       opacity += weight_[i];

@@ -11,8 +11,10 @@ namespace kinora::fields {
 /// Compositing of a chunk's rays. `geometry` rows are those of PointBatch.
 class ChunkCompositor {
 public:
-  /// Weights, opacities and normalised features; fills `color.input` with a row for each own ray.
-  void forward(const RayBatch& rays, const float* geometry, const LossWeights& weights, ColorBatch& color);
+  /// Weights, opacities and normalised features; fills `color.input` with a row for each own ray. `lengths`: those of
+  /// the samples.
+  void forward(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
+               const LossWeights& weights, ColorBatch& color);
 
   /// Loss of the chunk from the colours' outputs; `color_gradient` (own rays × kColorOutputs) is ∂loss/∂output · scale.
   double loss(const RayBatch& rays, const LossWeights& weights, float scale, const ColorBatch& color,

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "core/large_buffer.h"
+
 namespace kinora::fields {
 
 /// Cube of canonical space that a field fills. Coordinates inside are relative: (point − origin) / side in [0, 1]³.
@@ -98,7 +100,7 @@ std::size_t grid_entry_count(const FieldConfig& config);
 /// MLPs have no biases; a weight matrix is stored with the inputs as rows: w[input · outputs + output].
 struct Field {
   FieldConfig config;
-  std::vector<float> table;       ///< grid_entry_count × kFeatures
+  LargeBuffer<float> table;       ///< grid_entry_count × kFeatures
   std::vector<float> density_net; ///< encoding_width × kHidden, then kHidden × kGeometry
   std::vector<float> color_net; ///< kGeometry × kColorHidden, kColorHidden × kColorHidden, kColorHidden × kColorOutputs
   Occupancy occupancy;

@@ -36,10 +36,15 @@ void accumulate_weight_gradient(const float* in, const float* out_gradient, std:
 /// gradient[i] = 0 where activated[i] is not positive.
 void relu_backward(const float* activated, std::size_t count, float* gradient);
 
-/// Adds the gradient of one level's features (n × kFeatures) to the level's entries (entry 0 = the level's first), in
-/// order of the points, and sets the bit of every entry touched.
-void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, float* table_gradient,
-                   std::uint64_t* touched);
+/// Adds the gradient of one level's features to the level's entries (entry 0 = the level's first). Point i's gradient
+/// is the kFeatures floats at feature_gradients + i · stride. Points that follow each other in one cell are summed
+/// before memory is touched.
+void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, std::size_t stride,
+                   float* table_gradient);
+
+/// For n points whose raw densities are every kGeometry-th float of `geometry`: density = exp(min(raw,
+/// kMaxRawDensity)) and passing = exp(−density · length), the share of light that a piece of ray lets through.
+void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing);
 
 /// Adam (Kingma & Ba 2015) without weight decay.
 struct AdamStep {
@@ -49,9 +54,9 @@ struct AdamStep {
   float epsilon = 1e-15F;
 };
 
-/// Updates rows of kFeatures parameters whose bit is set, and clears their gradients and bits. `rows` ≤ 64 · words.
-void adam_rows(const AdamStep& step, std::size_t words, std::uint64_t* touched, float* parameters, float* gradients,
-               float* first_moments, float* second_moments);
+/// Updates `rows` rows of kFeatures parameters and clears their gradients. A row without gradient is only looked at.
+void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
+               float* second_moments);
 
 /// Updates `count` parameters (a multiple of 16) and clears their gradients.
 void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,

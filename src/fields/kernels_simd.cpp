@@ -1,12 +1,13 @@
 #include "fields/kernels.h"
-
-#include <bit>
+#include "fields/ray_batch.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fields/kernels_simd.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 
 #include <hwy/highway.h>
+// after highway.h
+#include <hwy/contrib/math/math-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::kernels::HWY_NAMESPACE {
@@ -112,26 +113,61 @@ void encode(std::span<const GridLevel> levels, const float* table, const Points&
   }
 }
 
-void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, float* table_gradient,
-                   std::uint64_t* touched) {
+/// Whether points i and k of a block lie in one cell. The other four corners follow from these: entries are sums, or
+/// exclusive ors, of a term for each axis.
+HWY_INLINE bool in_one_cell(const Corners& corners, std::size_t i, std::size_t k) {
+  return corners.entry[0][i] == corners.entry[0][k] && corners.entry[1][i] == corners.entry[1][k] &&
+         corners.entry[2][i] == corners.entry[2][k] && corners.entry[4][i] == corners.entry[4][k];
+}
+
+void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, std::size_t stride,
+                   float* table_gradient) {
   using R = Row<kF>;
   const R::Tag d;
   Corners corners;
   for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
     const Block block(points, begin);
     find_corners(level, block.x, block.y, block.z, corners);
-    for (std::size_t i = 0; i < block.count; ++i) {
+    for (std::size_t first = 0, end = 0; first < block.count; first = end) {
+      for (end = first + 1; end < block.count && in_one_cell(corners, first, end);) ++end;
       for (int v = 0; v < R::kVectors; ++v) {
-        const auto gradient = hn::LoadU(d, feature_gradients + (begin + i) * kF + v * R::kLanes);
-        for (int c = 0; c < 8; ++c) {
-          float* row = table_gradient + static_cast<std::size_t>(corners.entry[c][i]) * kF + v * R::kLanes;
-          hn::StoreU(hn::MulAdd(hn::Set(d, corners.weight[c][i]), gradient, hn::LoadU(d, row)), d, row);
+        const float* gradients = feature_gradients + begin * stride + v * R::kLanes;
+        R::Vector sums[8];
+        const auto g = hn::LoadU(d, gradients + first * stride);
+        for (int c = 0; c < 8; ++c) sums[c] = hn::Mul(hn::Set(d, corners.weight[c][first]), g);
+        for (std::size_t i = first + 1; i < end; ++i) {
+          const auto next = hn::LoadU(d, gradients + i * stride);
+          for (int c = 0; c < 8; ++c) sums[c] = hn::MulAdd(hn::Set(d, corners.weight[c][i]), next, sums[c]);
+        }
+        for (int c = 0; c < 8; ++c) { // one after the other: two corners may share an entry
+          float* row = table_gradient + static_cast<std::size_t>(corners.entry[c][first]) * kF + v * R::kLanes;
+          hn::StoreU(hn::Add(hn::LoadU(d, row), sums[c]), d, row);
         }
       }
-      for (int c = 0; c < 8; ++c) {
-        const auto entry = static_cast<std::uint32_t>(corners.entry[c][i]);
-        touched[entry >> 6] |= std::uint64_t{1} << (entry & 63);
-      }
+    }
+  }
+}
+
+void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing) {
+  const hn::CappedTag<float, kBlock> d;
+  HWY_ALIGN float raw[kBlock] = {};
+  HWY_ALIGN float length[kBlock] = {};
+  HWY_ALIGN float sigma[kBlock];
+  HWY_ALIGN float pass[kBlock];
+  for (std::size_t begin = 0; begin < n; begin += kBlock) {
+    const std::size_t count = std::min(kBlock, n - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      raw[i] = geometry[(begin + i) * FieldConfig::kGeometry];
+      length[i] = lengths[begin + i];
+    }
+    for (std::size_t i = 0; i < kBlock; i += hn::Lanes(d)) {
+      const auto s = hn::Exp(d, hn::Min(hn::Load(d, raw + i), hn::Set(d, kMaxRawDensity)));
+      hn::Store(s, d, sigma + i);
+      hn::Store(hn::Exp(d, hn::Neg(hn::Mul(s, hn::Load(d, length + i)))), d, pass + i);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      density[begin + i] = sigma[i];
+      passing[begin + i] = pass[i];
     }
   }
 }
@@ -239,19 +275,16 @@ HWY_INLINE void adam_vector(D d, const AdamStep& step, float* parameters, float*
   hn::StoreU(hn::Zero(d), d, gradients);
 }
 
-void adam_rows(const AdamStep& step, std::size_t words, std::uint64_t* touched, float* parameters, float* gradients,
-               float* first_moments, float* second_moments) {
+void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
+               float* second_moments) {
   using R = Row<kF>;
   const R::Tag d;
-  for (std::size_t w = 0; w < words; ++w) {
-    for (std::uint64_t bits = touched[w]; bits != 0; bits &= bits - 1) {
-      const std::size_t row = (w * 64 + static_cast<std::size_t>(std::countr_zero(bits))) * kF;
-      for (int v = 0; v < R::kVectors; ++v) {
-        const std::size_t at = row + static_cast<std::size_t>(v * R::kLanes);
-        adam_vector(d, step, parameters + at, gradients + at, first_moments + at, second_moments + at);
-      }
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (int v = 0; v < R::kVectors; ++v) {
+      const std::size_t at = row * kF + static_cast<std::size_t>(v * R::kLanes);
+      if (hn::AllTrue(d, hn::Eq(hn::LoadU(d, gradients + at), hn::Zero(d)))) continue;
+      adam_vector(d, step, parameters + at, gradients + at, first_moments + at, second_moments + at);
     }
-    touched[w] = 0;
   }
 }
 
@@ -276,6 +309,7 @@ HWY_EXPORT(dense);
 HWY_EXPORT(accumulate_weight_gradient);
 HWY_EXPORT(relu_backward);
 HWY_EXPORT(scatter_level);
+HWY_EXPORT(densities);
 HWY_EXPORT(adam_rows);
 HWY_EXPORT(adam_all);
 HWY_EXPORT(instruction_set);
@@ -293,13 +327,16 @@ void accumulate_weight_gradient(const float* in, const float* out_gradient, std:
 void relu_backward(const float* activated, std::size_t count, float* gradient) {
   HWY_DYNAMIC_DISPATCH(relu_backward)(activated, count, gradient);
 }
-void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, float* table_gradient,
-                   std::uint64_t* touched) {
-  HWY_DYNAMIC_DISPATCH(scatter_level)(level, points, feature_gradients, table_gradient, touched);
+void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, std::size_t stride,
+                   float* table_gradient) {
+  HWY_DYNAMIC_DISPATCH(scatter_level)(level, points, feature_gradients, stride, table_gradient);
 }
-void adam_rows(const AdamStep& step, std::size_t words, std::uint64_t* touched, float* parameters, float* gradients,
-               float* first_moments, float* second_moments) {
-  HWY_DYNAMIC_DISPATCH(adam_rows)(step, words, touched, parameters, gradients, first_moments, second_moments);
+void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing) {
+  HWY_DYNAMIC_DISPATCH(densities)(geometry, lengths, n, density, passing);
+}
+void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
+               float* second_moments) {
+  HWY_DYNAMIC_DISPATCH(adam_rows)(step, rows, parameters, gradients, first_moments, second_moments);
 }
 void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
               float* second_moments) {

@@ -151,6 +151,17 @@ bool OccupiedIntervals::next(Interval& interval) {
   return inside;
 }
 
+Interval in_box(const FieldRay& ray, Interval interval) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float inverse = safe_inverse(ray.direction[a]);
+    const float t0 = -ray.origin[a] * inverse;
+    const float t1 = (1 - ray.origin[a]) * inverse;
+    interval.begin = std::max(interval.begin, std::min(t0, t1));
+    interval.end = std::min(interval.end, std::max(t0, t1));
+  }
+  return interval;
+}
+
 bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& position) {
   std::array<int, 3> cell{};
   for (std::size_t a = 0; a < 3; ++a) {

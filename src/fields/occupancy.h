@@ -63,6 +63,14 @@ private:
   float end_ = 0;
 };
 
+inline std::array<float, 3> point_at(const FieldRay& ray, float depth) {
+  return {ray.origin[0] + depth * ray.direction[0], ray.origin[1] + depth * ray.direction[1],
+          ray.origin[2] + depth * ray.direction[2]};
+}
+
+/// The part of the interval that lies in the field's box; begin ≥ end if none does.
+Interval in_box(const FieldRay& ray, Interval interval);
+
 /// Whether a position relative to the box lies in an occupied cell; outside the box nothing does.
 bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& position);
 

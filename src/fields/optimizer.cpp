@@ -30,39 +30,45 @@ struct TransposedNets {
   }
 };
 
-/// Buffers and results of one chunk of rays; kept from step to step.
+/// What one chunk of rays leaves for the end of the step; kept from step to step.
 struct ChunkWork {
   RayBatch rays;
-  std::vector<float> x, y, z;
-  PointBatch points;
-  ColorBatch color;
-  ChunkCompositor compositor;
-  std::vector<float> color_gradient, second_gradient, first_gradient, input_gradient;
-  std::vector<float> geometry_gradient, hidden_gradient, encoding_gradient;
-  std::vector<float> level_gradient; // levels × samples × kFeatures
+  std::vector<float> x, y, z, length; // per sample
+  std::vector<float> encoding_gradient;
   std::vector<float> density_net_gradient, color_net_gradient;
   double loss = 0;
+  double own_opacity = 0;
+  std::size_t own_rays = 0;
 
   kernels::Points sample_points() const { return {x.data(), y.data(), z.data(), rays.samples.size()}; }
-  void gather_coordinates() {
+  void gather_samples() {
     const std::size_t n = rays.samples.size();
-    x.resize(n);
-    y.resize(n);
-    z.resize(n);
+    for (std::vector<float>* values : {&x, &y, &z, &length}) values->resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-      x[i] = rays.samples[i].position[0];
-      y[i] = rays.samples[i].position[1];
-      z[i] = rays.samples[i].position[2];
+      const RaySample& sample = rays.samples[i];
+      x[i] = sample.position[0];
+      y[i] = sample.position[1];
+      z[i] = sample.position[2];
+      length[i] = sample.length;
     }
   }
 };
 
+/// What is done with when the chunk is: one for each thread, so that it stays in its cache.
+struct Scratch {
+  PointBatch points;
+  ColorBatch color;
+  ChunkCompositor compositor;
+  std::vector<float> color_gradient, second_gradient, first_gradient, input_gradient;
+  std::vector<float> geometry_gradient, hidden_gradient;
+};
+
 struct Moments {
-  std::vector<float> gradient, first, second;
+  LargeBuffer<float> gradient, first, second;
   explicit Moments(std::size_t size) : gradient(size, 0.0F), first(size, 0.0F), second(size, 0.0F) {}
 };
 
-void add_to(std::vector<float>& sum, const std::vector<float>& values) {
+void add_to(LargeBuffer<float>& sum, const std::vector<float>& values) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i];
 }
 
@@ -73,83 +79,79 @@ struct FieldOptimizer::Implementation {
   LossWeights weights;
   std::vector<GridLevel> levels;
   Moments table, density_net, color_net;
-  std::vector<std::vector<std::uint64_t>> touched; // per level, a bit per entry
   std::vector<ChunkWork> work;
   long steps = 0;
 
   Implementation(Field& f, const LossWeights& w)
       : field(f), weights(w), levels(grid_levels(f.config)), table(f.table.size()), density_net(f.density_net.size()),
-        color_net(f.color_net.size()) {
-    for (const GridLevel& level : levels) touched.emplace_back((level.size + 63) / 64, 0);
-  }
+        color_net(f.color_net.size()) {}
 
   void forward_backward(ChunkWork& chunk, const TransposedNets& transposed, float scale) const;
-  void color_backward(ChunkWork& chunk, const TransposedNets& transposed) const;
-  void points_backward(ChunkWork& chunk, const TransposedNets& transposed) const;
+  void color_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
+  void points_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
   StepResult accumulate(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
                         const std::function<void(std::size_t)>& after_level);
 };
 
-void FieldOptimizer::Implementation::color_backward(ChunkWork& chunk, const TransposedNets& transposed) const {
-  const std::size_t n = chunk.compositor.own_ray_count();
-  chunk.second_gradient.resize(n * kC);
-  chunk.first_gradient.resize(n * kC);
-  chunk.input_gradient.resize(n * kG);
+void FieldOptimizer::Implementation::color_backward(ChunkWork& chunk, Scratch& scratch,
+                                                    const TransposedNets& transposed) const {
+  const std::size_t n = scratch.compositor.own_ray_count();
+  scratch.second_gradient.resize(n * kC);
+  scratch.first_gradient.resize(n * kC);
+  scratch.input_gradient.resize(n * kG);
   float* gradient = chunk.color_net_gradient.data();
   const float* third_t = transposed.color.data();
   const float* second_t = third_t + kC * kO;
   const float* first_t = second_t + kC * kC;
-  kernels::accumulate_weight_gradient(chunk.color.second.data(), chunk.color_gradient.data(), n, kC, kO,
+  kernels::accumulate_weight_gradient(scratch.color.second.data(), scratch.color_gradient.data(), n, kC, kO,
                                       gradient + kColorThird);
-  kernels::dense(chunk.color_gradient.data(), n, kO, third_t, kC, false, chunk.second_gradient.data());
-  kernels::relu_backward(chunk.color.second.data(), n * kC, chunk.second_gradient.data());
-  kernels::accumulate_weight_gradient(chunk.color.first.data(), chunk.second_gradient.data(), n, kC, kC,
+  kernels::dense(scratch.color_gradient.data(), n, kO, third_t, kC, false, scratch.second_gradient.data());
+  kernels::relu_backward(scratch.color.second.data(), n * kC, scratch.second_gradient.data());
+  kernels::accumulate_weight_gradient(scratch.color.first.data(), scratch.second_gradient.data(), n, kC, kC,
                                       gradient + kColorSecond);
-  kernels::dense(chunk.second_gradient.data(), n, kC, second_t, kC, false, chunk.first_gradient.data());
-  kernels::relu_backward(chunk.color.first.data(), n * kC, chunk.first_gradient.data());
-  kernels::accumulate_weight_gradient(chunk.color.input.data(), chunk.first_gradient.data(), n, kG, kC,
+  kernels::dense(scratch.second_gradient.data(), n, kC, second_t, kC, false, scratch.first_gradient.data());
+  kernels::relu_backward(scratch.color.first.data(), n * kC, scratch.first_gradient.data());
+  kernels::accumulate_weight_gradient(scratch.color.input.data(), scratch.first_gradient.data(), n, kG, kC,
                                       gradient + kColorFirst);
-  kernels::dense(chunk.first_gradient.data(), n, kC, first_t, kG, false, chunk.input_gradient.data());
+  kernels::dense(scratch.first_gradient.data(), n, kC, first_t, kG, false, scratch.input_gradient.data());
 }
 
-void FieldOptimizer::Implementation::points_backward(ChunkWork& chunk, const TransposedNets& transposed) const {
+void FieldOptimizer::Implementation::points_backward(ChunkWork& chunk, Scratch& scratch,
+                                                     const TransposedNets& transposed) const {
   const std::size_t n = chunk.rays.samples.size();
   const int width = field.config.encoding_width();
-  chunk.hidden_gradient.resize(n * kH);
+  scratch.hidden_gradient.resize(n * kH);
   chunk.encoding_gradient.resize(n * static_cast<std::size_t>(width));
-  chunk.level_gradient.resize(n * static_cast<std::size_t>(width));
   float* gradient = chunk.density_net_gradient.data();
-  kernels::accumulate_weight_gradient(chunk.points.hidden.data(), chunk.geometry_gradient.data(), n, kH, kG,
+  kernels::accumulate_weight_gradient(scratch.points.hidden.data(), scratch.geometry_gradient.data(), n, kH, kG,
                                       gradient + width * kH);
-  kernels::dense(chunk.geometry_gradient.data(), n, kG, transposed.density.data(), kH, false,
-                 chunk.hidden_gradient.data());
-  kernels::relu_backward(chunk.points.hidden.data(), n * kH, chunk.hidden_gradient.data());
-  kernels::accumulate_weight_gradient(chunk.points.encoding.data(), chunk.hidden_gradient.data(), n, width, kH,
+  kernels::dense(scratch.geometry_gradient.data(), n, kG, transposed.density.data(), kH, false,
+                 scratch.hidden_gradient.data());
+  kernels::relu_backward(scratch.points.hidden.data(), n * kH, scratch.hidden_gradient.data());
+  kernels::accumulate_weight_gradient(scratch.points.encoding.data(), scratch.hidden_gradient.data(), n, width, kH,
                                       gradient);
-  kernels::dense(chunk.hidden_gradient.data(), n, kH, transposed.density.data() + kG * kH, width, false,
+  kernels::dense(scratch.hidden_gradient.data(), n, kH, transposed.density.data() + kG * kH, width, false,
                  chunk.encoding_gradient.data());
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    float* out = chunk.level_gradient.data() + l * n * kF;
-    const float* in = chunk.encoding_gradient.data() + l * kF;
-    for (std::size_t i = 0; i < n; ++i) std::copy_n(in + i * static_cast<std::size_t>(width), kF, out + i * kF);
-  }
 }
 
 void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const TransposedNets& transposed,
                                                       float scale) const {
-  chunk.gather_coordinates();
+  static thread_local Scratch scratch;
+  chunk.gather_samples();
   chunk.density_net_gradient.assign(field.density_net.size(), 0.0F);
   chunk.color_net_gradient.assign(field.color_net.size(), 0.0F);
-  evaluate_points(field, levels, chunk.sample_points(), chunk.points);
-  const float* geometry = chunk.points.geometry.data();
-  chunk.compositor.forward(chunk.rays, geometry, weights, chunk.color);
-  evaluate_colors(field, chunk.compositor.own_ray_count(), chunk.color);
-  chunk.loss = chunk.compositor.loss(chunk.rays, weights, scale, chunk.color, chunk.color_gradient);
-  color_backward(chunk, transposed);
-  chunk.geometry_gradient.resize(chunk.rays.samples.size() * kG);
-  chunk.compositor.backward(chunk.rays, geometry, weights, scale, chunk.color, chunk.input_gradient.data(),
-                            chunk.geometry_gradient.data());
-  points_backward(chunk, transposed);
+  evaluate_points(field, levels, chunk.sample_points(), scratch.points);
+  const float* geometry = scratch.points.geometry.data();
+  scratch.compositor.forward(chunk.rays, chunk.length, geometry, weights, scratch.color);
+  evaluate_colors(field, scratch.compositor.own_ray_count(), scratch.color);
+  chunk.loss = scratch.compositor.loss(chunk.rays, weights, scale, scratch.color, scratch.color_gradient);
+  chunk.own_opacity = scratch.compositor.own_opacity_sum();
+  chunk.own_rays = scratch.compositor.own_ray_count();
+  color_backward(chunk, scratch, transposed);
+  scratch.geometry_gradient.resize(chunk.rays.samples.size() * kG);
+  scratch.compositor.backward(chunk.rays, geometry, weights, scale, scratch.color, scratch.input_gradient.data(),
+                              scratch.geometry_gradient.data());
+  points_backward(chunk, scratch, transposed);
 }
 
 StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
@@ -176,8 +178,8 @@ StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
     add_to(color_net.gradient, work[c].color_net_gradient);
     result.loss += work[c].loss / static_cast<double>(rays);
     result.samples += work[c].rays.samples.size();
-    opacity += work[c].compositor.own_opacity_sum();
-    own += work[c].compositor.own_ray_count();
+    opacity += work[c].own_opacity;
+    own += work[c].own_rays;
   }
   result.opacity = own > 0 ? opacity / static_cast<double>(own) : 0.0;
 
@@ -187,9 +189,8 @@ StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
     float* gradient = table.gradient.data() + static_cast<std::size_t>(levels[l].offset) * kF;
     for (std::size_t k = 0; k < chunks; ++k) {
       const ChunkWork& chunk = work[k];
-      kernels::scatter_level(levels[l], chunk.sample_points(),
-                             chunk.level_gradient.data() + l * chunk.rays.samples.size() * kF, gradient,
-                             touched[l].data());
+      kernels::scatter_level(levels[l], chunk.sample_points(), chunk.encoding_gradient.data() + l * kF,
+                             levels.size() * kF, gradient);
     }
     after_level(l);
   });
@@ -210,8 +211,8 @@ StepResult FieldOptimizer::step(std::size_t chunks, const std::function<void(std
   adam.learning_rate = static_cast<float>(rates.table * correction);
   const StepResult result = s.accumulate(chunks, fill, [&](std::size_t l) {
     const std::size_t at = static_cast<std::size_t>(s.levels[l].offset) * kF;
-    kernels::adam_rows(adam, s.touched[l].size(), s.touched[l].data(), s.field.table.data() + at,
-                       s.table.gradient.data() + at, s.table.first.data() + at, s.table.second.data() + at);
+    kernels::adam_rows(adam, s.levels[l].size, s.field.table.data() + at, s.table.gradient.data() + at,
+                       s.table.first.data() + at, s.table.second.data() + at);
   });
   adam.learning_rate = static_cast<float>(rates.nets * correction);
   for (auto [parameters, moments] :
@@ -226,11 +227,11 @@ StepResult FieldOptimizer::gradient(std::size_t chunks, const std::function<void
                                     Gradient& gradient) {
   Implementation& s = *implementation_;
   const StepResult result = s.accumulate(chunks, fill, [](std::size_t) {});
-  gradient = {s.table.gradient, s.density_net.gradient, s.color_net.gradient};
-  for (Moments* moments : {&s.table, &s.density_net, &s.color_net}) {
+  for (auto [moments, out] : {std::pair(&s.table, &gradient.table), std::pair(&s.density_net, &gradient.density_net),
+                              std::pair(&s.color_net, &gradient.color_net)}) {
+    out->assign(moments->gradient.begin(), moments->gradient.end());
     std::fill(moments->gradient.begin(), moments->gradient.end(), 0.0F);
   }
-  for (auto& bits : s.touched) std::fill(bits.begin(), bits.end(), 0);
   return result;
 }
 

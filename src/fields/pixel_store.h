@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/large_buffer.h"
 #include "ingest/frame.h"
 
 namespace kinora::fields {
@@ -34,14 +35,14 @@ public:
   void add(const ingest::Frame& frame, int timeline_index);
 
   const std::vector<StoredFrame>& frames() const { return frames_; }
-  const std::vector<StoredPixel>& pixels() const { return pixels_; }
+  const LargeBuffer<StoredPixel>& pixels() const { return pixels_; }
 
 private:
   std::size_t max_pixels_;
   std::size_t expected_frames_;
   std::size_t pixels_per_frame_;
   std::vector<StoredFrame> frames_;
-  std::vector<StoredPixel> pixels_;
+  LargeBuffer<StoredPixel> pixels_;
 };
 
 } // namespace kinora::fields

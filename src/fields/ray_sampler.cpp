@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "fields/ray_order.h"
 #include "fields/surface_band.h"
 
 namespace kinora::fields {
@@ -13,18 +14,29 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling) {
   if (motion.kind() == tracking::MotionKind::kDeforming) {
     warped_own_ = warp_measured_pixels(pixels, label, motion, config);
+    order_by_place(warped_own_, [&](const WarpedPixel& own) { return place_of(own.ray, own.pixel); });
     return;
   }
   for (const StoredFrame& stored : pixels.frames()) frames_.push_back(frame_rays(stored));
   for (std::uint32_t f = 0; f < pixels.frames().size(); ++f) {
     const StoredFrame& stored = pixels.frames()[f];
-    if (motion.health(static_cast<std::size_t>(stored.frame)) == tracking::Health::kLost) continue;
+    if (is_lost(stored)) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
       const StoredPixel& pixel = pixels.pixels()[i];
-      // A mask says that a pixel is the layer's even where no depth is known; for the background nothing does.
-      if (pixel.label == label && (label != 0 || pixel.depth != 0)) own_.push_back({f, static_cast<std::uint32_t>(i)});
+      if (pixel.label == label && pixel.depth != 0) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
+  order_by_place(own_, [&](const PixelRef& ref) { return place_of(ray_of(ref), ref.pixel); });
+}
+
+// Nothing is known of where the layer was then.
+bool RaySampler::is_lost(const StoredFrame& frame) const {
+  return motion_.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost;
+}
+
+// Where the ray meets the layer's surface.
+std::array<float, 3> RaySampler::place_of(const FieldRay& ray, std::uint32_t pixel) const {
+  return point_at(ray, std::abs(pixels_.pixels()[pixel].depth));
 }
 
 RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
@@ -75,19 +87,24 @@ Occupancy RaySampler::seed_occupancy() const {
 }
 
 void RaySampler::set_occupancy(const Occupancy& occupancy) {
-  distances_ = DistanceField(occupancy);
+  occupancy_ = occupancy;
   if (motion_.kind() == tracking::MotionKind::kDeforming) {
     warped_space_ = warp_occupied_space(pixels_, label_, motion_, config_, occupancy, sampling_.near_depth);
   } else {
-    find_others();
+    find_pieces();
   }
 }
 
-// The pixels of other layers that look through occupied space.
-void RaySampler::find_others() {
+// What pixels of other layers see of occupied space, and where own pixels without depth first meet it. A mask says that
+// a pixel is the layer's even where no depth is known; for the background nothing does.
+void RaySampler::find_pieces() {
   constexpr std::size_t kChunk = 16384;
-  const std::vector<StoredPixel>& all = pixels_.pixels();
-  std::vector<std::vector<PixelRef>> found(chunk_count(all.size(), kChunk));
+  struct Found {
+    std::vector<PixelPiece> unmeasured, others;
+  };
+  const DistanceField distances(occupancy_);
+  const LargeBuffer<StoredPixel>& all = pixels_.pixels();
+  std::vector<Found> found(chunk_count(all.size(), kChunk));
   parallel_for(all.size(), kChunk, [&](const Chunk& chunk) {
     const auto& frames = pixels_.frames();
     auto f = static_cast<std::uint32_t>(
@@ -96,47 +113,45 @@ void RaySampler::find_others() {
         frames.begin());
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       while (i >= frames[f].end) ++f;
-      if (all[i].label == label_) continue;
-      const PixelRef ref{f, static_cast<std::uint32_t>(i)};
-      OccupiedIntervals walk(distances_, ray_of(ref), sampling_.near_depth, empty_until(all[i]));
-      Interval interval{};
-      if (walk.next(interval)) found[chunk.index].push_back(ref);
+      const bool own = all[i].label == label_;
+      if (is_lost(frames[f]) || (own && (label_ == 0 || all[i].depth != 0))) continue;
+      PixelPiece piece{{f, static_cast<std::uint32_t>(i)}, {}};
+      OccupiedIntervals walk(distances, ray_of(piece.ref), sampling_.near_depth, own ? kFarthest : empty_until(all[i]));
+      if (own) {
+        if (walk.next(piece.piece)) found[chunk.index].unmeasured.push_back(piece);
+      } else {
+        while (walk.next(piece.piece)) found[chunk.index].others.push_back(piece);
+      }
     }
   });
+  unmeasured_.clear();
   others_.clear();
-  for (const auto& part : found) others_.insert(others_.end(), part.begin(), part.end());
+  for (const Found& part : found) {
+    unmeasured_.insert(unmeasured_.end(), part.unmeasured.begin(), part.unmeasured.end());
+    others_.insert(others_.end(), part.others.begin(), part.others.end());
+  }
 }
 
 void RaySampler::append_sample(const FieldRay& ray, float depth, float depth_step, RayBatch& batch) const {
   RaySample sample{};
-  for (std::size_t a = 0; a < 3; ++a) sample.position[a] = ray.origin[a] + depth * ray.direction[a];
+  sample.position = point_at(ray, depth);
   sample.depth = depth;
   sample.length = depth_step * ray.metres_per_depth / static_cast<float>(config_.density_length());
   batch.samples.push_back(sample);
 }
 
+// One sample in each of `count` equal parts of what lies in the box; those in empty space are left out. Occupied space
+// is thin: a sample stands for no more of it than two cells.
 void RaySampler::append_in_occupied(const FieldRay& ray, float near_depth, float far_depth, int count, Random& random,
                                     RayBatch& batch) const {
-  constexpr std::size_t kMaxIntervals = 12;
-  std::array<Interval, kMaxIntervals> intervals{};
-  std::size_t found = 0;
-  float total = 0;
-  OccupiedIntervals walk(distances_, ray, near_depth, far_depth);
-  while (found < kMaxIntervals && walk.next(intervals[found])) {
-    total += intervals[found].end - intervals[found].begin;
-    ++found;
-  }
-  if (found == 0 || !(total > 0)) return;
-  const float step = total / static_cast<float>(count);
-  std::size_t current = 0;
-  float before = 0; // length of the intervals before the current one
+  const Interval inside = in_box(ray, {near_depth, far_depth});
+  if (!(inside.begin < inside.end)) return;
+  const float step = (inside.end - inside.begin) / static_cast<float>(count);
+  const auto cell = static_cast<float>(config_.box.side / occupancy_.resolution());
+  const float length = std::min(step, 2 * cell / ray.metres_per_depth);
   for (int i = 0; i < count; ++i) {
-    const float along = (static_cast<float>(i) + random.uniform()) * step;
-    while (current + 1 < found && along - before > intervals[current].end - intervals[current].begin) {
-      before += intervals[current].end - intervals[current].begin;
-      ++current;
-    }
-    append_sample(ray, intervals[current].begin + along - before, step, batch);
+    const float depth = inside.begin + step * (static_cast<float>(i) + random.uniform());
+    if (is_occupied(occupancy_, point_at(ray, depth))) append_sample(ray, depth, length, batch);
   }
 }
 
@@ -176,27 +191,54 @@ void RaySampler::append_other(const WarpedPixel& chosen, Random& random, RayBatc
   batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
 }
 
-WarpedPixel RaySampler::chosen(bool own, Random& random) const {
-  const auto any = [&random](const auto& list) { return list[random.below(static_cast<std::uint32_t>(list.size()))]; };
-  if (!warped_own_.empty()) {
-    if (!own) return any(warped_space_.before);
-    const std::size_t i = random.below(static_cast<std::uint32_t>(own_ray_count()));
-    return i < warped_own_.size() ? warped_own_[i] : warped_space_.unmeasured[i - warped_own_.size()];
+WarpedPixel RaySampler::ray_at(bool own, std::size_t index) const {
+  if (motion_.kind() == tracking::MotionKind::kDeforming) {
+    if (!own) return warped_space_.before[index];
+    return index < warped_own_.size() ? warped_own_[index] : warped_space_.unmeasured[index - warped_own_.size()];
   }
-  const PixelRef ref = any(own ? own_ : others_);
-  const float end = own ? kFarthest : empty_until(pixels_.pixels()[ref.pixel]);
-  return {ref.pixel, ray_of(ref), {sampling_.near_depth, end}};
+  if (own && index < own_.size()) return {own_[index].pixel, ray_of(own_[index]), {sampling_.near_depth, kFarthest}};
+  const PixelPiece& piece = own ? unmeasured_[index - own_.size()] : others_[index];
+  return {piece.ref.pixel, ray_of(piece.ref), piece.piece};
 }
 
-void RaySampler::draw(Random& random, std::size_t count, RayBatch& batch) const {
+// The memory that ray_at() reads first, and what it finds there of the pixel.
+const void* RaySampler::ray_memory(bool own, std::size_t index) const {
+  if (motion_.kind() == tracking::MotionKind::kDeforming) {
+    if (!own) return &warped_space_.before[index];
+    return index < warped_own_.size() ? &warped_own_[index] : &warped_space_.unmeasured[index - warped_own_.size()];
+  }
+  if (own && index < own_.size()) return &own_[index];
+  return own ? &unmeasured_[index - own_.size()] : &others_[index];
+}
+
+std::uint32_t RaySampler::pixel_at(bool own, std::size_t index) const {
+  if (motion_.kind() == tracking::MotionKind::kDeforming) return ray_at(own, index).pixel;
+  if (own && index < own_.size()) return own_[index].pixel;
+  return (own ? unmeasured_[index - own_.size()] : others_[index]).ref.pixel;
+}
+
+void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, RayBatch& batch) const {
   const std::size_t from_others = other_ray_count() == 0 ? 0 : count / 4;
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool own = i >= from_others;
-    const WarpedPixel ray = chosen(own, random);
-    if (own) {
-      append_own(ray, random, batch);
-    } else {
-      append_other(ray, random, batch);
+  std::vector<std::size_t> indices;
+  for (const bool own : {false, true}) {
+    const std::size_t here = own ? count - from_others : from_others;
+    const std::size_t rays = own ? own_ray_count() : other_ray_count();
+    indices.clear();
+    for (std::size_t i = 0; i < here; ++i) {
+      const std::size_t part = chunk * here + i;
+      const std::size_t begin = rays * part / (here * chunks);
+      const std::size_t end = rays * (part + 1) / (here * chunks);
+      const std::size_t spread = end > begin ? random.below(static_cast<std::uint32_t>(end - begin)) : 0;
+      indices.push_back(std::min(begin + spread, rays - 1));
+      __builtin_prefetch(ray_memory(own, indices.back()));
+    }
+    for (const std::size_t index : indices) __builtin_prefetch(&pixels_.pixels()[pixel_at(own, index)]);
+    for (const std::size_t index : indices) {
+      if (own) {
+        append_own(ray_at(own, index), random, batch);
+      } else {
+        append_other(ray_at(own, index), random, batch);
+      }
     }
   }
 }

@@ -17,10 +17,11 @@ namespace kinora::fields {
 struct SamplingConfig {
   int surface_samples =
       5;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
-  int free_samples = 2; ///< at most, in occupied space before the band
-  int unmeasured_samples = 8; ///< in occupied space, for a pixel of the layer whose depth is not known
-  int emptiness_samples = 4;  ///< in occupied space before another layer's surface
-  float near_depth = 0.05F;   ///< metres; nothing is modelled nearer to a camera
+  int free_samples = 4; ///< between the camera and the band; those in empty space are left out
+  int unmeasured_samples =
+      8; ///< where the ray first meets occupied space, for a pixel of the layer whose depth is not known
+  int emptiness_samples = 4; ///< in occupied space before another layer's surface
+  float near_depth = 0.05F;  ///< metres; nothing is modelled nearer to a camera
 };
 
 /// Rays of one layer. Pixels of the layer teach colour, opacity and depth; pixels of other layers teach emptiness
@@ -36,11 +37,15 @@ public:
   /// Samples are placed in this space from now on; finds the pixels of other layers that look through it.
   void set_occupancy(const Occupancy& occupancy);
 
-  std::size_t own_ray_count() const { return own_.size() + warped_own_.size() + warped_space_.unmeasured.size(); }
+  std::size_t own_ray_count() const {
+    return own_.size() + unmeasured_.size() + warped_own_.size() + warped_space_.unmeasured.size();
+  }
   std::size_t other_ray_count() const { return others_.size() + warped_space_.before.size(); }
 
-  /// Appends `count` randomly chosen rays, a quarter of them (if there are any) from other layers.
-  void draw(Random& random, std::size_t count, RayBatch& batch) const;
+  /// Appends the `count` rays of one of a step's `chunks` chunks, a quarter of them (if there are any) from other
+  /// layers. Together the chunks take one random ray from each of count · chunks equal parts of the lists; each takes
+  /// neighbouring parts.
+  void draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, RayBatch& batch) const;
 
 private:
   struct FrameRays { // camera to box-relative coordinates
@@ -52,11 +57,19 @@ private:
     std::uint32_t frame; // into frames_
     std::uint32_t pixel;
   };
+  struct PixelPiece { // what of a pixel's ray lies in occupied space
+    PixelRef ref;
+    Interval piece;
+  };
 
+  bool is_lost(const StoredFrame& frame) const;
   FrameRays frame_rays(const StoredFrame& frame) const;
   FieldRay ray_of(const PixelRef& ref) const;
-  WarpedPixel chosen(bool own, Random& random) const;
-  void find_others();
+  std::array<float, 3> place_of(const FieldRay& ray, std::uint32_t pixel) const;
+  WarpedPixel ray_at(bool own, std::size_t index) const;
+  const void* ray_memory(bool own, std::size_t index) const;
+  std::uint32_t pixel_at(bool own, std::size_t index) const;
+  void find_pieces();
   void append_own(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
   void append_other(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
   void append_in_occupied(const FieldRay& ray, float near_depth, float far_depth, int count, Random& random,
@@ -70,12 +83,13 @@ private:
   SamplingConfig sampling_;
   // Of a layer that is still or rigid: rays are made when they are needed.
   std::vector<FrameRays> frames_;
-  std::vector<PixelRef> own_;
-  std::vector<PixelRef> others_;
+  LargeBuffer<PixelRef> own_; // with depth
+  std::vector<PixelPiece> unmeasured_;
+  LargeBuffer<PixelPiece> others_;
   // Of a layer that deforms: rays are warped once and kept.
-  std::vector<WarpedPixel> warped_own_;
+  LargeBuffer<WarpedPixel> warped_own_;
   WarpedSpace warped_space_;
-  DistanceField distances_;
+  Occupancy occupancy_;
 };
 
 } // namespace kinora::fields

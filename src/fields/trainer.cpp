@@ -110,7 +110,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
     progress.check();
     const auto fill = [&](std::size_t chunk, RayBatch& batch) {
       Random random(mix64(trainer.seed + 0x7241) + step, chunk);
-      sampler.draw(random, TrainerConfig::kRaysPerChunk, batch);
+      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
     };
     const double done = static_cast<double>(step) / static_cast<double>(steps);
     const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, done, restart_factor));

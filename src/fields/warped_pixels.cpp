@@ -28,7 +28,7 @@ FieldRay relative_ray(const FieldBox& box, const Eigen::Vector3d& origin, const 
 }
 
 // Calls body(index, part) for the pixels of a frame on all threads; the parts are appended to `out` in order.
-template <class Body> void for_pixels(const StoredFrame& frame, std::vector<WarpedPixel>& out, const Body& body) {
+template <class Body> void for_pixels(const StoredFrame& frame, LargeBuffer<WarpedPixel>& out, const Body& body) {
   const std::size_t count = frame.end - frame.begin;
   std::vector<std::vector<WarpedPixel>> parts(chunk_count(count, kChunk));
   parallel_for(count, kChunk, [&](const Chunk& chunk) {
@@ -74,9 +74,9 @@ private:
 
 } // namespace
 
-std::vector<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
+LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
                                               const FieldConfig& config) {
-  std::vector<WarpedPixel> own;
+  LargeBuffer<WarpedPixel> own;
   for (const StoredFrame& frame : pixels.frames()) {
     if (is_lost(motion, frame)) continue;
     const tracking::Warp warp = motion.warp(frame.frame);

@@ -20,13 +20,13 @@ struct WarpedPixel {
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays straightened at that depth. Pixels of lost
 /// frames and those farther than the graph's influence from every node are left out.
-std::vector<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
+LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
                                               const FieldConfig& config);
 
 /// What other pixels say of the layer's occupied space.
 struct WarpedSpace {
-  std::vector<WarpedPixel> unmeasured; ///< own pixels without depth, where their ray first meets the layer
-  std::vector<WarpedPixel> before;     ///< pieces of rays in occupied space before the measured surface: empty
+  LargeBuffer<WarpedPixel> unmeasured; ///< own pixels without depth, where their ray first meets the layer
+  LargeBuffer<WarpedPixel> before;     ///< pieces of rays in occupied space before the measured surface: empty
 };
 
 WarpedSpace warp_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,

@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Kernels, EveryInstructionSet, ::testing::ValuesIn(hwy::
                          [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 TEST(FieldOptimizer, TakesTheSameStepsOnAnyNumberOfThreads) {
-  std::vector<std::vector<float>> tables;
+  std::vector<LargeBuffer<float>> tables;
   for (const int threads : {1, 2, 7}) {
     set_thread_count(threads);
     Field field = testing::random_field(5);

@@ -26,17 +26,20 @@ inline Field random_field(std::uint64_t seed, float table_scale = 0.5F) {
   return field;
 }
 
-/// Rays with 0 to 9 samples; own ones with and without depth, and rays of other layers.
+/// Rays with 0 to 9 samples, here and there or, every other ray, close to each other; own ones with and without depth,
+/// and rays of other layers.
 inline RayBatch random_rays(std::uint64_t seed, std::size_t count) {
   RayBatch batch;
   Random random(seed);
   for (std::size_t r = 0; r < count; ++r) {
     const std::uint32_t samples = random.below(10);
     float depth = 1;
+    const std::array<float, 3> start{random.uniform(), random.uniform(), random.uniform()};
     for (std::uint32_t i = 0; i < samples; ++i) {
       depth += 0.01F + 0.02F * random.uniform();
-      batch.samples.push_back(
-          {{random.uniform(), random.uniform(), random.uniform()}, depth, 0.1F + 0.5F * random.uniform()});
+      std::array<float, 3> position = start;
+      for (float& x : position) x = r % 2 == 0 ? random.uniform() : x + 0.01F * random.uniform();
+      batch.samples.push_back({position, depth, 0.1F + 0.5F * random.uniform()});
     }
     batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
     RayTarget target;

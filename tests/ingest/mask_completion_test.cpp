@@ -51,9 +51,9 @@ public:
 };
 
 std::vector<Frame> completed(const MovingScene& scene, const std::vector<int>& masked, Progress& progress) {
-  const auto capture = segmented_capture(
-      [&](const FrameRange& /*range*/) { return std::make_unique<MaskedCapture>(scene, masked); }, {},
-      make_mask_completion(), progress);
+  const auto capture =
+      segmented_capture([&](const FrameRange& /*range*/) { return std::make_unique<MaskedCapture>(scene, masked); }, {},
+                        make_mask_completion(), progress);
   EXPECT_EQ(capture->info().labels.at(1).name, "anna");
   std::vector<Frame> frames;
   while (auto frame = capture->next()) frames.push_back(std::move(*frame));
