@@ -147,6 +147,7 @@ Json config_json(const fields::TrainerConfig& config) {
           {"rays_per_step", config.rays_per_step},
           {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
           {"final_learning_rate", config.final_learning_rate},
+          {"negligible_gradient", config.negligible_gradient},
           {"loss_weights",
            {{"color", config.loss.color},
             {"opacity", config.loss.opacity},

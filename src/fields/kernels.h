@@ -46,6 +46,10 @@ void scatter_level(const GridLevel& level, const Points& points, const float* fe
 /// kMaxRawDensity)) and passing = exp(−density · length), the share of light that a piece of ray lets through.
 void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing);
 
+/// Writes the numbers of the rows (n × kGeometry) in which any element is larger than `limit`, or not a number, in
+/// ascending order to `numbers` (room for n), and returns how many.
+std::size_t rows_above(const float* rows, std::size_t n, float limit, std::uint32_t* numbers);
+
 /// Adam (Kingma & Ba 2015) without weight decay.
 struct AdamStep {
   float learning_rate; ///< with both bias corrections already inside

@@ -255,6 +255,22 @@ void relu_backward(const float* activated, std::size_t count, float* gradient) {
   }
 }
 
+std::size_t rows_above(const float* rows, std::size_t n, float limit, std::uint32_t* numbers) {
+  using R = Row<FieldConfig::kGeometry>;
+  const R::Tag d;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    bool below = true;
+    for (int v = 0; v < R::kVectors; ++v) {
+      const auto values = hn::LoadU(d, rows + i * FieldConfig::kGeometry + v * R::kLanes);
+      below = below && hn::AllTrue(d, hn::Le(hn::Abs(values), hn::Set(d, limit)));
+    }
+    numbers[count] = static_cast<std::uint32_t>(i);
+    count += below ? 0 : 1;
+  }
+  return count;
+}
+
 template <class D>
 HWY_INLINE void adam_vector(D d, const AdamStep& step, float* parameters, float* gradients, float* first_moments,
                             float* second_moments) {
@@ -310,6 +326,7 @@ HWY_EXPORT(accumulate_weight_gradient);
 HWY_EXPORT(relu_backward);
 HWY_EXPORT(scatter_level);
 HWY_EXPORT(densities);
+HWY_EXPORT(rows_above);
 HWY_EXPORT(adam_rows);
 HWY_EXPORT(adam_all);
 HWY_EXPORT(instruction_set);
@@ -333,6 +350,9 @@ void scatter_level(const GridLevel& level, const Points& points, const float* fe
 }
 void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing) {
   HWY_DYNAMIC_DISPATCH(densities)(geometry, lengths, n, density, passing);
+}
+std::size_t rows_above(const float* rows, std::size_t n, float limit, std::uint32_t* numbers) {
+  return HWY_DYNAMIC_DISPATCH(rows_above)(rows, n, limit, numbers);
 }
 void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
                float* second_moments) {

@@ -33,14 +33,15 @@ struct TransposedNets {
 /// What one chunk of rays leaves for the end of the step; kept from step to step.
 struct ChunkWork {
   RayBatch rays;
-  std::vector<float> x, y, z, length; // per sample
-  std::vector<float> encoding_gradient;
+  std::vector<float> x, y, z, length; // per sample; after the backward pass x, y and z of those that matter
+  std::size_t mattering = 0;
+  std::vector<float> encoding_gradient; // of the samples that matter
   std::vector<float> density_net_gradient, color_net_gradient;
   double loss = 0;
   double own_opacity = 0;
   std::size_t own_rays = 0;
 
-  kernels::Points sample_points() const { return {x.data(), y.data(), z.data(), rays.samples.size()}; }
+  kernels::Points points(std::size_t count) const { return {x.data(), y.data(), z.data(), count}; }
   void gather_samples() {
     const std::size_t n = rays.samples.size();
     for (std::vector<float>* values : {&x, &y, &z, &length}) values->resize(n);
@@ -61,12 +62,19 @@ struct Scratch {
   ChunkCompositor compositor;
   std::vector<float> color_gradient, second_gradient, first_gradient, input_gradient;
   std::vector<float> geometry_gradient, hidden_gradient;
+  std::vector<std::uint32_t> mattering;
 };
 
 struct Moments {
   LargeBuffer<float> gradient, first, second;
   explicit Moments(std::size_t size) : gradient(size, 0.0F), first(size, 0.0F), second(size, 0.0F) {}
 };
+
+/// Moves row `from` of width floats to row `to`.
+void move_row(std::vector<float>& rows, std::size_t from, std::size_t to, std::size_t width) {
+  std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(from * width), width,
+              rows.begin() + static_cast<std::ptrdiff_t>(to * width));
+}
 
 void add_to(LargeBuffer<float>& sum, const std::vector<float>& values) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i];
@@ -77,17 +85,19 @@ void add_to(LargeBuffer<float>& sum, const std::vector<float>& values) {
 struct FieldOptimizer::Implementation {
   Field& field;
   LossWeights weights;
+  float negligible;
   std::vector<GridLevel> levels;
   Moments table, density_net, color_net;
   std::vector<ChunkWork> work;
   long steps = 0;
 
-  Implementation(Field& f, const LossWeights& w)
-      : field(f), weights(w), levels(grid_levels(f.config)), table(f.table.size()), density_net(f.density_net.size()),
-        color_net(f.color_net.size()) {}
+  Implementation(Field& f, const LossWeights& w, float n)
+      : field(f), weights(w), negligible(n), levels(grid_levels(f.config)), table(f.table.size()),
+        density_net(f.density_net.size()), color_net(f.color_net.size()) {}
 
   void forward_backward(ChunkWork& chunk, const TransposedNets& transposed, float scale) const;
   void color_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
+  void keep_mattering(ChunkWork& chunk, Scratch& scratch, float scale) const;
   void points_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
   StepResult accumulate(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
                         const std::function<void(std::size_t)>& after_level);
@@ -116,9 +126,28 @@ void FieldOptimizer::Implementation::color_backward(ChunkWork& chunk, Scratch& s
   kernels::dense(scratch.first_gradient.data(), n, kC, first_t, kG, false, scratch.input_gradient.data());
 }
 
+void FieldOptimizer::Implementation::keep_mattering(ChunkWork& chunk, Scratch& scratch, float scale) const {
+  const std::size_t n = chunk.rays.samples.size();
+  chunk.mattering = n;
+  if (negligible <= 0) return;
+  scratch.mattering.resize(n);
+  chunk.mattering =
+      kernels::rows_above(scratch.geometry_gradient.data(), n, negligible * scale, scratch.mattering.data());
+  for (std::size_t to = 0; to < chunk.mattering; ++to) {
+    const std::size_t from = scratch.mattering[to];
+    if (from == to) continue;
+    chunk.x[to] = chunk.x[from];
+    chunk.y[to] = chunk.y[from];
+    chunk.z[to] = chunk.z[from];
+    move_row(scratch.points.encoding, from, to, levels.size() * kF);
+    move_row(scratch.points.hidden, from, to, kH);
+    move_row(scratch.geometry_gradient, from, to, kG);
+  }
+}
+
 void FieldOptimizer::Implementation::points_backward(ChunkWork& chunk, Scratch& scratch,
                                                      const TransposedNets& transposed) const {
-  const std::size_t n = chunk.rays.samples.size();
+  const std::size_t n = chunk.mattering;
   const int width = field.config.encoding_width();
   scratch.hidden_gradient.resize(n * kH);
   chunk.encoding_gradient.resize(n * static_cast<std::size_t>(width));
@@ -140,7 +169,7 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   chunk.gather_samples();
   chunk.density_net_gradient.assign(field.density_net.size(), 0.0F);
   chunk.color_net_gradient.assign(field.color_net.size(), 0.0F);
-  evaluate_points(field, levels, chunk.sample_points(), scratch.points);
+  evaluate_points(field, levels, chunk.points(chunk.rays.samples.size()), scratch.points);
   const float* geometry = scratch.points.geometry.data();
   scratch.compositor.forward(chunk.rays, chunk.length, geometry, weights, scratch.color);
   evaluate_colors(field, scratch.compositor.own_ray_count(), scratch.color);
@@ -151,6 +180,7 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   scratch.geometry_gradient.resize(chunk.rays.samples.size() * kG);
   scratch.compositor.backward(chunk.rays, geometry, weights, scale, scratch.color, scratch.input_gradient.data(),
                               scratch.geometry_gradient.data());
+  keep_mattering(chunk, scratch, scale);
   points_backward(chunk, scratch, transposed);
 }
 
@@ -189,7 +219,7 @@ StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
     float* gradient = table.gradient.data() + static_cast<std::size_t>(levels[l].offset) * kF;
     for (std::size_t k = 0; k < chunks; ++k) {
       const ChunkWork& chunk = work[k];
-      kernels::scatter_level(levels[l], chunk.sample_points(), chunk.encoding_gradient.data() + l * kF,
+      kernels::scatter_level(levels[l], chunk.points(chunk.mattering), chunk.encoding_gradient.data() + l * kF,
                              levels.size() * kF, gradient);
     }
     after_level(l);
@@ -197,8 +227,8 @@ StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
   return result;
 }
 
-FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights)
-    : implementation_(std::make_unique<Implementation>(field, weights)) {}
+FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights, float negligible)
+    : implementation_(std::make_unique<Implementation>(field, weights, negligible)) {}
 FieldOptimizer::~FieldOptimizer() = default;
 
 StepResult FieldOptimizer::step(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,

@@ -25,7 +25,9 @@ struct StepResult {
 /// each level of the grid is scattered to by one task in order of the samples.
 class FieldOptimizer {
 public:
-  FieldOptimizer(Field& field, const LossWeights& weights);
+  /// Samples whose gradients are all below `negligible` shares of a ray's weight in the mean are left out of the
+  /// backward pass: those that light does not reach, and empty ones. 0: none are.
+  FieldOptimizer(Field& field, const LossWeights& weights, float negligible = 0);
   ~FieldOptimizer();
 
   /// `fill(chunk, batch)` provides the rays of each of `chunks` chunks; called once for each, on any thread.

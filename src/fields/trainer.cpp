@@ -105,7 +105,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   TrainingReport result;
   float restart_factor = 1;
   initialise(field, trainer.seed);
-  auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss);
+  auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
   for (std::size_t step = 0; step < steps; ++step) {
     progress.check();
     const auto fill = [&](std::size_t chunk, RayBatch& batch) {
@@ -123,7 +123,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
       ++result.restarts;
       restart_factor *= kRestartFactor;
       initialise(field, trainer.seed + result.restarts);
-      optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss);
+      optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
       step = 0;
     }
     if (step % 64 == 0 || step + 1 == steps) progress.advance(step + 1, fmt::format("loss {:.4f}", taken.loss));

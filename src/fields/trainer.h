@@ -22,6 +22,7 @@ struct TrainerConfig {
   float final_learning_rate = 0.05F; ///< share that is left at the end; constant for the first half, then falling
   LossWeights loss;
   SamplingConfig sampling;
+  float negligible_gradient = 1e-4F; ///< FieldOptimizer
 
   static constexpr int kRaysPerChunk = 128;
 };

@@ -20,19 +20,32 @@ std::optional<std::size_t> first_moving_layer(const Player& player) {
   return std::nullopt;
 }
 
-double median_depth(const Player& player, Camera camera, double frame) {
+/// Median depth of what is drawn between the fractions `from` and 1 − `from` of the picture's sides; 0: nothing is.
+float median_depth(const DepthImage& depth, double from) {
+  std::vector<float> depths;
+  for (int v = 0; v < depth.height(); ++v) {
+    for (int u = 0; u < depth.width(); ++u) {
+      const double x = (u + 0.5) / depth.width();
+      const double y = (v + 0.5) / depth.height();
+      if (depth.at(u, v) > 0 && std::min({x, y, 1 - x, 1 - y}) >= from) depths.push_back(depth.at(u, v));
+    }
+  }
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+/// Of what the camera is pointed at: the middle ninth of its picture, or else the whole.
+double distance_of_subject(const Player& player, Camera camera, double frame) {
   const Intrinsics& full = camera.intrinsics;
   const int height = std::max(1, kProbeWidth * full.height / std::max(1, full.width));
   camera.intrinsics = full.resized(kProbeWidth, height);
   const fields::Picture picture = player.draw(camera, frame, player.all_layers());
-  std::vector<float> depths;
-  for (const float depth : picture.depth.values()) {
-    if (depth > 0) depths.push_back(depth);
+  for (const double from : {1.0 / 3, 0.0}) {
+    if (const float depth = median_depth(picture.depth, from); depth > 0) return depth;
   }
-  if (depths.empty()) return kFallbackDistance;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return kFallbackDistance;
 }
 
 // The moving layer's centre averaged over the frames, so that the film's camera is steady.
@@ -65,7 +78,7 @@ std::vector<View> orbit_views(const Player& player, const std::vector<int>& fram
   if (views.empty()) return views;
   const auto moving = first_moving_layer(player);
   const Eigen::Vector3d centre = moving ? mean_centre(player, *moving, frames) : Eigen::Vector3d::Zero();
-  const double distance = moving ? 0 : median_depth(player, views.front().camera, views.front().frame);
+  const double distance = moving ? 0 : distance_of_subject(player, views.front().camera, views.front().frame);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double phase = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(views.size());
     const double swing = views.size() == 1 ? 1 : std::sin(phase);

@@ -20,9 +20,9 @@ struct View {
 std::vector<View> capture_views(const encode::Clip& clip, const std::vector<int>& frames);
 
 /// The capture camera carried about the vertical through what the scene is about: the first moving layer's centre, or,
-/// if nothing moves, the point on the optical axis at the median depth in front of the camera. Vertical is the capture
-/// camera's −y axis. `degrees` > 0 goes to the camera's right. A single frame is seen from `degrees`; several swing
-/// from 0 to +degrees, to −degrees and back to 0, once (angle = degrees · sin(2π i / n)).
+/// if nothing moves, the point on the optical axis at the median depth of the middle of the picture. Vertical is the
+/// capture camera's −y axis. `degrees` > 0 goes to the camera's right. A single frame is seen from `degrees`; several
+/// swing from 0 to +degrees, to −degrees and back to 0, once (angle = degrees · sin(2π i / n)).
 std::vector<View> orbit_views(const Player& player, const std::vector<int>& frames, double degrees);
 
 /// `camera` turned by `radians` about the line through `pivot` along its own −y axis; positive goes to its right.

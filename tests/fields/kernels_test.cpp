@@ -83,6 +83,25 @@ TEST(FieldOptimizer, TakesTheSameStepsOnAnyNumberOfThreads) {
   EXPECT_EQ(tables[0], tables[2]);
 }
 
+TEST(FieldOptimizer, LeavesOutOnlyWhatDoesNotMatter) {
+  const auto gradient_without = [](float negligible) {
+    Field field = testing::random_field(5);
+    FieldOptimizer optimizer(field, {}, negligible);
+    FieldOptimizer::Gradient gradient;
+    optimizer.gradient(
+        kChunks, [](std::size_t c, RayBatch& batch) { batch = rays_of_chunk(c); }, gradient);
+    return gradient;
+  };
+  const FieldOptimizer::Gradient all = gradient_without(0);
+  const FieldOptimizer::Gradient most = gradient_without(5e-3F);
+  const std::vector<double> exact(all.table.begin(), all.table.end());
+  EXPECT_NE(all.table, most.table);
+  EXPECT_LT(relative_difference(most.table, exact), 0.05);
+  const FieldOptimizer::Gradient none = gradient_without(1e9F);
+  EXPECT_TRUE(std::all_of(none.table.begin(), none.table.end(), [](float g) { return g == 0; }));
+  EXPECT_EQ(none.color_net, all.color_net); // of rays, not of samples
+}
+
 TEST(FieldOptimizer, LeavesEverythingAsItIsWithoutRays) {
   Field field = testing::random_field(5);
   const Field before = field;
