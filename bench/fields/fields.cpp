@@ -1,9 +1,14 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
-// speed:
-//   bench_fields [threads [million rays…]]
+// speed. Prints one line of CSV per training; lines with # are for people:
+//   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [rays_per_step=4096] [surface_samples=5] [free_samples=4]
+//                [levels=0] [log2_table_size=0]
+// Every value may be a list; all combinations are run. noise: standard deviation of depth, of the scene's size. 0
+// levels or table size: as the encoder chooses.
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
+#include <map>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "core/metrics.h"
@@ -18,13 +23,31 @@ namespace {
 
 using namespace kinora;
 
-void train_and_judge(const bench::AnalyticScene& scene, double million_rays, int threads) {
+/// One value of each knob.
+using Setting = std::map<std::string, double>;
+/// All values of each knob.
+using Knobs = std::map<std::string, std::vector<double>>;
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void train_and_judge(const Setting& setting) {
+  const auto whole = [&](const char* name) { return static_cast<int>(setting.at(name)); };
+  set_thread_count(whole("threads"));
+  const bench::AnalyticScene scene{setting.at("noise")};
   fields::PixelStore store(4'000'000, bench::AnalyticScene::kTrainedViews);
   for (int i = 0; i < bench::AnalyticScene::kTrainedViews; ++i) store.add(scene.trained_view(i), i);
   const auto motion = tracking::Motion::still();
-  const fields::FieldConfig config = fields::choose_field_config(store, 1, motion);
+  fields::FieldConfig config = fields::choose_field_config(store, 1, motion);
+  if (whole("levels") > 0) config.levels = whole("levels");
+  if (whole("log2_table_size") > 0) config.log2_table_size = whole("log2_table_size");
+  config.validate("bench_fields");
   fields::TrainerConfig trainer;
-  trainer.rays = static_cast<std::size_t>(million_rays * 1e6);
+  trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
+  trainer.rays_per_step = whole("rays_per_step");
+  trainer.sampling.surface_samples = whole("surface_samples");
+  trainer.sampling.free_samples = whole("free_samples");
   Progress progress;
   fields::TrainingReport report;
   const fields::DrawableField field(fields::train_field(store, 1, motion, config, trainer, progress, &report));
@@ -35,30 +58,60 @@ void train_and_judge(const bench::AnalyticScene& scene, double million_rays, int
     const fields::PosedField posed = fields::pose(field, tracking::Warp(SE3::Identity()));
     const auto begin = std::chrono::steady_clock::now();
     const fields::Picture picture = fields::render({&posed, 1}, truth.camera);
-    drawing += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    drawing += seconds_since(begin);
     psnr += compare_images(picture.color, truth.color).psnr_full;
   }
-  std::printf("%5.2f M rays %6.2f s %5.2f M rays/s and core %4.1f samples/ray  held out %.2f dB  drawing %.0f ms\n",
-              million_rays, report.seconds, static_cast<double>(report.rays) / report.seconds / threads / 1e6,
-              static_cast<double>(report.samples) / static_cast<double>(report.rays),
-              psnr / bench::AnalyticScene::kHeldOutViews, 1000 * drawing / bench::AnalyticScene::kHeldOutViews);
+  for (const auto& [name, value] : setting) std::printf("%g,", value);
+  const auto rays = static_cast<double>(report.rays);
+  std::printf("%.2f,%.3f,%.2f,%.2f,%.1f\n", report.seconds, rays / report.seconds / whole("threads") / 1e6,
+              static_cast<double>(report.samples) / rays, psnr / bench::AnalyticScene::kHeldOutViews,
+              1000 * drawing / bench::AnalyticScene::kHeldOutViews);
   std::fflush(stdout);
+}
+
+/// Every combination of the values of the knobs from `next` on.
+void run_all(const Knobs& knobs, Knobs::const_iterator next, Setting& setting) {
+  if (next == knobs.end()) return train_and_judge(setting);
+  for (const double value : next->second) {
+    setting[next->first] = value;
+    run_all(knobs, std::next(next), setting);
+  }
+}
+
+/// False if it is no name=value,value,… of a knob.
+bool set_knob(const std::string& argument, Knobs& knobs) {
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos || !knobs.contains(argument.substr(0, equals))) return false;
+  std::vector<double>& values = knobs[argument.substr(0, equals)];
+  values.clear();
+  std::istringstream list(argument.substr(equals + 1));
+  for (std::string value; std::getline(list, value, ',');) values.push_back(std::stod(value));
+  return !values.empty();
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  const int threads = argc > 1 ? std::atoi(argv[1]) : 1;
-  std::vector<double> budgets;
-  for (int i = 2; i < argc; ++i) budgets.push_back(std::atof(argv[i]));
-  if (budgets.empty()) budgets = {0.5, 1, 2, 4};
-  set_thread_count(threads);
-  const bench::Calibration machine = bench::calibrate();
-  std::printf("one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s; %d threads\n",
-              machine.fma_gflops, machine.lines_per_us, fields::kernels::instruction_set(), threads);
-  for (const double noise : {0.0, 0.005}) {
-    std::printf("depth noise %.1f %% of the scene\n", 100 * noise);
-    for (const double rays : budgets) train_and_judge({noise}, rays, threads);
+  Knobs knobs{{"threads", {1}},         {"million_rays", {2}}, {"noise", {0, 0.005}}, {"rays_per_step", {4096}},
+              {"surface_samples", {5}}, {"free_samples", {4}}, {"levels", {0}},       {"log2_table_size", {0}}};
+  try {
+    for (int i = 1; i < argc; ++i) {
+      if (set_knob(argv[i], knobs)) continue;
+      std::fprintf(stderr,
+                   "bench_fields: %s: no name=value of a knob; they stand at the top of bench/fields/fields.cpp\n",
+                   argv[i]);
+      return 2;
+    }
+    const bench::Calibration machine = bench::calibrate();
+    std::printf("# one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s\n", machine.fma_gflops,
+                machine.lines_per_us, fields::kernels::instruction_set());
+    for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
+    std::printf("seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,drawing_ms\n");
+    Setting setting;
+    run_all(knobs, knobs.begin(), setting);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_fields: %s\n", error.what());
+    return 1;
   }
   return 0;
 }

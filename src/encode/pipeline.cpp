@@ -206,7 +206,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   trainer.seed = options.seed;
   trainer.rays = job.rays;
   fields::TrainingReport training;
-  progress.stage("training " + layer.name, trainer.rays / static_cast<std::size_t>(trainer.rays_per_step));
+  progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
     return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training);
   });

@@ -38,6 +38,13 @@ LearningRates scheduled(const TrainerConfig& config, double progress, float rest
   return {config.learning_rates.table * factor, config.learning_rates.nets * factor};
 }
 
+// Small steps learn the coarse shape with few rays, large ones the detail with little noise: a quarter of the rays of a
+// step in the first quarter of the training, half in the second.
+std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
+  const auto all = static_cast<std::size_t>(config.rays_per_step / TrainerConfig::kRaysPerChunk);
+  return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
+}
+
 // A field that diverged, or that gave up being opaque anywhere.
 bool is_dead(const StepResult& result, std::size_t step) {
   return !std::isfinite(result.loss) || (step > 200 && result.opacity < 0.02);
@@ -100,22 +107,27 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }
 
-  const std::size_t chunks = static_cast<std::size_t>(trainer.rays_per_step / TrainerConfig::kRaysPerChunk);
-  const std::size_t steps = std::max<std::size_t>(1, trainer.rays / static_cast<std::size_t>(trainer.rays_per_step));
   TrainingReport result;
   float restart_factor = 1;
   initialise(field, trainer.seed);
   auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
-  for (std::size_t step = 0; step < steps; ++step) {
+  const std::size_t wanted = std::max<std::size_t>(trainer.rays, 1);
+  std::size_t done = 0; // rays since the last start
+  std::size_t step = 0;
+  while (done < wanted) {
     progress.check();
+    const double share = static_cast<double>(done) / static_cast<double>(wanted);
+    const std::size_t chunks = chunks_of_step(trainer, share);
     const auto fill = [&](std::size_t chunk, RayBatch& batch) {
       Random random(mix64(trainer.seed + 0x7241) + step, chunk);
       sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
     };
-    const double done = static_cast<double>(step) / static_cast<double>(steps);
-    const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, done, restart_factor));
+    const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, share, restart_factor));
+    const std::size_t rays = chunks * TrainerConfig::kRaysPerChunk;
+    done += rays;
+    ++step;
     result.samples += taken.samples;
-    result.rays += static_cast<std::size_t>(trainer.rays_per_step);
+    result.rays += rays;
     ++result.steps;
     result.final_loss = taken.loss;
     if (is_dead(taken, step) && result.restarts < kMaxRestarts) {
@@ -124,9 +136,10 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
       restart_factor *= kRestartFactor;
       initialise(field, trainer.seed + result.restarts);
       optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
+      done = 0;
       step = 0;
     }
-    if (step % 64 == 0 || step + 1 == steps) progress.advance(step + 1, fmt::format("loss {:.4f}", taken.loss));
+    if (step % 64 == 0 || done >= wanted) progress.advance(done, fmt::format("loss {:.4f}", taken.loss));
   }
   prune(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();

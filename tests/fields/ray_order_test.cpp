@@ -18,9 +18,8 @@ TEST(RayOrder, SortsByCellAndKeepsTheOrderWithin) {
     points[i] = {{2 * random.uniform() - 0.5F, random.uniform(), random.uniform()}, i}; // some outside
   std::vector<Point> expected = points;
   const auto place = [](const Point& p) { return p.position; };
-  std::stable_sort(expected.begin(), expected.end(), [](const Point& a, const Point& b) {
-    return place_code(a.position) < place_code(b.position);
-  });
+  std::stable_sort(expected.begin(), expected.end(),
+                   [](const Point& a, const Point& b) { return place_code(a.position) < place_code(b.position); });
   order_by_place(points, place);
   for (std::size_t i = 0; i < points.size(); ++i) ASSERT_EQ(points[i].number, expected[i].number);
 }
