@@ -108,21 +108,29 @@ Json plan_json(const Conversion& conversion) {
   return {{"layers", std::move(layers)}, {"files", one_file ? 1 : conversion.frames.size()}, {"bytes", nullptr}};
 }
 
+std::string files_of(const Conversion& conversion) {
+  if (host::supports(*conversion.format, KINORA_WRITES_MESHES)) return conversion.output.string();
+  std::string first = numbered_path(conversion.output, 0).string();
+  if (conversion.frames.size() == 1) return first;
+  return fmt::format("{} to {}", first, numbered_path(conversion.output, conversion.frames.size() - 1).string());
+}
+
 std::string summary(const Conversion& conversion, const Json& result, bool dry_run) {
-  const bool meshes = host::supports(*conversion.format, KINORA_WRITES_MESHES);
-  const std::string name = meshes
-                               ? conversion.output.string()
-                               : fmt::format("{} to {}", numbered_path(conversion.output, 0).string(),
-                                             numbered_path(conversion.output, conversion.frames.size() - 1).string());
   const std::size_t frames = conversion.frames.size();
-  std::string text =
-      fmt::format("{}: {}{} frame{}", name, dry_run ? "would hold " : "", frames, frames == 1 ? "" : "s");
+  std::string text = fmt::format("{}: {}{} frame{}", files_of(conversion), dry_run ? "would hold " : "", frames,
+                                 frames == 1 ? "" : "s");
   if (!dry_run) text += ", " + format_bytes(result["bytes"].get<std::size_t>());
   text += "\n";
-  Table table({"layer", "motion", "triangles", "joints"});
+  const bool has_meshes = std::ranges::any_of(result["layers"], [](const Json& l) { return l.contains("triangles"); });
+  Table table(has_meshes ? std::vector<std::string>{"layer", "motion", "triangles", "joints"}
+                         : std::vector<std::string>{"layer", "motion"});
   for (const Json& layer : result["layers"]) {
-    table.add({layer["name"], layer["motion"], layer.contains("triangles") ? layer["triangles"].dump() : "",
-               layer.contains("joints") ? layer["joints"].dump() : ""});
+    std::vector<std::string> row{layer["name"], layer["motion"]};
+    if (has_meshes) {
+      row.push_back(layer.contains("triangles") ? layer["triangles"].dump() : "");
+      row.push_back(layer.contains("joints") ? layer["joints"].dump() : "");
+    }
+    table.add(row);
   }
   return text + table.str();
 }
