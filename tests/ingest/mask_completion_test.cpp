@@ -7,16 +7,6 @@
 namespace kinora::ingest {
 namespace {
 
-double overlap(const LabelImage& a, const LabelImage& b, int label) {
-  double both = 0;
-  double any = 0;
-  for (std::size_t i = 0; i < a.pixel_count(); ++i) {
-    both += a.data()[i] == label && b.data()[i] == label ? 1 : 0;
-    any += a.data()[i] == label || b.data()[i] == label ? 1 : 0;
-  }
-  return any == 0 ? 1 : both / any;
-}
-
 /// The moving scene with masks in some frames.
 class MaskedCapture final : public Capture {
 public:

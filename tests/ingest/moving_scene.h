@@ -7,6 +7,17 @@
 
 namespace kinora::ingest {
 
+/// Pixels that both have of a label over those that either has; 1 if neither has any.
+inline double overlap(const LabelImage& a, const LabelImage& b, int label) {
+  double both = 0;
+  double any = 0;
+  for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+    both += a.data()[i] == label && b.data()[i] == label ? 1 : 0;
+    any += a.data()[i] == label || b.data()[i] == label ? 1 : 0;
+  }
+  return any == 0 ? 1 : both / any;
+}
+
 struct MovingScene {
   int frames = 24;
   bool has_body = true; ///< a round body, wider than a limb, that walks to the right

@@ -23,16 +23,6 @@ std::unique_ptr<Segmenter> prepared(const MovingScene& scene, bool moving_camera
   return segmenter;
 }
 
-double overlap(const LabelImage& a, const LabelImage& b, int label) {
-  double both = 0;
-  double any = 0;
-  for (std::size_t i = 0; i < a.pixel_count(); ++i) {
-    both += a.data()[i] == label && b.data()[i] == label ? 1 : 0;
-    any += a.data()[i] == label || b.data()[i] == label ? 1 : 0;
-  }
-  return any == 0 ? 1 : both / any;
-}
-
 TEST(MotionSegmenter, FindsABodyThatWalksAndThatWasThereFromTheFirstFrame) {
   const MovingScene scene;
   const auto segmenter = prepared(scene);
