@@ -1,6 +1,7 @@
 // kinora render: a clip drawn from any camera, at any of its times.
 #include <algorithm>
 #include <charconv>
+#include <map>
 #include <memory>
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@ struct Options {
   bool capture_view = false;
   std::string frames;
   std::string size;
+  fields::DrawQuality quality = fields::DrawQuality::kFull;
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
@@ -119,7 +121,7 @@ void run(const Options& options, Context& context) {
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
-    output->add(player.draw(views[i].camera, views[i].frame, layers), views[i].name, times[i]);
+    output->add(player.draw(views[i].camera, views[i].frame, layers, options.quality), views[i].name, times[i]);
     context.progress.advance(i + 1, "");
   }
   output->finish();
@@ -170,6 +172,12 @@ void add_render(CLI::App& app, Context& context) {
       .add_option("--frames", options->frames, "Only these frames (or cameras of the file); counts from 0, B excluded")
       ->type_name("A:B:S");
   command.add_option("--size", options->size, "Size of the pictures; the field of view stays")->type_name("WxH");
+  command.add_option("--quality", options->quality, "full, or fast: about twice as fast, with a little less detail")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, fields::DrawQuality>{{"full", fields::DrawQuality::kFull},
+                                                                             {"fast", fields::DrawQuality::kFast}},
+                                  CLI::ignore_case))
+      ->type_name("full|fast");
   command.add_option("--layers", options->layers, "Only these layers, such as person,object")
       ->delimiter(',')
       ->type_name("NAMES");

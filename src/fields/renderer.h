@@ -1,4 +1,7 @@
-// Layers seen from any camera, all in one pass, in correct order of depth.
+// Layers seen from any camera, all in one pass, in correct order of depth. A pixel's ray enters a layer where the hull
+// of its density bricks, carried by the motion, is rasterised (brick_hull.h); from there it runs straight through
+// canonical space until the bricks' densities make it opaque (march.h); the field itself is evaluated only at the
+// surfaces that are found.
 #pragma once
 
 #include <memory>
@@ -6,17 +9,18 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "fields/brick_hull.h"
 #include "fields/field.h"
-#include "fields/live_space.h"
 #include "tracking/warp.h"
 
 namespace kinora::fields {
 
-/// A field ready to be drawn: its parameters and what is derived from them (a distance field over the occupancy).
-/// Immutable; copies share it; may be used by several threads.
+/// A field ready to be drawn: its parameters and what is derived from them. Immutable; copies share it; may be used by
+/// several threads.
 class DrawableField {
 public:
-  explicit DrawableField(Field field);
+  /// `graph`: what moves the layer, if it deforms.
+  explicit DrawableField(Field field, const tracking::DeformationGraph* graph = nullptr);
   const Field& field() const;
   struct Derived;
   const Derived& derived() const { return *derived_; }
@@ -29,10 +33,13 @@ private:
 struct PosedField {
   const DrawableField* field = nullptr; ///< must outlive this
   SE3 canonical_to_world = SE3::Identity();
-  std::shared_ptr<const LiveSpace> live = nullptr; ///< of a layer that deforms; its own place is then in the warp
+  std::shared_ptr<const PosedHull> hull = nullptr; ///< of a layer that deforms; its own place is then in it
+  /// World points back to canonical ones near the camera, where it stands inside of a deforming layer.
+  std::shared_ptr<const tracking::Warp> warp = nullptr;
 };
 
-/// Prepares a field to be drawn; for a deforming warp this inverts the warp once for all rays.
+/// Prepares a field to be drawn; for a deforming warp this carries the hull once for all cameras, and the field must
+/// have been made with the warp's graph.
 PosedField pose(const DrawableField& field, const tracking::Warp& warp);
 
 struct Picture {
@@ -41,8 +48,14 @@ struct Picture {
   LabelImage front; ///< 1 + index into `layers` of the one that contributes most at the pixel; 0 = nothing
 };
 
+/// What a picture costs and how close it comes to the field.
+enum class DrawQuality {
+  kFull, ///< a sample of density in every lattice step, two of the features in each surface
+  kFast  ///< half as many of each
+};
+
 /// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread
 /// count. Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
-Picture render(std::span<const PosedField> layers, const Camera& camera);
+Picture render(std::span<const PosedField> layers, const Camera& camera, DrawQuality quality = DrawQuality::kFull);
 
 } // namespace kinora::fields

@@ -36,7 +36,7 @@ std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
 
 Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
   for (const encode::Layer& layer : clip_.layers) {
-    drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field));
+    drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get()));
     centres_.push_back(occupied_centre(layer.field));
     first_frames_.push_back(first_frame_of(layer.motion, clip_.times.size()));
   }
@@ -84,14 +84,15 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
   return posed;
 }
 
-fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers) const {
+fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers,
+                             fields::DrawQuality quality) const {
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
     if (frame < static_cast<double>(first_frames_.at(i))) continue;
     posed.push_back(this->posed(i, frame));
   }
-  return fields::render(posed, camera);
+  return fields::render(posed, camera, quality);
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {

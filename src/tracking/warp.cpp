@@ -28,7 +28,7 @@ const std::vector<Eigen::Vector3d>& Warp::node_positions() const {
   return live_ ? live_->nearest.points() : kNone;
 }
 
-SE3 Warp::blended(const Influence& influence) const {
+SE3 Warp::at(const Influence& influence) const {
   std::array<DualQuaternion, Influence::kMost> transforms;
   const auto count = static_cast<std::size_t>(influence.count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -41,7 +41,7 @@ std::optional<SE3> Warp::at(const Eigen::Vector3d& canonical) const {
   if (is_rigid()) return rigid_;
   const Influence influence = live_->graph->influence(canonical);
   if (influence.count == 0) return std::nullopt;
-  return blended(influence);
+  return at(influence);
 }
 
 std::optional<Eigen::Vector3d> Warp::to_world(const Eigen::Vector3d& canonical) const {

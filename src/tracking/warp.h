@@ -26,6 +26,8 @@ public:
 
   /// The blended transform at a canonical point; nothing if no node is near enough: space there is empty.
   std::optional<SE3> at(const Eigen::Vector3d& canonical) const;
+  /// The same where the nodes that move the point are known (at least one); only if not rigid.
+  SE3 at(const Influence& influence) const;
   std::optional<Eigen::Vector3d> to_world(const Eigen::Vector3d& canonical) const;
   /// The canonical point that to_world() carries to `world`, to a tenth of a millimetre, or nothing if none is found
   /// near the nodes that are nearest to `world` now. Where the surface touches itself there may be several: the one
@@ -43,8 +45,6 @@ private:
     std::vector<SE3> world_to_node; // inverses of the same transforms
     NearestPoints nearest;          // node positions in the world
   };
-
-  SE3 blended(const Influence& influence) const;
 
   SE3 rigid_ = SE3::Identity();
   std::shared_ptr<const Live> live_;

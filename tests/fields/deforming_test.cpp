@@ -5,6 +5,7 @@
 
 #include "core/metrics.h"
 #include "core/random.h"
+#include "fields/live_space.h"
 #include "fields/renderer.h"
 #include "fields/trainer.h"
 
@@ -144,7 +145,8 @@ TEST(Deforming, SheetIsLearntThroughItsBending) {
   Progress progress;
   const DrawableField sheet(train_field(performance.store, 1, performance.motion,
                                         choose_field_config(performance.store, 1, performance.motion), trainer,
-                                        progress));
+                                        progress),
+                            performance.motion.graph().get());
   for (const int frame : {3, 7}) {
     const ingest::Frame truth = sheet_frame(frame, curvature_at(frame));
     const PosedField posed = pose(sheet, performance.motion.warp(frame));

@@ -1,0 +1,81 @@
+// The outside of what density bricks hold as a mesh of cubes: carried along by the layer's motion and rasterised, it
+// tells where each pixel's ray enters the layer, and where in canonical space.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "fields/density_bricks.h"
+#include "tracking/warp.h"
+
+namespace kinora::fields {
+
+/// Corners of a face, counterclockwise seen from outside; indices into the hull's corners.
+using HullFace = std::array<std::uint32_t, 4>;
+
+/// A brick is divided into 2³ cells; those that hold anything make up the hull. Immutable, thread-safe.
+class BrickHull {
+public:
+  static constexpr int kCellSide = DensityBricks::kSide / 2; ///< lattice steps
+
+  BrickHull() = default;
+  BrickHull(const DensityBricks& bricks, const FieldBox& box);
+
+  struct Cell {
+    std::array<std::uint32_t, 8> corners;   ///< x fastest
+    std::array<std::int32_t, 6> neighbours; ///< −x, +x, −y, +y, −z, +z; −1: none
+  };
+  const std::vector<Eigen::Vector3d>& corners() const { return corners_; } ///< canonical, metres
+  const std::vector<Cell>& cells() const { return cells_; }
+  /// Number of a cell by its coordinates, in cells; −1: none.
+  std::int32_t cell_at(const DensityBricks& bricks, int x, int y, int z) const;
+  /// Faces between a cell and none.
+  const std::vector<HullFace>& faces() const { return faces_; }
+  /// Faces between a cell that is kept (≠ 0) and one that is not, or none.
+  std::vector<HullFace> faces_of(const std::vector<std::uint8_t>& kept) const;
+  /// What moves the corners; empty unless follow() was called.
+  const std::vector<tracking::Influence>& influences() const { return influences_; }
+  /// Prepares for being posed by this graph. Uses all threads.
+  void follow(const tracking::DeformationGraph& graph);
+  double cell_side() const { return cell_side_; } ///< metres
+
+private:
+  double cell_side_ = 0;
+  std::vector<Eigen::Vector3d> corners_;
+  std::vector<Cell> cells_;
+  std::vector<std::array<std::int32_t, 8>> cells_of_brick_; // −1: none
+  std::vector<HullFace> faces_;
+  std::vector<tracking::Influence> influences_;
+};
+
+/// The hull of a deforming layer at one instant. Immutable, thread-safe. A cell that the motion would tear, because
+/// parts of the surface that have parted meet in it, is carried rigidly, with its middle; faces close the hull around
+/// it.
+class PosedHull {
+public:
+  /// `hull` follows the graph of `warp`.
+  PosedHull(const BrickHull& hull, const tracking::Warp& warp);
+
+  struct Corner {
+    Eigen::Vector3d canonical;            ///< metres
+    Eigen::Vector3d world;                ///< metres; NaN where the motion is not known
+    Eigen::Matrix3d canonical_from_world; ///< rotation
+  };
+  const std::vector<Corner>& corners() const { return corners_; }
+  /// By the cells' numbers, as BrickHull::Cell::corners.
+  const std::vector<std::array<std::uint32_t, 8>>& cells() const { return cells_; }
+  const std::vector<HullFace>& faces() const { return faces_; }
+
+private:
+  bool is_whole(const std::array<std::uint32_t, 8>& cell, double side) const;
+  void carry_rigidly(const BrickHull& hull, std::size_t cell, const tracking::Warp& warp);
+
+  std::vector<Corner> corners_;
+  std::vector<std::array<std::uint32_t, 8>> cells_;
+  std::vector<HullFace> faces_;
+};
+
+} // namespace kinora::fields
