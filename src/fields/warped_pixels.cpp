@@ -233,7 +233,7 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int labe
 
 WarpedSpace warp_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
                                 const FieldConfig& config, const Occupancy& occupancy, float near_depth) {
-  constexpr float kPieceCells = 4; // so far a ray is taken as straight
+  constexpr float kPieceCells = 2; // so far a ray is taken as straight
   Parts before;
   Parts unmeasured;
   const auto table = std::make_shared<const tracking::InfluenceTable>(motion.graph());

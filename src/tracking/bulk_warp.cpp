@@ -28,7 +28,7 @@ BulkWarp::BulkWarp(std::shared_ptr<const InfluenceTable> table, const Warp& warp
 }
 
 void BulkWarp::index_nodes() {
-  constexpr double kCellsPerRadius = 4; // of influence
+  constexpr double kCellsPerRadius = 3; // of influence
   constexpr double kMostCells = 96;     // along an axis
   const double radius = table_->graph().influence_radius();
   Eigen::AlignedBox3d bounds;

@@ -25,7 +25,7 @@ public:
   const Eigen::Vector3d& canonical_origin() const { return table_->origin(); }
   const Eigen::Vector3d& world_origin() const { return world_origin_; }
 
-  /// The way back of each ray's point, to a fiftieth of a millimetre (a millimetre at folds), and of the ray near it:
+  /// The way back of each ray's point, to a tenth of a millimetre (a millimetre at folds), and of the ray near it:
   /// half a parabola on either side, straight where that side belongs to another part of the surface. As
   /// Warp::to_canonical, nothing (a point that is not a number) where no way back is found from the nodes that are
   /// nearest. `Ray::start` is overwritten. Writes canonical[i] for rays[i]; the same bits for the same span of rays.
