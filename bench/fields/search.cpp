@@ -182,10 +182,14 @@ Places by_live_table(const Instant& instant, const std::vector<Ray>& rays, const
   const auto r = static_cast<std::size_t>(occupancy.resolution());
   for (std::size_t cell = 0; cell < r * r * r; ++cell) {
     if (((occupancy.words()[cell / 64] >> (cell % 64)) & 1) == 0) continue;
-    const Eigen::Array3d at(static_cast<double>(cell % r), static_cast<double>(cell / r % r),
-                            static_cast<double>(cell / (r * r)));
+    const std::size_t x = cell % r;
+    const std::size_t y = cell / r % r;
+    const std::size_t z = cell / (r * r);
+    const Eigen::Array3d at(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
     for (int k = 0; k < kPerCell * kPerCell * kPerCell; ++k) {
-      const Eigen::Array3d within(k % kPerCell, k / kPerCell % kPerCell, k / (kPerCell * kPerCell));
+      const Eigen::Array3d within = Eigen::Array3i(k, k / kPerCell, k / kPerCell / kPerCell)
+                                        .unaryExpr([](int i) { return i % kPerCell; })
+                                        .cast<double>();
       const Eigen::Vector3f p =
           (config.box.origin - bulk.canonical_origin() + voxel * (kPerCell * at + within + 0.5).matrix()).cast<float>();
       canonical.push_back({p.x(), p.y(), p.z()});

@@ -71,8 +71,10 @@ std::vector<Eigen::Vector3d> occupied_places(const Occupancy& occupancy, const F
   for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
     for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
       const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      const Eigen::Array3d at(static_cast<double>(cell % r), static_cast<double>(cell / r % r),
-                              static_cast<double>(cell / (r * r)));
+      const std::size_t x = cell % r;
+      const std::size_t y = cell / r % r;
+      const std::size_t z = cell / (r * r);
+      const Eigen::Array3d at(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
       places.emplace_back(box.origin - origin + box.side / static_cast<double>(r) * (at + 0.5).matrix());
     }
   }

@@ -60,11 +60,11 @@ void BulkWarp::index_nodes() {
       for (std::int32_t y = first[1]; y <= last[1]; ++y) {
         const float dz = static_cast<float>(z) - at[2];
         const float dy = static_cast<float>(y) - at[1];
-        const std::size_t row = static_cast<std::size_t>(z * cells_[1] + y) * static_cast<std::size_t>(cells_[0]);
+        const std::int32_t row = (z * cells_[1] + y) * cells_[0];
         for (std::int32_t x = first[0]; x <= last[0]; ++x) {
           const float dx = static_cast<float>(x) - at[0];
           const float distance = dx * dx + dy * dy + dz * dz;
-          const std::size_t cell = row + static_cast<std::size_t>(x);
+          const auto cell = static_cast<std::size_t>(row + x);
           if (distance > reach * reach || !(distance < distances[cell])) continue;
           distances[cell] = distance;
           node_of_cell_[cell] = static_cast<std::int32_t>(n);
@@ -75,13 +75,13 @@ void BulkWarp::index_nodes() {
 }
 
 std::int32_t BulkWarp::node_near(const std::array<float, 3>& world) const {
-  std::array<std::int32_t, 3> cell{};
-  for (std::size_t a = 0; a < 3; ++a) {
+  std::size_t cell = 0;
+  for (const std::size_t a : {2, 1, 0}) {
     const float along = (world[a] - low_[a]) * cells_per_metre_;
     if (!(along >= 0 && along < static_cast<float>(cells_[a]))) return -1;
-    cell[a] = static_cast<std::int32_t>(along);
+    cell = cell * static_cast<std::size_t>(cells_[a]) + static_cast<std::size_t>(along);
   }
-  return node_of_cell_[static_cast<std::size_t>((cell[2] * cells_[1] + cell[1]) * cells_[0] + cell[0])];
+  return node_of_cell_[cell];
 }
 
 void BulkWarp::to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const {

@@ -10,13 +10,13 @@
 
 namespace kinora::tracking::kernels {
 
-/// Canonical points relative to the table's origin to world points relative to `BulkWarp::world_origin()`.
+/// A warp, in the coordinates of BulkWarp.
 struct NodeMotion {
   const InfluenceTable::Cells* cells;
   const float* transforms; ///< per node a unit dual quaternion: real x y z w, dual x y z w
 };
 
-/// One point and a straight line through it, in the world; and its way back.
+/// A point in the world and a straight line through it: point + t · direction.
 struct Ray {
   std::array<float, 3> point;
   std::array<float, 3> direction; ///< world metres for one unit of t
@@ -24,7 +24,7 @@ struct Ray {
   std::int32_t start;             ///< the node that is tried first
 };
 
-/// canonical(t) = point + t · direction + t² · bends[t > 0].
+/// The way back of a ray: point + t · direction + t² · bends[t > 0].
 struct CanonicalRay {
   std::array<float, 3> point; ///< not a number where there is no way back
   std::array<float, 3> direction;

@@ -75,11 +75,14 @@ InfluenceTable::InfluenceTable(std::shared_ptr<const DeformationGraph> graph) : 
     for (int a = 0; a < 3; ++a) cells_.positions.push_back(static_cast<float>(node[a] - origin_[a]));
     cells_.positions.push_back(0);
   }
+  find_candidates(low, side);
+}
 
-  const auto [nx, ny, nz] = cells_.count;
+void InfluenceTable::find_candidates(const Eigen::Vector3d& low, double side) {
   const CandidateSearch search(*graph_, side);
-  const std::size_t rows = static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz);
-  const auto row_length = static_cast<std::size_t>(nx);
+  const auto columns = static_cast<std::size_t>(cells_.count[0]);
+  const auto rows_of_slice = static_cast<std::size_t>(cells_.count[1]);
+  const std::size_t rows = rows_of_slice * static_cast<std::size_t>(cells_.count[2]);
   struct Part {
     std::vector<std::int32_t> counts, candidates;
   };
@@ -88,9 +91,10 @@ InfluenceTable::InfluenceTable(std::shared_ptr<const DeformationGraph> graph) : 
   parallel_for(rows, kRows, [&](const Chunk& chunk) {
     Part& part = parts[chunk.index];
     for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
-      for (std::size_t x = 0; x < row_length; ++x) {
-        const Eigen::Array3d cell(static_cast<double>(x), static_cast<double>(row % static_cast<std::size_t>(ny)),
-                                  static_cast<double>(row / static_cast<std::size_t>(ny)));
+      const std::size_t y = row % rows_of_slice;
+      const std::size_t z = row / rows_of_slice;
+      for (std::size_t x = 0; x < columns; ++x) {
+        const Eigen::Array3d cell(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
         const std::size_t before = part.candidates.size();
         search.append(low + side * (cell + 0.5).matrix(), part.candidates);
         part.counts.push_back(static_cast<std::int32_t>(part.candidates.size() - before));

@@ -41,6 +41,8 @@ public:
   const Cells& cells() const { return cells_; }
 
 private:
+  void find_candidates(const Eigen::Vector3d& low, double side);
+
   std::shared_ptr<const DeformationGraph> graph_;
   Eigen::Vector3d origin_;
   Cells cells_;
