@@ -60,11 +60,12 @@ void BulkWarp::index_nodes() {
       for (std::int32_t y = first[1]; y <= last[1]; ++y) {
         const float dz = static_cast<float>(z) - at[2];
         const float dy = static_cast<float>(y) - at[1];
-        const std::int32_t row = (z * cells_[1] + y) * cells_[0];
+        const auto slices = static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]);
+        const std::size_t row = (slices + static_cast<std::size_t>(y)) * static_cast<std::size_t>(cells_[0]);
         for (std::int32_t x = first[0]; x <= last[0]; ++x) {
           const float dx = static_cast<float>(x) - at[0];
           const float distance = dx * dx + dy * dy + dz * dz;
-          const auto cell = static_cast<std::size_t>(row + x);
+          const std::size_t cell = row + static_cast<std::size_t>(x);
           if (distance > reach * reach || !(distance < distances[cell])) continue;
           distances[cell] = distance;
           node_of_cell_[cell] = static_cast<std::int32_t>(n);
