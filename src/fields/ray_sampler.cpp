@@ -172,6 +172,9 @@ void RaySampler::append_own(const WarpedPixel& chosen, Random& random, RayBatch&
     const float step = 2 * band / static_cast<float>(sampling_.surface_samples);
     for (int i = 0; i < sampling_.surface_samples; ++i) {
       append_sample(ray, depth - band + step * (static_cast<float>(i) + random.uniform()), step, batch);
+      const float behind = batch.samples.back().depth - depth;
+      const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
+      for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * bend[a];
     }
   } else if (pixel.depth < 0) {
     append_in_occupied(ray, std::max(sampling_.near_depth, depth - 2 * band), depth + 2 * band,
@@ -196,9 +199,10 @@ WarpedPixel RaySampler::ray_at(bool own, std::size_t index) const {
     if (!own) return warped_space_.before[index];
     return index < warped_own_.size() ? warped_own_[index] : warped_space_.unmeasured[index - warped_own_.size()];
   }
-  if (own && index < own_.size()) return {own_[index].pixel, ray_of(own_[index]), {sampling_.near_depth, kFarthest}};
+  if (own && index < own_.size())
+    return {own_[index].pixel, ray_of(own_[index]), {sampling_.near_depth, kFarthest}, {}};
   const PixelPiece& piece = own ? unmeasured_[index - own_.size()] : others_[index];
-  return {piece.ref.pixel, ray_of(piece.ref), piece.piece};
+  return {piece.ref.pixel, ray_of(piece.ref), piece.piece, {}};
 }
 
 // The memory that ray_at() reads first, and what it finds there of the pixel.

@@ -28,6 +28,15 @@ const std::vector<Eigen::Vector3d>& Warp::node_positions() const {
   return live_ ? live_->nearest.points() : kNone;
 }
 
+const std::vector<DualQuaternion>& Warp::node_to_world() const {
+  static const std::vector<DualQuaternion> kNone;
+  return live_ ? live_->node_to_world : kNone;
+}
+
+std::size_t Warp::nearest_nodes(const Eigen::Vector3d& world, std::span<NearestPoints::Neighbour> found) const {
+  return live_ ? live_->nearest.find(world, found) : 0;
+}
+
 SE3 Warp::at(const Influence& influence) const {
   std::array<DualQuaternion, Influence::kMost> transforms;
   const auto count = static_cast<std::size_t>(influence.count);
@@ -56,7 +65,7 @@ std::optional<Eigen::Vector3d> Warp::to_canonical(const Eigen::Vector3d& world) 
   constexpr int kSteps = 8;
   constexpr double kTolerance = 1e-4; // metres
   std::array<NearestPoints::Neighbour, kStarts> starts{};
-  const std::size_t count = live_->nearest.find(world, starts);
+  const std::size_t count = nearest_nodes(world, starts);
   for (std::size_t s = 0; s < count; ++s) {
     Eigen::Vector3d canonical = live_->world_to_node[static_cast<std::size_t>(starts[s].index)] * world;
     // Fixed point: the warp's derivative is close to its rotation.

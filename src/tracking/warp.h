@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/dual_quaternion.h"
@@ -37,6 +38,10 @@ public:
   const DeformationGraph* graph() const { return live_ ? live_->graph.get() : nullptr; }
   /// Positions of the nodes in the world; empty if rigid.
   const std::vector<Eigen::Vector3d>& node_positions() const;
+  /// What the warp was made from; empty if rigid.
+  const std::vector<DualQuaternion>& node_to_world() const;
+  /// Fills `found` with the nodes that are nearest to a world point, as NearestPoints::find; 0 if rigid.
+  std::size_t nearest_nodes(const Eigen::Vector3d& world, std::span<NearestPoints::Neighbour> found) const;
 
 private:
   struct Live {
