@@ -112,22 +112,25 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   initialise(field, trainer.seed);
   auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
   const std::size_t wanted = std::max<std::size_t>(trainer.rays, 1);
+  const auto share_of = [wanted](std::size_t done) { return static_cast<double>(done) / static_cast<double>(wanted); };
+  const auto rays_of = [&](std::size_t step, std::size_t done) {
+    const std::size_t chunks = done < wanted ? chunks_of_step(trainer, share_of(done)) : 0;
+    return StepRays{chunks, [&sampler, &trainer, step, chunks](std::size_t chunk, RayBatch& batch) {
+                      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
+                      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
+                    }};
+  };
   std::size_t done = 0; // rays since the last start
   std::size_t step = 0;
+  optimizer->draw(rays_of(step, done));
   while (done < wanted) {
     progress.check();
-    const double share = static_cast<double>(done) / static_cast<double>(wanted);
-    const std::size_t chunks = chunks_of_step(trainer, share);
-    const auto fill = [&](std::size_t chunk, RayBatch& batch) {
-      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
-      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
-    };
-    const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, share, restart_factor));
-    const std::size_t rays = chunks * TrainerConfig::kRaysPerChunk;
-    done += rays;
+    const LearningRates rates = scheduled(trainer, share_of(done), restart_factor);
+    done += chunks_of_step(trainer, share_of(done)) * TrainerConfig::kRaysPerChunk;
     ++step;
+    const StepResult taken = optimizer->step(rates, rays_of(step, done));
     result.samples += taken.samples;
-    result.rays += rays;
+    result.rays += taken.rays;
     ++result.steps;
     result.final_loss = taken.loss;
     if (is_dead(taken, step) && result.restarts < kMaxRestarts) {
@@ -138,6 +141,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
       optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
       done = 0;
       step = 0;
+      optimizer->draw(rays_of(step, done));
     }
     if (step % 64 == 0 || done >= wanted) progress.advance(done, fmt::format("loss {:.4f}", taken.loss));
   }
