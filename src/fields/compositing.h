@@ -1,6 +1,7 @@
 // Volume rendering of the rays of a chunk, forward and backward (reference.h, ray_loss), vectorised with Highway.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "fields/field_batch.h"
@@ -25,10 +26,19 @@ struct Composition {
 void composite(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
                const LossWeights& weights, Composition& composition, std::vector<float>& inputs);
 
-/// Loss of the own rays' colours from the colour MLP's outputs (own rays × kColorOutputs); `gradient` (same size) is
-/// ∂loss/∂output · scale.
-double color_loss(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
-                  std::vector<float>& gradient);
+/// Sums over the own rays of a chunk.
+struct ColorSums {
+  double squared_error = 0;       ///< ‖C − C*‖²
+  double squared_target = 0;      ///< ‖C*‖²
+  std::array<double, 3> target{}; ///< C*
+
+  void add(const ColorSums& other);
+};
+
+/// Compares the own rays' colours, from the colour MLP's outputs (own rays × kColorOutputs), with their targets;
+/// `gradient` (same size) is ∂loss/∂output · scale.
+ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                         std::vector<float>& gradient);
 
 /// ∂loss/∂geometry · scale (samples × kGeometry) from ∂loss/∂(colour input).
 void composite_backward(const RayBatch& rays, const float* geometry, const LossWeights& weights, float scale,

@@ -70,29 +70,42 @@ void composite(const RayBatch& rays, const float* geometry, const LossWeights& w
   }
 }
 
-double color_loss(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
-                  float* gradient) {
+ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                         float* gradient) {
   const hn::CappedTag<float, 4> d;
   const auto one = hn::Set(d, 1.0F);
   const auto factor = hn::Set(d, scale * 2 * weights.color);
   constexpr float kMostNegative = 80; // beyond it the exponential is not defined, and the colour black
-  auto sum = hn::Zero(d);
+  HWY_ALIGN float errors[4] = {};     // by channel, like the next two
+  HWY_ALIGN float targets[4] = {};
+  HWY_ALIGN float squares[4] = {};
   for (const RayTarget& target : rays.targets) {
     if (!target.own) continue;
     HWY_ALIGN const float wanted[4] = {target.color[0], target.color[1], target.color[2], 0};
     HWY_ALIGN constexpr float kColors[4] = {1, 1, 1, 0};
     for (std::size_t v = 0; v < 4; v += hn::Lanes(d)) {
+      const auto add = [&](float* sums, auto a, auto b)
+                           HWY_ATTR { hn::Store(hn::MulAdd(a, b, hn::Load(d, sums + v)), d, sums + v); };
+      const auto aim = hn::Load(d, wanted + v);
       const auto power = hn::Min(hn::Neg(hn::LoadU(d, outputs + v)), hn::Set(d, kMostNegative));
       const auto value = hn::Div(one, hn::Add(one, hn::Exp(d, power)));
-      const auto difference = hn::Mul(hn::Sub(value, hn::Load(d, wanted + v)), hn::Load(d, kColors + v));
-      sum = hn::MulAdd(difference, difference, sum);
+      const auto difference = hn::Mul(hn::Sub(value, aim), hn::Load(d, kColors + v));
+      add(errors, difference, difference);
+      add(targets, aim, one);
+      add(squares, aim, aim);
       const auto slope = hn::Mul(value, hn::Sub(one, value));
       hn::StoreU(hn::Mul(hn::Mul(factor, difference), slope), d, gradient + v);
     }
     outputs += kO;
     gradient += kO;
   }
-  return static_cast<double>(weights.color) * hn::GetLane(hn::SumOfLanes(d, sum));
+  ColorSums sums;
+  for (std::size_t c = 0; c < 3; ++c) {
+    sums.squared_error += static_cast<double>(errors[c]);
+    sums.squared_target += static_cast<double>(squares[c]);
+    sums.target[c] = static_cast<double>(targets[c]);
+  }
+  return sums;
 }
 
 void composite_backward(const RayBatch& rays, const float* geometry, const LossWeights& weights, float scale,
@@ -148,7 +161,7 @@ HWY_AFTER_NAMESPACE();
 namespace kinora::fields {
 
 HWY_EXPORT(composite);
-HWY_EXPORT(color_loss);
+HWY_EXPORT(compare_colors);
 HWY_EXPORT(composite_backward);
 
 void composite(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
@@ -166,10 +179,16 @@ void composite(const RayBatch& rays, const std::vector<float>& lengths, const fl
   HWY_DYNAMIC_DISPATCH(composite)(rays, geometry, weights, composition, inputs.data());
 }
 
-double color_loss(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
-                  std::vector<float>& gradient) {
+void ColorSums::add(const ColorSums& other) {
+  squared_error += other.squared_error;
+  squared_target += other.squared_target;
+  for (std::size_t c = 0; c < 3; ++c) target[c] += other.target[c];
+}
+
+ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                         std::vector<float>& gradient) {
   gradient.assign(rays.ray_count() * FieldConfig::kColorOutputs, 0.0F);
-  return HWY_DYNAMIC_DISPATCH(color_loss)(rays, outputs, weights, scale, gradient.data());
+  return HWY_DYNAMIC_DISPATCH(compare_colors)(rays, outputs, weights, scale, gradient.data());
 }
 
 void composite_backward(const RayBatch& rays, const float* geometry, const LossWeights& weights, float scale,

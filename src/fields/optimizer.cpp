@@ -40,6 +40,7 @@ struct ChunkWork {
   std::vector<float> encoding_gradient; // of the samples that matter
   std::vector<float> density_net_gradient, color_net_gradient;
   double loss = 0;
+  ColorSums colors;
   double own_opacity = 0;
   std::size_t own_rays = 0;
 
@@ -196,9 +197,8 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   const float* geometry = scratch.points.geometry.data();
   composite(chunk.rays, chunk.length, geometry, weights, scratch.composition, scratch.color.input);
   evaluate_colors(field, scratch.composition.own_rays, scratch.color);
-  const double loss_of_color =
-      color_loss(chunk.rays, scratch.color.output.data(), weights, scale, scratch.color_gradient);
-  chunk.loss = scratch.composition.loss + loss_of_color;
+  chunk.colors = compare_colors(chunk.rays, scratch.color.output.data(), weights, scale, scratch.color_gradient);
+  chunk.loss = scratch.composition.loss + static_cast<double>(weights.color) * chunk.colors.squared_error;
   chunk.own_opacity = scratch.composition.own_opacity;
   chunk.own_rays = scratch.composition.own_rays;
   color_backward(chunk, scratch, transposed);
@@ -255,15 +255,21 @@ StepResult FieldOptimizer::Implementation::accumulate(const std::function<void(s
 
 void FieldOptimizer::Implementation::merge(std::size_t chunks, StepResult& result) {
   double opacity = 0;
-  std::size_t own = 0;
+  double own = 0;
+  ColorSums colors;
   for (std::size_t c = 0; c < chunks; ++c) {
     add_to(density_net.gradient, work[c].density_net_gradient);
     add_to(color_net.gradient, work[c].color_net_gradient);
     result.loss += work[c].loss / static_cast<double>(result.rays);
+    colors.add(work[c].colors);
     opacity += work[c].own_opacity;
-    own += work[c].own_rays;
+    own += static_cast<double>(work[c].own_rays);
   }
-  result.opacity = own > 0 ? opacity / static_cast<double>(own) : 0.0;
+  if (own == 0) return;
+  result.opacity = opacity / own;
+  result.color_error = colors.squared_error / own;
+  result.color_variance = colors.squared_target / own;
+  for (const double sum : colors.target) result.color_variance -= (sum / own) * (sum / own);
 }
 
 FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights, float negligible)

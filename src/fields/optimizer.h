@@ -15,8 +15,10 @@ struct LearningRates {
 };
 
 struct StepResult {
-  double loss = 0;    ///< mean over the rays
-  double opacity = 0; ///< mean opacity of the layer's own rays; near zero for a field that died
+  double loss = 0;           ///< mean over the rays
+  double opacity = 0;        ///< mean over the layer's own rays; near zero for a field that died
+  double color_error = 0;    ///< mean of ‖C − C*‖² over the own rays
+  double color_variance = 0; ///< the same of the best constant colour: a field that is no better knows nothing
   std::size_t rays = 0;
   std::size_t samples = 0;
 };
