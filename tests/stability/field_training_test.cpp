@@ -41,7 +41,7 @@ struct Outcome {
 Outcome learn_ball(const Trial& trial) {
   PixelStore store(1'000'000, kFrames);
   for (int i = 0; i < kFrames; ++i) {
-    ingest::Frame frame = trial.scene.frame(i, 0.05 * (i - kFrames / 2));
+    ingest::Frame frame = trial.scene.frame(i, 0.05 * i - 0.3);
     trial.place(frame);
     trial.disturb(frame);
     store.add(frame, i);
