@@ -225,6 +225,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                                {{"rays", training.rays},
                                 {"samples", training.samples},
                                 {"steps", training.steps},
+                                {"bytes", training.bytes},
                                 {"final_loss", training.final_loss},
                                 {"restarts", training.restarts}}}});
   pass.clip.layers.push_back(std::move(layer));

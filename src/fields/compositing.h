@@ -1,6 +1,7 @@
-// Volume rendering of the rays of a chunk, forward and backward (reference.h, ray_loss).
+// Volume rendering of the rays of a chunk, forward and backward (reference.h, ray_loss), vectorised with Highway.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "fields/field_batch.h"
@@ -8,33 +9,40 @@
 
 namespace kinora::fields {
 
-/// Compositing of a chunk's rays. `geometry` rows are those of PointBatch.
-class ChunkCompositor {
-public:
-  /// Weights, opacities and normalised features; fills `color.input` with a row for each own ray. `lengths`: those of
-  /// the samples.
-  void forward(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
-               const LossWeights& weights, ColorBatch& color);
-
-  /// Loss of the chunk from the colours' outputs; `color_gradient` (own rays × kColorOutputs) is ∂loss/∂output · scale.
-  double loss(const RayBatch& rays, const LossWeights& weights, float scale, const ColorBatch& color,
-              std::vector<float>& color_gradient) const;
-
-  /// ∂loss/∂geometry · scale (samples × kGeometry) from ∂loss/∂(colour input).
-  void backward(const RayBatch& rays, const float* geometry, const LossWeights& weights, float scale,
-                const ColorBatch& color, const float* input_gradient, float* geometry_gradient) const;
-
-  std::size_t own_ray_count() const { return own_rays_; }
-  double own_opacity_sum() const { return own_opacity_; }
-
-private:
-  std::size_t own_rays_ = 0;
-  double own_opacity_ = 0;
-  std::vector<float> weight_;        // per sample
-  std::vector<float> transmittance_; // behind each sample
-  std::vector<float> density_;       // per sample
-  std::vector<float> depth_term_;    // per sample
-  std::vector<float> opacity_;       // per ray
+/// What compositing a chunk's rays forward leaves for the way back.
+struct Composition {
+  std::vector<float> weight;        ///< per sample
+  std::vector<float> transmittance; ///< behind each sample
+  std::vector<float> density;       ///< per sample
+  std::vector<float> depth_term;    ///< per sample
+  std::vector<float> opacity;       ///< per ray
+  std::size_t own_rays = 0;
+  double own_opacity = 0; ///< sum over the own rays
+  double loss = 0;        ///< of the chunk, so far without that of the colours
 };
+
+/// `geometry` rows are those of PointBatch, `lengths` those of the samples. Fills `inputs` with a row of ColorBatch for
+/// each own ray.
+void composite(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
+               const LossWeights& weights, Composition& composition, std::vector<float>& inputs);
+
+/// Sums over the own rays of a chunk.
+struct ColorSums {
+  double squared_error = 0;       ///< ‖C − C*‖²
+  double squared_target = 0;      ///< ‖C*‖²
+  std::array<double, 3> target{}; ///< C*
+
+  void add(const ColorSums& other);
+};
+
+/// Compares the own rays' colours, from the colour MLP's outputs (own rays × kColorOutputs), with their targets;
+/// `gradient` (same size) is ∂loss/∂output · scale.
+ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                         std::vector<float>& gradient);
+
+/// ∂loss/∂geometry · scale (samples × kGeometry) from ∂loss/∂(colour input).
+void composite_backward(const RayBatch& rays, const float* geometry, const LossWeights& weights, float scale,
+                        const Composition& composition, const std::vector<float>& inputs, const float* input_gradient,
+                        float* geometry_gradient);
 
 } // namespace kinora::fields

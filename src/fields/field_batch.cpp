@@ -17,10 +17,16 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
   grow(batch.hidden, points.count, FieldConfig::kHidden);
   grow(batch.geometry, points.count, FieldConfig::kGeometry);
   const float* net = field.density_net.data();
-  kernels::encode(levels, field.table.data(), points, batch.encoding.data());
-  kernels::dense(batch.encoding.data(), points.count, width, net, FieldConfig::kHidden, true, batch.hidden.data());
-  kernels::dense(batch.hidden.data(), points.count, FieldConfig::kHidden, net + width * FieldConfig::kHidden,
-                 FieldConfig::kGeometry, false, batch.geometry.data());
+  for (std::size_t begin = 0; begin < points.count; begin += kPointBlock) {
+    const kernels::Points block{points.x + begin, points.y + begin, points.z + begin,
+                                std::min(kPointBlock, points.count - begin)};
+    float* encoding = batch.encoding.data() + begin * static_cast<std::size_t>(width);
+    float* hidden = batch.hidden.data() + begin * FieldConfig::kHidden;
+    kernels::encode(levels, field.table.data(), block, encoding);
+    kernels::dense(encoding, block.count, width, net, FieldConfig::kHidden, true, hidden);
+    kernels::dense(hidden, block.count, FieldConfig::kHidden, net + width * FieldConfig::kHidden,
+                   FieldConfig::kGeometry, false, batch.geometry.data() + begin * FieldConfig::kGeometry);
+  }
 }
 
 void evaluate_colors(const Field& field, std::size_t n, ColorBatch& batch) {

@@ -8,6 +8,9 @@
 
 namespace kinora::fields {
 
+/// Points that go through all of a net's matrices together, so that their rows stay in the nearest cache.
+inline constexpr std::size_t kPointBlock = 64;
+
 /// What a backward pass needs of n points; buffers grow and are kept.
 struct PointBatch {
   std::vector<float> encoding; ///< n × encoding_width

@@ -91,7 +91,8 @@ FieldConfig choose_field_config(const PixelStore& pixels, int label, const track
   const double share = static_cast<double>(touched_cells(seen.points, config.box, kProbe)) / (kProbe * kProbe);
   const double finest = share * config.finest_resolution * config.finest_resolution;
   const int log2_entries = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(std::max(finest, 1.0))));
-  config.log2_table_size = std::clamp(log2_entries, 13, 15);
+  // Parameters, gradients and moments of a layer stay below 16 MB, near to the processor.
+  config.log2_table_size = std::clamp(log2_entries, 13, config.levels > 4 ? 14 : 15);
   return config;
 }
 

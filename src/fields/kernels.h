@@ -58,13 +58,10 @@ struct AdamStep {
   float epsilon = 1e-15F;
 };
 
-/// Updates `rows` rows of kFeatures parameters and clears their gradients. A row without gradient is only looked at.
-void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
-               float* second_moments);
-
-/// Updates `count` parameters (a multiple of 16) and clears their gradients.
-void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
-              float* second_moments);
+/// Updates `count` parameters (a multiple of kFeatures) and clears their gradients. One without gradient keeps its
+/// value and moments.
+void adam(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
+          float* second_moments);
 
 /// Name of the instruction set in use, for reports: "AVX3", "AVX2", …
 const char* instruction_set();

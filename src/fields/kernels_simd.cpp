@@ -1,4 +1,7 @@
 #include "fields/kernels.h"
+
+#include <bit>
+
 #include "fields/ray_batch.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -14,6 +17,7 @@ namespace kinora::fields::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kF = FieldConfig::kFeatures;
+constexpr int kRowShift = std::countr_zero(static_cast<unsigned>(kF));
 constexpr std::size_t kBlock = 16; // points whose corners are found together
 
 /// A row of kWidth floats held in as many vectors as the instruction set needs.
@@ -24,9 +28,9 @@ template <int kWidth> struct Row {
   static constexpr int kVectors = kWidth / kLanes;
 };
 
-/// The eight corners of a block of points: entry within the level and trilinear weight.
+/// The eight corners of a block of points: where the entry's row begins within the level, and the trilinear weight.
 struct Corners {
-  HWY_ALIGN std::int32_t entry[8][kBlock];
+  HWY_ALIGN std::uint32_t row[8][kBlock];
   HWY_ALIGN float weight[8][kBlock];
 };
 
@@ -43,9 +47,13 @@ template <class DF> HWY_INLINE Axis<DF> locate(DF df, const float* coordinate, s
   return {low, hn::Sub(scaled, hn::ConvertTo(df, low))};
 }
 
-HWY_INLINE void find_corners(const GridLevel& level, const float* x, const float* y, const float* z, Corners& corners) {
+/// Asks for the corners' memory, too: `rows` begins with the level's first entry. (GCC leaves out calls of a function
+/// whose only effect is a prefetch.)
+HWY_INLINE void find_corners(const GridLevel& level, const float* x, const float* y, const float* z, const float* rows,
+                             Corners& corners) {
   const hn::CappedTag<float, kBlock> df;
   const hn::RebindToSigned<decltype(df)> di;
+  const hn::RebindToUnsigned<decltype(df)> du;
   const auto one_f = hn::Set(df, 1.0F);
   const auto one = hn::Set(di, 1);
   const std::int32_t side = level.resolution + 1;
@@ -68,9 +76,12 @@ HWY_INLINE void find_corners(const GridLevel& level, const float* x, const float
       const int dx = c & 1, dy = (c >> 1) & 1, dz = c >> 2;
       const auto entry = level.hashed ? hn::And(hn::Xor(hn::Xor(xs[dx], ys[dy]), zs[dz]), mask)
                                       : hn::Add(hn::Add(xs[dx], ys[dy]), zs[dz]);
-      hn::Store(entry, di, corners.entry[c] + i);
+      hn::Store(hn::BitCast(du, hn::ShiftLeft<kRowShift>(entry)), du, corners.row[c] + i);
       hn::Store(hn::Mul(hn::Mul(wx[dx], wy[dy]), wz[dz]), df, corners.weight[c] + i);
     }
+  }
+  for (const auto& begins : corners.row) {
+    for (const std::uint32_t begin : begins) __builtin_prefetch(rows + begin);
   }
 }
 
@@ -88,27 +99,41 @@ struct Block {
   }
 };
 
-void encode(std::span<const GridLevel> levels, const float* table, const Points& points, float* encodings) {
+/// out = the block's features of one level.
+HWY_INLINE void interpolate(const Corners& corners, const float* rows, std::size_t count, std::size_t width,
+                            float* out) {
   using R = Row<kF>;
   const R::Tag d;
+  for (std::size_t i = 0; i < count; ++i, out += width) {
+    for (int v = 0; v < R::kVectors; ++v) {
+      const auto weighted = [&](int c) HWY_ATTR {
+        const float* row = rows + corners.row[c][i] + v * R::kLanes;
+        return hn::Mul(hn::Set(d, corners.weight[c][i]), hn::LoadU(d, row));
+      };
+      const auto add = [&](R::Vector sum, int c) HWY_ATTR {
+        const float* row = rows + corners.row[c][i] + v * R::kLanes;
+        return hn::MulAdd(hn::Set(d, corners.weight[c][i]), hn::LoadU(d, row), sum);
+      };
+      // Two chains: one alone would wait for itself.
+      const auto front = add(add(add(weighted(0), 1), 2), 3);
+      const auto back = add(add(add(weighted(4), 5), 6), 7);
+      hn::StoreU(hn::Add(front, back), d, out + v * R::kLanes);
+    }
+  }
+}
+
+void encode(std::span<const GridLevel> levels, const float* table, const Points& points, float* encodings) {
   const std::size_t width = levels.size() * kF;
-  Corners corners;
+  const auto rows_of = [&](std::size_t l) { return table + static_cast<std::size_t>(levels[l].offset) * kF; };
+  Corners corners[2]; // those of the next level are found, and their memory is on its way, while one is read
   for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
     const Block block(points, begin);
+    find_corners(levels[0], block.x, block.y, block.z, rows_of(0), corners[0]);
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      find_corners(levels[l], block.x, block.y, block.z, corners);
-      const float* entries = table + static_cast<std::size_t>(levels[l].offset) * kF;
-      for (std::size_t i = 0; i < block.count; ++i) {
-        float* out = encodings + (begin + i) * width + l * kF;
-        for (int v = 0; v < R::kVectors; ++v) {
-          auto sum = hn::Zero(d);
-          for (int c = 0; c < 8; ++c) {
-            const float* row = entries + static_cast<std::size_t>(corners.entry[c][i]) * kF + v * R::kLanes;
-            sum = hn::MulAdd(hn::Set(d, corners.weight[c][i]), hn::LoadU(d, row), sum);
-          }
-          hn::StoreU(sum, d, out + v * R::kLanes);
-        }
+      if (l + 1 < levels.size()) {
+        find_corners(levels[l + 1], block.x, block.y, block.z, rows_of(l + 1), corners[(l + 1) % 2]);
       }
+      interpolate(corners[l % 2], rows_of(l), block.count, width, encodings + begin * width + l * kF);
     }
   }
 }
@@ -116,20 +141,26 @@ void encode(std::span<const GridLevel> levels, const float* table, const Points&
 /// Whether points i and k of a block lie in one cell. The other four corners follow from these: entries are sums, or
 /// exclusive ors, of a term for each axis.
 HWY_INLINE bool in_one_cell(const Corners& corners, std::size_t i, std::size_t k) {
-  return corners.entry[0][i] == corners.entry[0][k] && corners.entry[1][i] == corners.entry[1][k] &&
-         corners.entry[2][i] == corners.entry[2][k] && corners.entry[4][i] == corners.entry[4][k];
+  return corners.row[0][i] == corners.row[0][k] && corners.row[1][i] == corners.row[1][k] &&
+         corners.row[2][i] == corners.row[2][k] && corners.row[4][i] == corners.row[4][k];
 }
 
 void scatter_level(const GridLevel& level, const Points& points, const float* feature_gradients, std::size_t stride,
                    float* table_gradient) {
   using R = Row<kF>;
   const R::Tag d;
-  Corners corners;
-  for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
+  Corners both[2];
+  const auto find = [&](std::size_t begin) HWY_ATTR {
     const Block block(points, begin);
-    find_corners(level, block.x, block.y, block.z, corners);
-    for (std::size_t first = 0, end = 0; first < block.count; first = end) {
-      for (end = first + 1; end < block.count && in_one_cell(corners, first, end);) ++end;
+    find_corners(level, block.x, block.y, block.z, table_gradient, both[begin / kBlock % 2]);
+  };
+  if (points.count > 0) find(0);
+  for (std::size_t begin = 0; begin < points.count; begin += kBlock) {
+    if (begin + kBlock < points.count) find(begin + kBlock);
+    const Corners& corners = both[begin / kBlock % 2];
+    const std::size_t count = std::min(kBlock, points.count - begin);
+    for (std::size_t first = 0, end = 0; first < count; first = end) {
+      for (end = first + 1; end < count && in_one_cell(corners, first, end);) ++end;
       for (int v = 0; v < R::kVectors; ++v) {
         const float* gradients = feature_gradients + begin * stride + v * R::kLanes;
         R::Vector sums[8];
@@ -140,7 +171,7 @@ void scatter_level(const GridLevel& level, const Points& points, const float* fe
           for (int c = 0; c < 8; ++c) sums[c] = hn::MulAdd(hn::Set(d, corners.weight[c][i]), next, sums[c]);
         }
         for (int c = 0; c < 8; ++c) { // one after the other: two corners may share an entry
-          float* row = table_gradient + static_cast<std::size_t>(corners.entry[c][first]) * kF + v * R::kLanes;
+          float* row = table_gradient + corners.row[c][first] + v * R::kLanes;
           hn::StoreU(hn::Add(hn::LoadU(d, row), sums[c]), d, row);
         }
       }
@@ -271,45 +302,92 @@ std::size_t rows_above(const float* rows, std::size_t n, float limit, std::uint3
   return count;
 }
 
-template <class D>
-HWY_INLINE void adam_vector(D d, const AdamStep& step, float* parameters, float* gradients, float* first_moments,
-                            float* second_moments) {
-  const auto g = hn::LoadU(d, gradients);
-  const auto one = hn::Set(d, 1.0F);
-  const auto b1 = hn::Set(d, step.beta1);
-  const auto b2 = hn::Set(d, step.beta2);
-  const auto m = hn::MulAdd(b1, hn::LoadU(d, first_moments), hn::Mul(hn::Sub(one, b1), g));
-  const auto v = hn::MulAdd(b2, hn::LoadU(d, second_moments), hn::Mul(hn::Sub(one, b2), hn::Mul(g, g)));
-  const auto change =
-      hn::Div(hn::Mul(hn::Set(d, step.learning_rate), m), hn::Add(hn::Sqrt(v), hn::Set(d, step.epsilon)));
-  // A parameter without gradient keeps its value and moments (Müller et al. 2022, sec. 4).
-  const auto moved = hn::Ne(g, hn::Zero(d));
-  const auto p = hn::LoadU(d, parameters);
-  hn::StoreU(hn::IfThenElse(moved, hn::Sub(p, change), p), d, parameters);
-  hn::StoreU(hn::IfThenElse(moved, m, hn::LoadU(d, first_moments)), d, first_moments);
-  hn::StoreU(hn::IfThenElse(moved, v, hn::LoadU(d, second_moments)), d, second_moments);
-  hn::StoreU(hn::Zero(d), d, gradients);
+/// 1/√v to 5e-6 for v ≥ 1e-37: a first guess from the bits (Lomont, "Fast inverse square root", 2003) and two of
+/// Newton's steps. The same bits on every processor, and faster than a root and a division.
+template <class D> HWY_INLINE hn::Vec<D> inverse_root(D d, hn::Vec<D> v) {
+  const hn::RebindToSigned<D> di;
+  const auto half = hn::Mul(hn::Set(d, 0.5F), v);
+  auto guess = hn::BitCast(d, hn::Sub(hn::Set(di, 0x5F375A86), hn::ShiftRight<1>(hn::BitCast(di, v))));
+  for (int step = 0; step < 2; ++step) {
+    guess = hn::Mul(guess, hn::NegMulAdd(hn::Mul(half, guess), guess, hn::Set(d, 1.5F)));
+  }
+  return guess;
 }
 
-void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
-               float* second_moments) {
-  using R = Row<kF>;
-  const R::Tag d;
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (int v = 0; v < R::kVectors; ++v) {
-      const std::size_t at = row * kF + static_cast<std::size_t>(v * R::kLanes);
-      if (hn::AllTrue(d, hn::Eq(hn::LoadU(d, gradients + at), hn::Zero(d)))) continue;
-      adam_vector(d, step, parameters + at, gradients + at, first_moments + at, second_moments + at);
+/// Adam for a vector of parameters, with its constants in registers.
+template <class D> class Adam {
+public:
+  HWY_INLINE explicit Adam(const AdamStep& step)
+      : rate_(hn::Set(D(), step.learning_rate)), epsilon_(hn::Set(D(), step.epsilon * step.epsilon)),
+        fresh1_(hn::Set(D(), 1 - step.beta1)), beta2_(hn::Set(D(), step.beta2)), fresh2_(hn::Set(D(), 1 - step.beta2)) {
+  }
+
+  HWY_INLINE void update(float* parameters, float* gradients, float* first_moments, float* second_moments) const {
+    const D d;
+    const auto g = hn::LoadU(d, gradients);
+    const auto m_before = hn::LoadU(d, first_moments);
+    const auto v_before = hn::LoadU(d, second_moments);
+    const auto p = hn::LoadU(d, parameters);
+    const auto m = hn::MulAdd(fresh1_, hn::Sub(g, m_before), m_before);
+    const auto v = hn::MulAdd(beta2_, v_before, hn::Mul(fresh2_, hn::Mul(g, g)));
+    const auto next = hn::NegMulAdd(hn::Mul(rate_, m), inverse_root(d, hn::Add(v, epsilon_)), p);
+    // A parameter without gradient keeps its value and moments (Müller et al. 2022, sec. 4).
+    const auto moved = hn::Ne(g, hn::Zero(d));
+    hn::StoreU(hn::IfThenElse(moved, next, p), d, parameters);
+    hn::StoreU(hn::IfThenElse(moved, m, m_before), d, first_moments);
+    hn::StoreU(hn::IfThenElse(moved, v, v_before), d, second_moments);
+    hn::StoreU(hn::Zero(d), d, gradients);
+  }
+
+private:
+  hn::Vec<D> rate_, epsilon_, fresh1_, beta2_, fresh2_;
+};
+
+void adam(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
+          float* second_moments) {
+  using Wide = hn::CappedTag<float, 16>;
+  using Narrow = hn::CappedTag<float, kF>;
+  constexpr std::size_t kLanes = hn::MaxLanes(Wide());
+  const Adam<Wide> wide(step);
+  const Adam<Narrow> narrow(step);
+  const auto touched = [&](std::size_t i) HWY_ATTR {
+    return !hn::AllTrue(Wide(), hn::Eq(hn::LoadU(Wide(), gradients + i), hn::Zero(Wide())));
+  };
+  const auto update_narrow = [&](std::size_t begin, std::size_t end) HWY_ATTR {
+    for (std::size_t i = begin; i < end; i += hn::Lanes(Narrow())) {
+      narrow.update(parameters + i, gradients + i, first_moments + i, second_moments + i);
+    }
+  };
+  // Whole lines of memory: a level may begin in the middle of one.
+  const bool aligned = reinterpret_cast<std::uintptr_t>(gradients) % (16 * sizeof(float)) == 0;
+  const std::size_t head = aligned ? 0 : std::min<std::size_t>(kF, count);
+  update_narrow(0, head);
+  // A group is looked at while the one before it is updated: its memory is on the way by then, and no branch is guessed
+  // wrong for each vector.
+  constexpr std::size_t kGroup = 32;
+  const auto look = [&](std::size_t begin) HWY_ATTR {
+    std::uint32_t which = 0;
+    const std::size_t vectors = begin < count ? std::min(kGroup, (count - begin) / kLanes) : 0;
+    for (std::size_t i = 0; i < vectors; ++i) {
+      const std::size_t at = begin + i * kLanes;
+      if (!touched(at)) continue;
+      which |= 1U << i;
+      __builtin_prefetch(parameters + at);
+      __builtin_prefetch(first_moments + at);
+      __builtin_prefetch(second_moments + at);
+    }
+    return which;
+  };
+  std::uint32_t next = look(head);
+  for (std::size_t begin = head; begin + kLanes <= count; begin += kGroup * kLanes) {
+    std::uint32_t which = next;
+    next = look(begin + kGroup * kLanes);
+    for (; which != 0; which &= which - 1) {
+      const std::size_t i = begin + static_cast<std::size_t>(std::countr_zero(which)) * kLanes;
+      wide.update(parameters + i, gradients + i, first_moments + i, second_moments + i);
     }
   }
-}
-
-void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
-              float* second_moments) {
-  const hn::CappedTag<float, 16> d;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    adam_vector(d, step, parameters + i, gradients + i, first_moments + i, second_moments + i);
-  }
+  update_narrow(head + (count - head) / kLanes * kLanes, count);
 }
 
 const char* instruction_set() { return hwy::TargetName(HWY_TARGET); }
@@ -327,8 +405,7 @@ HWY_EXPORT(relu_backward);
 HWY_EXPORT(scatter_level);
 HWY_EXPORT(densities);
 HWY_EXPORT(rows_above);
-HWY_EXPORT(adam_rows);
-HWY_EXPORT(adam_all);
+HWY_EXPORT(adam);
 HWY_EXPORT(instruction_set);
 
 void encode(std::span<const GridLevel> levels, const float* table, const Points& points, float* encodings) {
@@ -354,13 +431,9 @@ void densities(const float* geometry, const float* lengths, std::size_t n, float
 std::size_t rows_above(const float* rows, std::size_t n, float limit, std::uint32_t* numbers) {
   return HWY_DYNAMIC_DISPATCH(rows_above)(rows, n, limit, numbers);
 }
-void adam_rows(const AdamStep& step, std::size_t rows, float* parameters, float* gradients, float* first_moments,
-               float* second_moments) {
-  HWY_DYNAMIC_DISPATCH(adam_rows)(step, rows, parameters, gradients, first_moments, second_moments);
-}
-void adam_all(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
-              float* second_moments) {
-  HWY_DYNAMIC_DISPATCH(adam_all)(step, count, parameters, gradients, first_moments, second_moments);
+void adam(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
+          float* second_moments) {
+  HWY_DYNAMIC_DISPATCH(adam)(step, count, parameters, gradients, first_moments, second_moments);
 }
 const char* instruction_set() { return HWY_DYNAMIC_DISPATCH(instruction_set)(); }
 

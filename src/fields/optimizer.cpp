@@ -1,10 +1,12 @@
 #include "fields/optimizer.h"
 
+#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
 #include "fields/compositing.h"
 #include "fields/field_batch.h"
+#include "fields/flush_to_zero.h"
 
 namespace kinora::fields {
 namespace {
@@ -38,6 +40,7 @@ struct ChunkWork {
   std::vector<float> encoding_gradient; // of the samples that matter
   std::vector<float> density_net_gradient, color_net_gradient;
   double loss = 0;
+  ColorSums colors;
   double own_opacity = 0;
   std::size_t own_rays = 0;
 
@@ -59,7 +62,7 @@ struct ChunkWork {
 struct Scratch {
   PointBatch points;
   ColorBatch color;
-  ChunkCompositor compositor;
+  Composition composition;
   std::vector<float> color_gradient, second_gradient, first_gradient, input_gradient;
   std::vector<float> geometry_gradient, hidden_gradient;
   std::vector<std::uint32_t> mattering;
@@ -80,6 +83,14 @@ void add_to(LargeBuffer<float>& sum, const std::vector<float>& values) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i];
 }
 
+// Calls task(0), task(1), … on all threads; each begins when those before it have begun.
+void run_in_order(std::size_t tasks, const std::function<void(std::size_t)>& task) {
+  std::atomic<std::size_t> next = 0;
+  parallel_for(static_cast<std::size_t>(thread_count()), 1, [&](const Chunk&) {
+    for (std::size_t i = next++; i < tasks; i = next++) task(i);
+  });
+}
+
 } // namespace
 
 struct FieldOptimizer::Implementation {
@@ -89,6 +100,7 @@ struct FieldOptimizer::Implementation {
   std::vector<GridLevel> levels;
   Moments table, density_net, color_net;
   std::vector<ChunkWork> work;
+  std::size_t drawn = 0; // chunks whose rays wait for the next step
   long steps = 0;
 
   Implementation(Field& f, const LossWeights& w, float n)
@@ -99,13 +111,20 @@ struct FieldOptimizer::Implementation {
   void color_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
   void keep_mattering(ChunkWork& chunk, Scratch& scratch, float scale) const;
   void points_backward(ChunkWork& chunk, Scratch& scratch, const TransposedNets& transposed) const;
-  StepResult accumulate(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
-                        const std::function<void(std::size_t)>& after_level);
+  void draw(const StepRays& rays, std::size_t chunk);
+  void scatter(std::size_t level, std::size_t chunks);
+  StepResult accumulate(const std::function<void(std::size_t)>& after_level, const StepRays& next);
+  void merge(std::size_t chunks, StepResult& result);
+
+  void prepare(const StepRays& rays) {
+    drawn = rays.chunks;
+    if (work.size() < drawn) work.resize(drawn);
+  }
 };
 
 void FieldOptimizer::Implementation::color_backward(ChunkWork& chunk, Scratch& scratch,
                                                     const TransposedNets& transposed) const {
-  const std::size_t n = scratch.compositor.own_ray_count();
+  const std::size_t n = scratch.composition.own_rays;
   scratch.second_gradient.resize(n * kC);
   scratch.first_gradient.resize(n * kC);
   scratch.input_gradient.resize(n * kG);
@@ -145,22 +164,27 @@ void FieldOptimizer::Implementation::keep_mattering(ChunkWork& chunk, Scratch& s
   }
 }
 
+// A block of points at a time: what one matrix leaves is still at hand for the next.
 void FieldOptimizer::Implementation::points_backward(ChunkWork& chunk, Scratch& scratch,
                                                      const TransposedNets& transposed) const {
   const std::size_t n = chunk.mattering;
   const int width = field.config.encoding_width();
-  scratch.hidden_gradient.resize(n * kH);
+  scratch.hidden_gradient.resize(kPointBlock * kH);
   chunk.encoding_gradient.resize(n * static_cast<std::size_t>(width));
-  float* gradient = chunk.density_net_gradient.data();
-  kernels::accumulate_weight_gradient(scratch.points.hidden.data(), scratch.geometry_gradient.data(), n, kH, kG,
-                                      gradient + width * kH);
-  kernels::dense(scratch.geometry_gradient.data(), n, kG, transposed.density.data(), kH, false,
-                 scratch.hidden_gradient.data());
-  kernels::relu_backward(scratch.points.hidden.data(), n * kH, scratch.hidden_gradient.data());
-  kernels::accumulate_weight_gradient(scratch.points.encoding.data(), scratch.hidden_gradient.data(), n, width, kH,
-                                      gradient);
-  kernels::dense(scratch.hidden_gradient.data(), n, kH, transposed.density.data() + kG * kH, width, false,
-                 chunk.encoding_gradient.data());
+  float* net_gradient = chunk.density_net_gradient.data();
+  float* hidden_gradient = scratch.hidden_gradient.data();
+  for (std::size_t begin = 0; begin < n; begin += kPointBlock) {
+    const std::size_t count = std::min(kPointBlock, n - begin);
+    const float* encoding = scratch.points.encoding.data() + begin * static_cast<std::size_t>(width);
+    const float* hidden = scratch.points.hidden.data() + begin * kH;
+    const float* geometry_gradient = scratch.geometry_gradient.data() + begin * kG;
+    kernels::accumulate_weight_gradient(hidden, geometry_gradient, count, kH, kG, net_gradient + width * kH);
+    kernels::dense(geometry_gradient, count, kG, transposed.density.data(), kH, false, hidden_gradient);
+    kernels::relu_backward(hidden, count * kH, hidden_gradient);
+    kernels::accumulate_weight_gradient(encoding, hidden_gradient, count, width, kH, net_gradient);
+    kernels::dense(hidden_gradient, count, kH, transposed.density.data() + kG * kH, width, false,
+                   chunk.encoding_gradient.data() + begin * static_cast<std::size_t>(width));
+  }
 }
 
 void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const TransposedNets& transposed,
@@ -171,92 +195,119 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   chunk.color_net_gradient.assign(field.color_net.size(), 0.0F);
   evaluate_points(field, levels, chunk.points(chunk.rays.samples.size()), scratch.points);
   const float* geometry = scratch.points.geometry.data();
-  scratch.compositor.forward(chunk.rays, chunk.length, geometry, weights, scratch.color);
-  evaluate_colors(field, scratch.compositor.own_ray_count(), scratch.color);
-  chunk.loss = scratch.compositor.loss(chunk.rays, weights, scale, scratch.color, scratch.color_gradient);
-  chunk.own_opacity = scratch.compositor.own_opacity_sum();
-  chunk.own_rays = scratch.compositor.own_ray_count();
+  composite(chunk.rays, chunk.length, geometry, weights, scratch.composition, scratch.color.input);
+  evaluate_colors(field, scratch.composition.own_rays, scratch.color);
+  chunk.colors = compare_colors(chunk.rays, scratch.color.output.data(), weights, scale, scratch.color_gradient);
+  chunk.loss = scratch.composition.loss + static_cast<double>(weights.color) * chunk.colors.squared_error;
+  chunk.own_opacity = scratch.composition.own_opacity;
+  chunk.own_rays = scratch.composition.own_rays;
   color_backward(chunk, scratch, transposed);
   scratch.geometry_gradient.resize(chunk.rays.samples.size() * kG);
-  scratch.compositor.backward(chunk.rays, geometry, weights, scale, scratch.color, scratch.input_gradient.data(),
-                              scratch.geometry_gradient.data());
+  composite_backward(chunk.rays, geometry, weights, scale, scratch.composition, scratch.color.input,
+                     scratch.input_gradient.data(), scratch.geometry_gradient.data());
   keep_mattering(chunk, scratch, scale);
   points_backward(chunk, scratch, transposed);
 }
 
-StepResult FieldOptimizer::Implementation::accumulate(std::size_t chunks,
-                                                      const std::function<void(std::size_t, RayBatch&)>& fill,
-                                                      const std::function<void(std::size_t)>& after_level) {
-  if (work.size() < chunks) work.resize(chunks);
-  parallel_for(chunks, 1, [&](const Chunk& c) {
-    work[c.index].rays.clear();
-    fill(c.index, work[c.index].rays);
-  });
-  std::size_t rays = 0;
-  for (std::size_t c = 0; c < chunks; ++c) rays += work[c].rays.ray_count();
-  if (rays == 0) return {};
+void FieldOptimizer::Implementation::draw(const StepRays& rays, std::size_t chunk) {
+  work[chunk].rays.clear();
+  rays.fill(chunk, work[chunk].rays);
+}
 
-  const TransposedNets transposed(field);
-  const float scale = 1.0F / static_cast<float>(rays);
-  parallel_for(chunks, 1, [&](const Chunk& c) { forward_backward(work[c.index], transposed, scale); });
+void FieldOptimizer::Implementation::scatter(std::size_t level, std::size_t chunks) {
+  float* gradient = table.gradient.data() + static_cast<std::size_t>(levels[level].offset) * kF;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    const ChunkWork& chunk = work[c];
+    kernels::scatter_level(levels[level], chunk.points(chunk.mattering), chunk.encoding_gradient.data() + level * kF,
+                           levels.size() * kF, gradient);
+  }
+}
 
+StepResult FieldOptimizer::Implementation::accumulate(const std::function<void(std::size_t)>& after_level,
+                                                      const StepRays& next) {
+  const std::size_t chunks = drawn;
   StepResult result;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    result.rays += work[c].rays.ray_count();
+    result.samples += work[c].rays.samples.size();
+  }
+  if (result.rays > 0) {
+    const TransposedNets transposed(field);
+    const float scale = 1.0F / static_cast<float>(result.rays);
+    parallel_for(chunks, 1, [&](const Chunk& c) {
+      const FlushToZero flush;
+      forward_backward(work[c.index], transposed, scale);
+    });
+    merge(chunks, result);
+  }
+  // The finest levels first: they take longest. Rays are no longer needed by then, and make room for the next.
+  const std::size_t touched = result.rays > 0 ? levels.size() : 0;
+  prepare(next);
+  run_in_order(touched + next.chunks, [&](std::size_t task) {
+    const FlushToZero flush;
+    if (task >= touched) return draw(next, task - touched);
+    const std::size_t level = levels.size() - 1 - task;
+    scatter(level, chunks);
+    after_level(level);
+  });
+  return result;
+}
+
+void FieldOptimizer::Implementation::merge(std::size_t chunks, StepResult& result) {
   double opacity = 0;
-  std::size_t own = 0;
+  double own = 0;
+  ColorSums colors;
   for (std::size_t c = 0; c < chunks; ++c) {
     add_to(density_net.gradient, work[c].density_net_gradient);
     add_to(color_net.gradient, work[c].color_net_gradient);
-    result.loss += work[c].loss / static_cast<double>(rays);
-    result.samples += work[c].rays.samples.size();
+    result.loss += work[c].loss / static_cast<double>(result.rays);
+    colors.add(work[c].colors);
     opacity += work[c].own_opacity;
-    own += work[c].own_rays;
+    own += static_cast<double>(work[c].own_rays);
   }
-  result.opacity = own > 0 ? opacity / static_cast<double>(own) : 0.0;
-
-  // The finest levels first: they take longest.
-  parallel_for(levels.size(), 1, [&](const Chunk& c) {
-    const std::size_t l = levels.size() - 1 - c.index;
-    float* gradient = table.gradient.data() + static_cast<std::size_t>(levels[l].offset) * kF;
-    for (std::size_t k = 0; k < chunks; ++k) {
-      const ChunkWork& chunk = work[k];
-      kernels::scatter_level(levels[l], chunk.points(chunk.mattering), chunk.encoding_gradient.data() + l * kF,
-                             levels.size() * kF, gradient);
-    }
-    after_level(l);
-  });
-  return result;
+  if (own == 0) return;
+  result.opacity = opacity / own;
+  result.color_error = colors.squared_error / own;
+  result.color_variance = colors.squared_target / own;
+  for (const double sum : colors.target) result.color_variance -= (sum / own) * (sum / own);
 }
 
 FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights, float negligible)
     : implementation_(std::make_unique<Implementation>(field, weights, negligible)) {}
 FieldOptimizer::~FieldOptimizer() = default;
 
-StepResult FieldOptimizer::step(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
-                                const LearningRates& rates) {
+void FieldOptimizer::draw(const StepRays& rays) {
+  implementation_->prepare(rays);
+  parallel_for(rays.chunks, 1, [&](const Chunk& c) { implementation_->draw(rays, c.index); });
+}
+
+StepResult FieldOptimizer::step(const LearningRates& rates, const StepRays& next) {
   Implementation& s = *implementation_;
   ++s.steps;
-  kernels::AdamStep adam{};
-  const double correction = std::sqrt(1 - std::pow(static_cast<double>(adam.beta2), s.steps)) /
-                            (1 - std::pow(static_cast<double>(adam.beta1), s.steps));
-  adam.learning_rate = static_cast<float>(rates.table * correction);
-  const StepResult result = s.accumulate(chunks, fill, [&](std::size_t l) {
+  kernels::AdamStep adam_step{};
+  const double correction = std::sqrt(1 - std::pow(static_cast<double>(adam_step.beta2), s.steps)) /
+                            (1 - std::pow(static_cast<double>(adam_step.beta1), s.steps));
+  adam_step.learning_rate = static_cast<float>(rates.table * correction);
+  const auto update_level = [&s, adam_step](std::size_t l) {
     const std::size_t at = static_cast<std::size_t>(s.levels[l].offset) * kF;
-    kernels::adam_rows(adam, s.levels[l].size, s.field.table.data() + at, s.table.gradient.data() + at,
-                       s.table.first.data() + at, s.table.second.data() + at);
-  });
-  adam.learning_rate = static_cast<float>(rates.nets * correction);
+    kernels::adam(adam_step, std::size_t{s.levels[l].size} * kF, s.field.table.data() + at,
+                  s.table.gradient.data() + at, s.table.first.data() + at, s.table.second.data() + at);
+  };
+  const StepResult result = s.accumulate(update_level, next);
+  adam_step.learning_rate = static_cast<float>(rates.nets * correction);
+  const FlushToZero flush;
   for (auto [parameters, moments] :
        {std::pair(&s.field.density_net, &s.density_net), std::pair(&s.field.color_net, &s.color_net)}) {
-    kernels::adam_all(adam, parameters->size(), parameters->data(), moments->gradient.data(), moments->first.data(),
-                      moments->second.data());
+    kernels::adam(adam_step, parameters->size(), parameters->data(), moments->gradient.data(), moments->first.data(),
+                  moments->second.data());
   }
   return result;
 }
 
-StepResult FieldOptimizer::gradient(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
-                                    Gradient& gradient) {
+StepResult FieldOptimizer::gradient(const StepRays& rays, Gradient& gradient) {
   Implementation& s = *implementation_;
-  const StepResult result = s.accumulate(chunks, fill, [](std::size_t) {});
+  draw(rays);
+  const StepResult result = s.accumulate([](std::size_t) {}, {});
   for (auto [moments, out] : {std::pair(&s.table, &gradient.table), std::pair(&s.density_net, &gradient.density_net),
                               std::pair(&s.color_net, &gradient.color_net)}) {
     out->assign(moments->gradient.begin(), moments->gradient.end());

@@ -15,9 +15,19 @@ struct LearningRates {
 };
 
 struct StepResult {
-  double loss = 0;    ///< mean over the rays
-  double opacity = 0; ///< mean opacity of the layer's own rays; near zero for a field that died
+  double loss = 0;           ///< mean over the rays
+  double opacity = 0;        ///< mean over the layer's own rays; near zero for a field that died
+  double color_error = 0;    ///< mean of ‖C − C*‖² over the own rays
+  double color_variance = 0; ///< the same of the best constant colour: a field that is no better knows nothing
+  std::size_t rays = 0;
   std::size_t samples = 0;
+};
+
+/// The rays of a step: `fill(chunk, batch)` provides those of each of `chunks` chunks; called once for each, on any
+/// thread. Chunks that were never filled have no rays.
+struct StepRays {
+  std::size_t chunks = 0;
+  std::function<void(std::size_t, RayBatch&)> fill;
 };
 
 /// Owns gradients and moments; the field is the caller's and must outlive it. Not thread-safe; uses threads inside.
@@ -30,15 +40,17 @@ public:
   FieldOptimizer(Field& field, const LossWeights& weights, float negligible = 0);
   ~FieldOptimizer();
 
-  /// `fill(chunk, batch)` provides the rays of each of `chunks` chunks; called once for each, on any thread.
-  StepResult step(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill,
-                  const LearningRates& rates);
+  /// Draws the rays of the next step.
+  void draw(const StepRays& rays);
+  /// Takes a step with the rays that were drawn last, and draws `next`: there is always something to draw while the
+  /// levels of the grid, few and of unequal cost, are worked on.
+  StepResult step(const LearningRates& rates, const StepRays& next);
 
   /// The loss of a step and its gradient, without changing the field: what tests compare with the reference.
   struct Gradient {
     std::vector<float> table, density_net, color_net;
   };
-  StepResult gradient(std::size_t chunks, const std::function<void(std::size_t, RayBatch&)>& fill, Gradient& gradient);
+  StepResult gradient(const StepRays& rays, Gradient& gradient);
 
 private:
   struct Implementation;

@@ -11,7 +11,8 @@
 namespace kinora::fields {
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                        const SamplingConfig& sampling)
-    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling) {
+    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling),
+      per_density_length_(static_cast<float>(1 / config.density_length())) {
   if (motion.kind() == tracking::MotionKind::kDeforming) {
     warped_own_ = warp_measured_pixels(pixels, label, motion, config);
     order_by_place(warped_own_, [&](const WarpedPixel& own) { return place_of(own.ray, own.pixel); });
@@ -95,6 +96,54 @@ void RaySampler::set_occupancy(const Occupancy& occupancy) {
   }
 }
 
+// Whether anything occupied may lie between the rays of a block of kBlockSide² pixels: the middle ray is followed in
+// steps so long that what is known to be empty around it holds the whole block.
+bool RaySampler::may_see(const DistanceField& distances, const FrameRays& frame, int u, int v) const {
+  constexpr float kHalf = 0.5F * (kBlockSide - 1);
+  const auto cells = static_cast<float>(distances.resolution());
+  const float x = (static_cast<float>(u) + kHalf - frame.cx) / frame.fx;
+  const float y = (static_cast<float>(v) + kHalf - frame.cy) / frame.fy;
+  std::array<float, 3> origin{};    // cells
+  std::array<float, 3> direction{}; // cells per metre of depth
+  float speed = 0;                  // its largest part
+  float spread = 0;                 // the same of what the block's outermost rays differ by
+  float end = 0;                    // metres: depth of the box's farthest corner
+  const float side = static_cast<float>(config_.box.side);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float* row = &frame.rotation[3 * a];
+    origin[a] = frame.origin[a] * cells;
+    direction[a] = (row[0] * x + row[1] * y + row[2]) * cells;
+    speed = std::max(speed, std::abs(direction[a]));
+    spread = std::max(spread, (std::abs(row[0] / frame.fx) + std::abs(row[1] / frame.fy)) * kHalf * cells);
+    end += side * side * row[2] * ((row[2] > 0 ? 1.0F : 0.0F) - frame.origin[a]);
+  }
+  float depth = sampling_.near_depth;
+  while (depth < end) {
+    std::array<int, 3> cell{}; // outside the box the nearest inside, which is no farther from anything occupied
+    float outside = 0;         // cells
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float at = origin[a] + depth * direction[a];
+      cell[a] = static_cast<int>(std::clamp(at, 0.0F, cells - 1));
+      outside = std::max({outside, -at, at - cells});
+    }
+    const float empty = std::max(static_cast<float>(distances.at(cell[0], cell[1], cell[2]) - 1), outside);
+    const float step = (empty - spread * depth) / (speed + spread);
+    if (!(step * speed > 0.5F)) return true;
+    depth += step;
+  }
+  return false;
+}
+
+// The blocks of a frame's image whose pixels may see occupied space, row by row.
+std::vector<bool> RaySampler::seeing_blocks(const DistanceField& distances, std::size_t frame) const {
+  const Intrinsics& k = pixels_.frames()[frame].camera.intrinsics;
+  std::vector<bool> seeing;
+  for (int v = 0; v < k.height; v += kBlockSide) {
+    for (int u = 0; u < k.width; u += kBlockSide) seeing.push_back(may_see(distances, frames_[frame], u, v));
+  }
+  return seeing;
+}
+
 // What pixels of other layers see of occupied space, and where own pixels without depth first meet it. A mask says that
 // a pixel is the layer's even where no depth is known; for the background nothing does.
 void RaySampler::find_pieces() {
@@ -103,10 +152,18 @@ void RaySampler::find_pieces() {
     std::vector<PixelPiece> unmeasured, others;
   };
   const DistanceField distances(occupancy_);
+  const auto& frames = pixels_.frames();
+  std::vector<std::vector<bool>> seeing(frames.size());
+  parallel_for(frames.size(), 1, [&](const Chunk& chunk) {
+    if (!is_lost(frames[chunk.index])) seeing[chunk.index] = seeing_blocks(distances, chunk.index);
+  });
+  const auto may_see_any = [&](std::size_t f, const StoredPixel& pixel) {
+    const auto across = static_cast<std::size_t>((frames[f].camera.intrinsics.width + kBlockSide - 1) / kBlockSide);
+    return seeing[f][pixel.v / kBlockSide * across + pixel.u / kBlockSide];
+  };
   const LargeBuffer<StoredPixel>& all = pixels_.pixels();
   std::vector<Found> found(chunk_count(all.size(), kChunk));
   parallel_for(all.size(), kChunk, [&](const Chunk& chunk) {
-    const auto& frames = pixels_.frames();
     auto f = static_cast<std::uint32_t>(
         std::upper_bound(frames.begin(), frames.end(), chunk.begin,
                          [](std::size_t at, const StoredFrame& frame) { return at < frame.end; }) -
@@ -114,7 +171,7 @@ void RaySampler::find_pieces() {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       while (i >= frames[f].end) ++f;
       const bool own = all[i].label == label_;
-      if (is_lost(frames[f]) || (own && (label_ == 0 || all[i].depth != 0))) continue;
+      if (is_lost(frames[f]) || (own && (label_ == 0 || all[i].depth != 0)) || !may_see_any(f, all[i])) continue;
       PixelPiece piece{{f, static_cast<std::uint32_t>(i)}, {}};
       OccupiedIntervals walk(distances, ray_of(piece.ref), sampling_.near_depth, own ? kFarthest : empty_until(all[i]));
       if (own) {
@@ -132,12 +189,14 @@ void RaySampler::find_pieces() {
   }
 }
 
-void RaySampler::append_sample(const FieldRay& ray, float depth, float depth_step, RayBatch& batch) const {
-  RaySample sample{};
-  sample.position = point_at(ray, depth);
-  sample.depth = depth;
-  sample.length = depth_step * ray.metres_per_depth / static_cast<float>(config_.density_length());
-  batch.samples.push_back(sample);
+RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_step) const {
+  return {point_at(ray, depth), depth, depth_step * ray.metres_per_depth * per_density_length_};
+}
+
+bool RaySampler::is_occupied_in_box(const std::array<float, 3>& position) const {
+  const int last = occupancy_.resolution() - 1;
+  const auto cell = [&](float x) { return std::clamp(static_cast<int>(x * static_cast<float>(last + 1)), 0, last); };
+  return occupancy_.at(cell(position[0]), cell(position[1]), cell(position[2]));
 }
 
 // One sample in each of `count` equal parts of what lies in the box; those in empty space are left out. Occupied space
@@ -149,10 +208,16 @@ void RaySampler::append_in_occupied(const FieldRay& ray, float near_depth, float
   const float step = (inside.end - inside.begin) / static_cast<float>(count);
   const auto cell = static_cast<float>(config_.box.side / occupancy_.resolution());
   const float length = std::min(step, 2 * cell / ray.metres_per_depth);
+  // Which ones are left out is anybody's guess: so each is written, and the next one over it if it does not count.
+  std::size_t end = batch.samples.size();
+  batch.samples.resize(end + static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const float depth = inside.begin + step * (static_cast<float>(i) + random.uniform());
-    if (is_occupied(occupancy_, point_at(ray, depth))) append_sample(ray, depth, length, batch);
+    const RaySample sample = sample_at(ray, depth, length);
+    batch.samples[end] = sample;
+    end += is_occupied_in_box(sample.position) ? 1 : 0;
   }
+  batch.samples.resize(end);
 }
 
 void RaySampler::append_own(const WarpedPixel& chosen, Random& random, RayBatch& batch) const {
@@ -171,8 +236,9 @@ void RaySampler::append_own(const WarpedPixel& chosen, Random& random, RayBatch&
     }
     const float step = 2 * band / static_cast<float>(sampling_.surface_samples);
     for (int i = 0; i < sampling_.surface_samples; ++i) {
-      append_sample(ray, depth - band + step * (static_cast<float>(i) + random.uniform()), step, batch);
-      const float behind = batch.samples.back().depth - depth;
+      const float at = depth - band + step * (static_cast<float>(i) + random.uniform());
+      batch.samples.push_back(sample_at(ray, at, step));
+      const float behind = at - depth;
       const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
       for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * bend[a];
     }
@@ -228,10 +294,10 @@ void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std
     const std::size_t here = own ? count - from_others : from_others;
     const std::size_t rays = own ? own_ray_count() : other_ray_count();
     indices.clear();
-    for (std::size_t i = 0; i < here; ++i) {
-      const std::size_t part = chunk * here + i;
-      const std::size_t begin = rays * part / (here * chunks);
-      const std::size_t end = rays * (part + 1) / (here * chunks);
+    const auto begin_of = [&](std::size_t part) { return rays * (chunk * here + part) / (here * chunks); };
+    for (std::size_t i = 0, begin = 0, end = here > 0 ? begin_of(0) : 0; i < here; ++i) {
+      begin = end;
+      end = begin_of(i + 1);
       const std::size_t spread = end > begin ? random.below(static_cast<std::uint32_t>(end - begin)) : 0;
       indices.push_back(std::min(begin + spread, rays - 1));
       __builtin_prefetch(ray_memory(own, indices.back()));

@@ -62,6 +62,8 @@ private:
     Interval piece;
   };
 
+  static constexpr int kBlockSide = 8; // pixels that are asked together whether they see anything
+
   bool is_lost(const StoredFrame& frame) const;
   FrameRays frame_rays(const StoredFrame& frame) const;
   FieldRay ray_of(const PixelRef& ref) const;
@@ -69,18 +71,22 @@ private:
   WarpedPixel ray_at(bool own, std::size_t index) const;
   const void* ray_memory(bool own, std::size_t index) const;
   std::uint32_t pixel_at(bool own, std::size_t index) const;
+  bool may_see(const DistanceField& distances, const FrameRays& frame, int u, int v) const;
+  std::vector<bool> seeing_blocks(const DistanceField& distances, std::size_t frame) const;
   void find_pieces();
   void append_own(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
   void append_other(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
   void append_in_occupied(const FieldRay& ray, float near_depth, float far_depth, int count, Random& random,
                           RayBatch& batch) const;
-  void append_sample(const FieldRay& ray, float depth, float depth_step, RayBatch& batch) const;
+  RaySample sample_at(const FieldRay& ray, float depth, float depth_step) const;
+  bool is_occupied_in_box(const std::array<float, 3>& position) const;
 
   const PixelStore& pixels_;
   int label_;
   const tracking::Motion& motion_;
   FieldConfig config_;
   SamplingConfig sampling_;
+  float per_density_length_; // 1 / metres
   // Of a layer that is still or rigid: rays are made when they are needed.
   std::vector<FrameRays> frames_;
   LargeBuffer<PixelRef> own_; // with depth

@@ -39,16 +39,31 @@ LearningRates scheduled(const TrainerConfig& config, double progress, float rest
 }
 
 // Small steps learn the coarse shape with few rays, large ones the detail with little noise: a quarter of the rays of a
-// step in the first quarter of the training, half in the second.
+// step in the first tenth of the training, half in the next two.
 std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
   const auto all = static_cast<std::size_t>(config.rays_per_step / TrainerConfig::kRaysPerChunk);
-  return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
+  return std::max<std::size_t>(1, progress < 0.1 ? all / 4 : progress < 0.3 ? all / 2 : all);
 }
 
-// A field that diverged, or that gave up being opaque anywhere.
-bool is_dead(const StepResult& result, std::size_t step) {
-  return !std::isfinite(result.loss) || (step > 200 && result.opacity < 0.02);
-}
+// Notices a field that diverged, that gave up being opaque anywhere, or whose colour is the same everywhere: too large
+// steps leave rectifiers that no gradient reaches any more, and every number finite.
+class Pulse {
+public:
+  bool is_dead(const StepResult& step) {
+    constexpr std::size_t kFirstSteps = 200; // in which nothing can be expected yet
+    constexpr double kMemory = 1.0 / 64;
+    constexpr double kShare = 0.9;       // of the colours' variance that a field at least explains a tenth of
+    constexpr double kNoContrast = 3e-3; // a variance that may be all noise: 8 of 255 in each channel
+    if (!std::isfinite(step.loss)) return true;
+    unexplained_ += kMemory * (step.color_error - kShare * step.color_variance - unexplained_);
+    const bool constant = unexplained_ > 0 && step.color_variance > kNoContrast;
+    return ++steps_ > kFirstSteps && (step.opacity < 0.02 || constant);
+  }
+
+private:
+  std::size_t steps_ = 0;
+  double unexplained_ = 0; // mean of the last steps
+};
 
 // Keeps the cells in which the field absorbs anything worth drawing.
 void prune(Field& field) {
@@ -112,25 +127,29 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   initialise(field, trainer.seed);
   auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
   const std::size_t wanted = std::max<std::size_t>(trainer.rays, 1);
+  const auto share_of = [wanted](std::size_t done) { return static_cast<double>(done) / static_cast<double>(wanted); };
+  const auto rays_of = [&](std::size_t step, std::size_t done) {
+    const std::size_t chunks = done < wanted ? chunks_of_step(trainer, share_of(done)) : 0;
+    return StepRays{chunks, [&sampler, &trainer, step, chunks](std::size_t chunk, RayBatch& batch) {
+                      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
+                      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
+                    }};
+  };
   std::size_t done = 0; // rays since the last start
   std::size_t step = 0;
+  Pulse pulse;
+  optimizer->draw(rays_of(step, done));
   while (done < wanted) {
     progress.check();
-    const double share = static_cast<double>(done) / static_cast<double>(wanted);
-    const std::size_t chunks = chunks_of_step(trainer, share);
-    const auto fill = [&](std::size_t chunk, RayBatch& batch) {
-      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
-      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
-    };
-    const StepResult taken = optimizer->step(chunks, fill, scheduled(trainer, share, restart_factor));
-    const std::size_t rays = chunks * TrainerConfig::kRaysPerChunk;
-    done += rays;
+    const LearningRates rates = scheduled(trainer, share_of(done), restart_factor);
+    done += chunks_of_step(trainer, share_of(done)) * TrainerConfig::kRaysPerChunk;
     ++step;
+    const StepResult taken = optimizer->step(rates, rays_of(step, done));
     result.samples += taken.samples;
-    result.rays += rays;
+    result.rays += taken.rays;
     ++result.steps;
     result.final_loss = taken.loss;
-    if (is_dead(taken, step) && result.restarts < kMaxRestarts) {
+    if (pulse.is_dead(taken) && result.restarts < kMaxRestarts) {
       progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", step));
       ++result.restarts;
       restart_factor *= kRestartFactor;
@@ -138,10 +157,13 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
       optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
       done = 0;
       step = 0;
+      pulse = {};
+      optimizer->draw(rays_of(step, done));
     }
     if (step % 64 == 0 || done >= wanted) progress.advance(done, fmt::format("loss {:.4f}", taken.loss));
   }
   prune(field);
+  result.bytes = 4 * sizeof(float) * field.parameter_count();
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;
   return field;

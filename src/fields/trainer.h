@@ -36,7 +36,8 @@ struct TrainingReport {
   std::size_t rays = 0;
   std::size_t samples = 0;
   std::size_t steps = 0;
-  double seconds = 0; ///< for people; no decision depends on it
+  std::size_t bytes = 0; ///< of parameters, their gradients and both moments: what a step works on
+  double seconds = 0;    ///< for people; no decision depends on it
   double final_loss = 0;
   std::size_t restarts = 0; ///< times a dead or diverged field was begun anew
 };

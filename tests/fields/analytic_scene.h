@@ -13,6 +13,7 @@ struct Scene {
   Eigen::Vector3d centre{0, 0, 2};
   double radius = 0.3;
   double wall = 2.6;
+  double waves = 20; ///< of the chequers, radians per metre
 
   ingest::Frame frame(int index, double angle) const {
     ingest::Frame f;
@@ -43,7 +44,7 @@ private:
     const bool ball = disc > 0;
     if (ball) depth = -b - std::sqrt(disc);
     const Eigen::Vector3d p = o + depth * d;
-    const double wave = 0.5 + 0.4 * std::sin((ball ? 20 : 8) * p.x()) * (ball ? std::cos(20 * p.y()) : 1.0);
+    const double wave = 0.5 + 0.4 * std::sin((ball ? 1 : 0.4) * waves * p.x()) * (ball ? std::cos(waves * p.y()) : 1.0);
     const Eigen::Vector3d rgb = ball ? Eigen::Vector3d(wave, 0.3, 1 - wave) : Eigen::Vector3d(0.2, wave, 0.4);
     for (int c = 0; c < 3; ++c) f.color.at(u, v, c) = static_cast<std::uint8_t>(std::lround(255 * rgb[c]));
     f.depth.at(u, v) = static_cast<float>(depth);
