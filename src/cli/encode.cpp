@@ -67,7 +67,7 @@ struct LabelledCapture {
 ingest::FoundRegistration find_registration(const Options& options, Context& context) {
   const auto capture =
       ingest::Capture::open(context.plugins(), options.capture, capture_options(options), context.progress);
-  const ingest::FoundRegistration found = ingest::search_registration(*capture, context.progress);
+  ingest::FoundRegistration found = ingest::search_registration(*capture, context.progress);
   if (found.geometry) {
     const ingest::RegistrationGeometry& cameras = *found.geometry;
     context.progress.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
