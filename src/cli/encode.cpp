@@ -15,6 +15,8 @@
 #include "encode/pipeline.h"
 #include "ingest/mask_completion.h"
 #include "ingest/network_segmenter.h"
+#include "ingest/registration_json.h"
+#include "ingest/registration_search.h"
 #include "player/evaluate.h"
 
 namespace kinora::cli {
@@ -62,11 +64,34 @@ struct LabelledCapture {
   std::string labels_from;
 };
 
+ingest::FoundRegistration find_registration(const Options& options, Context& context) {
+  const auto capture =
+      ingest::Capture::open(context.plugins(), options.capture, capture_options(options), context.progress);
+  ingest::FoundRegistration found = ingest::search_registration(*capture, context.progress);
+  if (found.geometry) {
+    const ingest::RegistrationGeometry& cameras = *found.geometry;
+    context.progress.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
+                                      "length of {:.1f} pixels, depth {:.1f}; depth is carried into colour",
+                                      cameras.color.fx, cameras.depth.fx));
+  }
+  return found;
+}
+
+Json registration_json(const ingest::FoundRegistration& found) {
+  if (found.pairs == 0) return {{"applied", false}, {"why", "needs camera poses, and views that show the same"}};
+  return {{"applied", found.geometry.has_value()},
+          {"pairs", found.pairs},
+          {"unexplained_as_given", rounded(found.unexplained_as_given)},
+          {"unexplained", rounded(found.unexplained)},
+          {"cameras", found.geometry ? ingest::to_json(*found.geometry) : Json(nullptr)}};
+}
+
 // Masks where there are some, else what moves, unless a network is asked for.
-LabelledCapture open_labelled(const Options& options, Context& context) {
+LabelledCapture open_labelled(const Options& options, const ingest::FoundRegistration& registration, Context& context) {
   const auto open = [&](const ingest::FrameRange& range) {
     ingest::CaptureOptions how = capture_options(options);
     how.frames = range;
+    how.registration = registration.geometry;
     return ingest::Capture::open(context.plugins(), options.capture, how, context.progress);
   };
   const ingest::FrameRange range = capture_options(options).frames;
@@ -147,9 +172,11 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
 
   const Stopwatch watch;
-  const LabelledCapture labelled = open_labelled(options, context);
+  const ingest::FoundRegistration registration = find_registration(options, context);
+  const LabelledCapture labelled = open_labelled(options, registration, context);
   how.labels_from = labelled.labels_from;
   encode::EncodeResult result = encode::encode_capture(*labelled.capture, how, context.progress);
+  result.report["streams"]["registration"] = registration_json(registration);
   context.progress.stage("writing", 0);
   encode::write_clip(result.clip, out.writing_path());
   out.commit();

@@ -11,6 +11,7 @@
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
 #include "ingest/exposure.h"
+#include "ingest/registration_json.h"
 
 namespace kinora::encode {
 namespace {
@@ -288,6 +289,7 @@ EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& optio
   const std::size_t frames = pass.clip.times.size();
   pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", options.json()}};
   pass.clip.metadata["frames_per_second"] = info.frames_per_second;
+  if (info.registration) pass.clip.metadata["registration"] = ingest::to_json(*info.registration);
   report["version"] = KINORA_VERSION;
   report["config"] = options.json();
   report["capture"] = capture_json(capture, pass);

@@ -22,6 +22,9 @@ CaptureInfo info_of(const host::FrameReader& reader, const CaptureOptions& optio
   info.frames_per_second = given.frames_per_second;
   info.has_poses = given.has_poses != 0;
   info.has_masks = given.has_masks != 0 && options.use_masks;
+  info.has_depth_camera = given.has_depth_camera != 0;
+  info.registration = options.registration;
+  if (info.registration) info.intrinsics = info.registration->color;
   for (std::size_t i = 0; i < given.label_count; ++i)
     info.labels[given.labels[i].label] = {given.labels[i].name, given.labels[i].kind, ""};
   return info;

@@ -10,6 +10,7 @@
 
 #include "core/progress.h"
 #include "ingest/frame.h"
+#include "ingest/registration.h"
 
 namespace kinora::host {
 class PluginTable;
@@ -31,6 +32,8 @@ struct CaptureOptions {
   std::string format; ///< name of the format to read with; empty: whoever recognises it best
   FrameRange frames;
   bool use_masks = true; ///< false: masks on disk are not read
+  /// The two cameras of a capture that says colour and depth are one camera's; its poses are then the depth camera's.
+  std::optional<RegistrationGeometry> registration;
 };
 
 /// How a label is to be modelled, from the capture's labels.json or from a segmenter.
@@ -47,7 +50,9 @@ struct CaptureInfo {
   double frames_per_second = 30;
   bool has_poses = false; ///< camera_to_world of every frame comes from the capture
   bool has_masks = false;
-  std::map<int, LabelInfo> labels; ///< by label; only what the capture says
+  bool has_depth_camera = false; ///< depth comes from a camera of its own, says the capture, and is registered
+  std::optional<RegistrationGeometry> registration; ///< as in CaptureOptions: what the frames were corrected by
+  std::map<int, LabelInfo> labels;                  ///< by label; only what the capture says
 };
 
 struct SkippedFrame {
@@ -58,7 +63,8 @@ struct SkippedFrame {
 /// Pull reader. Not thread-safe.
 class Capture {
 public:
-  /// Throws Error: kNotRecognised if no plugin knows it, kCorruptInput if one does but it cannot be read.
+  /// Throws Error: kNotRecognised if no plugin knows it, kCorruptInput if one does but it cannot be read, kUsage if a
+  /// registration is given that does not fit it.
   static std::unique_ptr<Capture> open(const host::PluginTable& plugins, const std::filesystem::path& path,
                                        const CaptureOptions& options, Progress& progress);
   virtual ~Capture() = default;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "ingest/depth_cleaning.h"
 
 namespace kinora::ingest {
@@ -69,9 +70,29 @@ FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
   undistortion_ = undistortion_of(info.camera);
+  if (options.registration) {
+    use_registration(*options.registration);
+    return;
+  }
   if (info.has_depth_camera == 0) return;
   registration_ = registration_of(info, reader_.format().name);
   depth_undistortion_ = undistortion_of(info.depth_camera);
+}
+
+void FrameSource::use_registration(const RegistrationGeometry& given) {
+  const auto fits = [this](const Intrinsics& k) {
+    return k.width == intrinsics_.width && k.height == intrinsics_.height;
+  };
+  if (reader_.info().has_depth_camera != 0 || !fits(given.depth) || !fits(given.color)) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: this is not the capture whose depth camera is given", reader_.format().name));
+  }
+  given.depth.validate("the given depth camera");
+  given.color.validate("the given colour camera");
+  registration_ = given;
+  depth_undistortion_ = undistortion_;
+  intrinsics_ = given.color;
+  color_to_pose_ = given.depth_to_color.inverse();
 }
 
 SourceResult FrameSource::next() {
@@ -129,7 +150,7 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
   frame.camera.intrinsics = intrinsics_;
   if (reader_.info().has_poses != 0) {
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> pose(given.camera_to_world);
-    frame.camera.camera_to_world = rigid_from_matrix(pose, "the camera pose");
+    frame.camera.camera_to_world = rigid_from_matrix(pose, "the camera pose") * color_to_pose_;
   }
   frame.color = copy_of<std::uint8_t>(given.color);
   frame.depth = depth_of(given);

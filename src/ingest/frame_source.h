@@ -30,6 +30,7 @@ private:
   std::string problem_of(const KinoraFrame& frame) const;
   Frame convert(const KinoraFrame& given) const;
   DepthImage depth_of(const KinoraFrame& given) const;
+  void use_registration(const RegistrationGeometry& given);
 
   host::FrameReader reader_;
   FrameRange range_;
@@ -37,9 +38,10 @@ private:
   int position_;
   Intrinsics intrinsics_;
   std::optional<Undistortion> undistortion_;
-  /// Of a depth camera that is not the colour camera.
+  /// Of a depth camera that is not the colour camera, and where that is if poses are the depth camera's.
   std::optional<RegistrationGeometry> registration_;
   std::optional<Undistortion> depth_undistortion_;
+  SE3 color_to_pose_ = SE3::Identity();
 };
 
 } // namespace kinora::ingest

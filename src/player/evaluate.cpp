@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "ingest/ground_truth.h"
+#include "ingest/registration_json.h"
 #include "player/comparison.h"
 #include "player/track_error.h"
 #include "player/truth.h"
@@ -128,6 +129,9 @@ Json evaluate_against(const std::filesystem::path& capture, const host::PluginTa
                       const EvaluateOptions& options, Progress& progress) {
   ingest::CaptureOptions how;
   how.format = options.format;
+  if (const Json& metadata = player.clip().metadata; metadata.contains("registration")) {
+    how.registration = ingest::registration_from_json(metadata["registration"], "the clip's registration");
+  }
   auto opened = ingest::Capture::open(plugins, capture, how, progress);
   std::optional<MovingPixels> moving;
   if (!opened->info().has_masks) {

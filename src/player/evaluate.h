@@ -35,7 +35,8 @@ struct EvaluateOptions {
 nlohmann::json evaluate(const Player& player, ingest::Capture& capture, const MovingPixels* moving,
                         const EvaluateOptions& options, Progress& progress);
 
-/// Opens the capture, with its masks if it has some, tells moving pixels from still ones if not, and evaluates.
+/// Opens the capture, with its masks if it has some and with colour and depth registered as when the clip was made,
+/// tells moving pixels from still ones if it has none, and evaluates.
 nlohmann::json evaluate_against(const std::filesystem::path& capture, const host::PluginTable& plugins,
                                 const Player& player, const EvaluateOptions& options, Progress& progress);
 

@@ -20,8 +20,15 @@ struct BoxScene {
   int height = 96;
   int frames = 14;
   bool masks = true;
-  bool poses = false; ///< a camera that moves sideways and tells where it is, over a scene that stands still
+  double color_zoom = 1; ///< focal length of the colour camera over that of depth, which calibration gives for both
+  bool poses = false;    ///< a camera that moves sideways and tells where it is, over a scene that stands still
 
+  Intrinsics color_intrinsics() const {
+    Intrinsics k = intrinsics();
+    k.fx *= color_zoom;
+    k.fy *= color_zoom;
+    return k;
+  }
   Intrinsics intrinsics() const { return {width, height, 120, 120, (width - 1) / 2.0, (height - 1) / 2.0}; }
   SE3 camera_to_world(int frame) const {
     SE3 pose = SE3::Identity();
@@ -83,9 +90,9 @@ inline void hit_box(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, c
   if (enter < leave) hit = {enter, 2, pattern(o + d * enter, 6)};
 }
 
-inline Hit look(const BoxScene& scene, int frame, int u, int v) {
+inline Hit look(const BoxScene& scene, int frame, int u, int v, const Intrinsics& camera_intrinsics) {
   const SE3 camera = scene.camera_to_world(frame);
-  const Eigen::Vector3d ray = camera.linear() * scene.intrinsics().unproject(u, v, 1);
+  const Eigen::Vector3d ray = camera.linear() * camera_intrinsics.unproject(u, v, 1);
   const Eigen::Vector3d origin = camera.translation();
   Hit hit;
   hit_plane(origin, ray, Eigen::Vector3d::UnitZ(), 2.0, hit);
@@ -113,9 +120,10 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
   Random random(5, static_cast<std::uint64_t>(frame));
   for (int v = 0; v < scene.height; ++v) {
     for (int u = 0; u < scene.width; ++u) {
-      const Hit hit = look(scene, frame, u, v);
+      const Hit hit = look(scene, frame, u, v, scene.intrinsics());
+      const Eigen::Vector3d shown = look(scene, frame, u, v, scene.color_intrinsics()).color;
       for (int c = 0; c < 3; ++c) {
-        color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(hit.color[c] + random.normal(), 0.0, 255.0));
+        color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(shown[c] + random.normal(), 0.0, 255.0));
       }
       const double noisy = hit.depth + random.normal() * ingest::depth_sigma(hit.depth);
       depth.at(u, v) = static_cast<std::uint16_t>(std::lround(1000 * noisy));

@@ -103,6 +103,32 @@ TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {
   EXPECT_LT(held_out.at("depth_error_median").get<double>(), 0.01);
 }
 
+TEST(Encoder, RemembersTheCamerasThatRegisteredTheCapture) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.poses = true;
+  scene.frames = 10;
+  scene.color_zoom = 0.7;
+  write_box_capture(folder, scene);
+  Listener listener;
+  const auto table = host::PluginTable::builtin();
+  ingest::CaptureOptions how;
+  how.registration = {scene.intrinsics(), scene.color_intrinsics(), SE3::Identity()};
+  const auto capture = ingest::Capture::open(table, folder.path(), how, listener);
+  encode::Clip clip = encode::encode_capture(*capture, quick_options(), listener).clip;
+  EXPECT_EQ(clip.intrinsics, scene.color_intrinsics());
+
+  const auto quality = [&](encode::Clip judged) {
+    const player::Player player(std::move(judged));
+    return layer_named(player::evaluate_against(folder.path(), table, player, {}, listener), "background")
+        .at("trained");
+  };
+  EXPECT_GT(quality(clip).at("depth_coverage").get<double>(), 0.97);
+  // As the capture has it, depth fills the picture; the colour camera sees it in the middle.
+  clip.metadata.erase("registration");
+  EXPECT_LT(quality(clip).at("depth_coverage").get<double>(), 0.7);
+}
+
 TEST(Encoder, ObjectThatNeverMovesIsStoredWithoutMotion) {
   const TemporaryFolder folder;
   BoxScene scene;

@@ -101,6 +101,31 @@ TEST_F(CaptureTest, GivesTheSameFramesForOneThreadAndMany) {
   EXPECT_EQ(digest(1), digest(3));
 }
 
+TEST_F(CaptureTest, CarriesDepthIntoTheColourCameraThatItIsGiven) {
+  write_3dmatch(folder_, 2);
+  CaptureOptions options;
+  options.registration = {open()->info().intrinsics, open()->info().intrinsics, SE3(Eigen::Translation3d(0, 0, 0.2))};
+  options.registration->color.fx = 15;
+  const std::vector<Frame> as_given = read_all(*open());
+  const auto capture = open(options);
+  EXPECT_EQ(capture->info().intrinsics, options.registration->color);
+  const std::vector<Frame> frames = read_all(*capture);
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].camera.intrinsics, options.registration->color);
+  const DepthImage expected = register_depth(as_given[0].depth, *options.registration);
+  EXPECT_TRUE(std::equal(expected.values().begin(), expected.values().end(), frames[0].depth.values().begin()));
+  // The capture's pose is the depth camera's, 20 cm before the colour camera's.
+  const SE3 expected_pose = as_given[1].camera.camera_to_world * options.registration->depth_to_color.inverse();
+  EXPECT_TRUE(frames[1].camera.camera_to_world.isApprox(expected_pose));
+}
+
+TEST_F(CaptureTest, RefusesCamerasOfAnotherSize) {
+  write_3dmatch(folder_, 2);
+  CaptureOptions options;
+  options.registration = {{8, 6, 20, 20, 3, 2}, {8, 6, 20, 20, 3, 2}, SE3::Identity()};
+  expect_error(ErrorCode::kUsage, {"not the capture"}, options);
+}
+
 TEST_F(CaptureTest, RangeSelectsFramesThatKeepTheirNumbersAndTimes) {
   write_numbered(folder_, 8);
   CaptureOptions options;
