@@ -140,6 +140,7 @@ private:
 } // namespace
 
 DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.finest_resolution) {
+  while (4 * resolution_ <= kMostResolution) resolution_ *= 2;
   while (resolution_ > kMostResolution) resolution_ = (resolution_ + 1) / 2;
   const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);
   constexpr std::size_t kChunk = 64;

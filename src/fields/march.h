@@ -26,7 +26,8 @@ enum class RunEnd : std::uint8_t {
 struct MarchRun {
   float opacity = 0; ///< share of the light that it takes away
   float mean = 0;    ///< step at which it does, in the mean; meaningless without opacity
-  float spread = 0;  ///< standard deviation of these steps
+  float median = 0;  ///< step at which half of all light is gone; where less is taken away, the mean
+  float spread = 0;  ///< standard deviation of the steps at which light is taken away
   float end = 0;     ///< step at which the ray stands afterwards
   RunEnd reason = RunEnd::kLeft;
 };

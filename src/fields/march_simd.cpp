@@ -77,6 +77,7 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
     const auto begin = hn::Load(df, lanes.begin + first);
     auto step = begin;
     auto transmittance = one;
+    auto median = hn::Set(df, -1.0F);
     auto weighted = zero; // by what is taken away there: steps from the begin …
     auto squared = zero;  // … and their squares
     auto reason = hn::Zero(di);
@@ -102,7 +103,10 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
       const auto moment = hn::Mul(weight, hn::Sub(middle, begin));
       weighted = hn::Add(weighted, moment);
       squared = hn::MulAdd(moment, hn::Sub(middle, begin), squared);
-      transmittance = hn::Sub(transmittance, weight);
+      const auto behind = hn::Sub(transmittance, weight);
+      const auto half = hn::Set(df, 0.5F);
+      median = hn::IfThenElse(hn::And(hn::Gt(transmittance, half), hn::Le(behind, half)), middle, median);
+      transmittance = behind;
       step = hn::IfThenElse(inside, hn::Add(step, one), step);
       const auto left = hn::AndNot(inside, active);
       const auto opaque = hn::And(inside, hn::Le(transmittance, hn::Set(df, kOpaque)));
@@ -112,19 +116,22 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
       reason = hn::IfThenElse(hn::RebindMask(di, left), hn::Set(di, static_cast<int>(RunEnd::kLeft)), reason);
       active = hn::AndNot(hn::Or(gap, opaque), inside);
     }
-    HWY_ALIGN float opacities[kMostLanes], means[kMostLanes], spreads[kMostLanes], ends[kMostLanes];
+    HWY_ALIGN float opacities[kMostLanes], means[kMostLanes], medians[kMostLanes], spreads[kMostLanes],
+        ends[kMostLanes];
     HWY_ALIGN std::int32_t reasons[kMostLanes];
     const auto opacity = hn::Sub(one, transmittance);
     const auto normaliser = hn::Div(one, hn::Max(opacity, hn::Set(df, 1e-12F)));
     const auto mean = hn::Mul(weighted, normaliser);
     const auto variance = hn::NegMulAdd(mean, mean, hn::Mul(squared, normaliser));
     hn::Store(opacity, df, opacities);
-    hn::Store(hn::Add(begin, mean), df, means);
+    const auto mean_step = hn::Add(begin, mean);
+    hn::Store(mean_step, df, means);
+    hn::Store(hn::IfThenElse(hn::Lt(median, zero), mean_step, median), df, medians);
     hn::Store(hn::Sqrt(hn::Max(variance, zero)), df, spreads);
     hn::Store(step, df, ends);
     hn::Store(reason, di, reasons);
     for (std::size_t i = 0; i < std::min<std::size_t>(hn::Lanes(df), count - first); ++i) {
-      runs[first + i] = {opacities[i], means[i], spreads[i], ends[i], static_cast<RunEnd>(reasons[i])};
+      runs[first + i] = {opacities[i], means[i], medians[i], spreads[i], ends[i], static_cast<RunEnd>(reasons[i])};
     }
   }
 }
@@ -132,7 +139,7 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
 void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin, std::size_t n, float optical_length,
            MarchRun* runs) {
   if (bricks.count() == 0) {
-    for (std::size_t i = 0; i < n; ++i) runs[i] = {0, 0, 0, begin[i], RunEnd::kLeft};
+    for (std::size_t i = 0; i < n; ++i) runs[i] = {0, 0, 0, 0, begin[i], RunEnd::kLeft};
     return;
   }
   Lanes lanes{};

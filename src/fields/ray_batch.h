@@ -40,8 +40,8 @@ struct RayBatch {
 /// rays.
 struct LossWeights {
   float color = 1.0F;
-  float opacity = 0.2F;
-  float depth = 0.06F;
+  float opacity = 0.1F;
+  float depth = 0.03F;
   float emptiness = 0.5F;
   float depth_clamp = 4.0F;
 };

@@ -107,7 +107,9 @@ LayerView::LayerView(const PosedField& posed, const Camera& camera, DrawQuality 
     : layer_(&posed.field->derived()), quality_(quality) {
   const FieldConfig& config = layer_->field.config;
   lattice_per_metre_ = layer_->bricks.resolution() / config.box.side;
-  step_ = static_cast<float>((quality == DrawQuality::kFull ? 1 : 2) / lattice_per_metre_);
+  // As far apart as in training, or as the lattice can tell.
+  const double sample = std::max(config.cell_size(), 1 / lattice_per_metre_);
+  step_ = static_cast<float>(quality == DrawQuality::kFull ? sample : 2 * sample);
   optical_length_ = static_cast<float>(step_ / config.density_length());
   const SE3 camera_from_world = camera.camera_to_world.inverse();
   if (posed.hull == nullptr) {
@@ -252,11 +254,13 @@ bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const E
       const Eigen::Vector3f before = ray.origin + (entry.depth - ray.entry_depth) / ray.depth_step * ray.direction;
       if ((place.at - before).squaredNorm() < kSamePlace * kSamePlace) continue;
     }
-    ray.entry_depth = entry.depth;
+    // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
     ray.depth_step = view.step() / pixel_ray.norm();
-    ray.origin = place.at;
     ray.direction = place.way * (ray.depth_step / entry.depth);
-    begin = std::max(0.0F, std::ceil((kNearDepth - entry.depth) / ray.depth_step));
+    const float rung = std::ceil(entry.depth / ray.depth_step - 0.5F);
+    ray.entry_depth = rung * ray.depth_step;
+    ray.origin = place.at + (rung - entry.depth / ray.depth_step) * ray.direction;
+    begin = std::max(0.0F, std::ceil((kNearDepth - ray.entry_depth) / ray.depth_step));
     return true;
   }
   return false;
@@ -292,8 +296,8 @@ void TileMarcher::march(const LayerView& view, std::uint32_t layer, const Triang
         const float depth = ray.entry_depth + run.mean * ray.depth_step;
         Eigen::Vector3f at = ray.origin + run.mean * ray.direction;
         if (view.deforms()) at = view.refined(at, depth * pixel_rays[ray.pixel]);
-        surfaces.insert(ray.pixel,
-                        {depth, run.opacity, layer, view.to_box(at), view.to_box(run.spread * ray.direction)});
+        surfaces.insert(ray.pixel, {ray.entry_depth + run.median * ray.depth_step, run.opacity, layer, view.to_box(at),
+                                    view.to_box(run.spread * ray.direction)});
       }
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;

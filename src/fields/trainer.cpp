@@ -39,10 +39,10 @@ LearningRates scheduled(const TrainerConfig& config, double progress, float rest
 }
 
 // Small steps learn the coarse shape with few rays, large ones the detail with little noise: a quarter of the rays of a
-// step in the first tenth of the training, half in the next two.
+// step in the first quarter of the training, half in the second.
 std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
   const auto all = static_cast<std::size_t>(config.rays_per_step / TrainerConfig::kRaysPerChunk);
-  return std::max<std::size_t>(1, progress < 0.1 ? all / 4 : progress < 0.3 ? all / 2 : all);
+  return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
 }
 
 // Notices a field that diverged, that gave up being opaque anywhere, or whose colour is the same everywhere: too large
