@@ -16,7 +16,7 @@ namespace kinora::fields {
 /// Corners of a face, counterclockwise seen from outside; indices into the hull's corners.
 using HullFace = std::array<std::uint32_t, 4>;
 
-/// A brick is divided into 2³ cells; those that hold anything make up the hull. Immutable, thread-safe.
+/// A brick is divided into 2³ cells; those that hold anything make up the hull. Thread-safe, but for follow().
 class BrickHull {
 public:
   static constexpr int kCellSide = DensityBricks::kSide / 2; ///< lattice steps

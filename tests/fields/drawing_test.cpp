@@ -203,8 +203,8 @@ TEST(Drawing, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Drawing, EveryInstructionSetDrawsTheSamePicture) {
-  const PaintedBall ball;
-  const Camera camera = camera_at({0.4, 0.3, -1.0}, {0, 0, 0});
+  const PaintedBall ball{{0, 0, 0}, 0.12};
+  const Camera camera = camera_at({0.2, 0.1, -0.4}, {0, 0, 0}, 48, 36);
   const Picture best = draw(DrawableField(painted_field(kBox, ball)), camera);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
