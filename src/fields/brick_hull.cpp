@@ -38,7 +38,7 @@ BrickHull::BrickHull(const DensityBricks& bricks, const FieldBox& box)
       places.push_back({2 * brick[0] + half[0], 2 * brick[1] + half[1], 2 * brick[2] + half[2]});
     }
   }
-  const auto corners_per_side = static_cast<std::uint64_t>(2 * bricks.bricks_per_side() + 1);
+  const auto corners_per_side = 2 * static_cast<std::uint64_t>(bricks.bricks_per_side()) + 1;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers;
   numbers.reserve(2 * places.size());
   for (const auto& [x, y, z] : places) {
@@ -68,7 +68,7 @@ std::int32_t BrickHull::cell_at(const DensityBricks& bricks, int x, int y, int z
   const int brick = bricks.brick_at(x / 2, y / 2, z / 2);
   return brick < 0 ? -1
                    : cells_of_brick_[static_cast<std::size_t>(brick)]
-                                    [static_cast<std::size_t>((x & 1) + 2 * (y & 1) + 4 * (z & 1))];
+                                    [static_cast<std::size_t>((x & 1) | (y & 1) << 1 | (z & 1) << 2)];
 }
 
 std::vector<HullFace> BrickHull::faces_of(const std::vector<std::uint8_t>& kept) const {

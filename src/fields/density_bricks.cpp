@@ -48,7 +48,8 @@ std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolu
   for (int z = 0; z < per_side; ++z) {
     for (int y = 0; y < per_side; ++y) {
       for (int x = 0; x < per_side; ++x) {
-        if (wanted[static_cast<std::size_t>((z * per_side + y) * per_side + x)] != 0) places.push_back({x, y, z});
+        const int place = (z * per_side + y) * per_side + x;
+        if (wanted[static_cast<std::size_t>(place)] != 0) places.push_back({x, y, z});
       }
     }
   }
@@ -175,7 +176,8 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
 int DensityBricks::brick_at(int x, int y, int z) const {
   const int n = bricks_per_side();
   if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) return -1;
-  return index_[static_cast<std::size_t>((z * n + y) * n + x)];
+  const int place = (z * n + y) * n + x;
+  return index_[static_cast<std::size_t>(place)];
 }
 
 std::uint8_t DensityBricks::largest(std::size_t brick, const std::array<int, 3>& low, int side) const {

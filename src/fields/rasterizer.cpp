@@ -83,7 +83,8 @@ void TriangleBins::sort() {
   const auto for_tiles = [&](const HullTriangle& triangle, const auto& visit) {
     for (int row = triangle.bounds[2] / kTile; row <= triangle.bounds[3] / kTile; ++row) {
       for (int column = triangle.bounds[0] / kTile; column <= triangle.bounds[1] / kTile; ++column) {
-        visit(static_cast<std::size_t>(row * columns_ + column));
+        const int tile = row * columns_ + column;
+        visit(static_cast<std::size_t>(tile));
       }
     }
   };
@@ -100,7 +101,8 @@ void TriangleBins::sort() {
 }
 
 std::span<const std::uint32_t> TriangleBins::of_tile(int column, int row) const {
-  const auto tile = static_cast<std::size_t>(row * columns_ + column);
+  const int number = row * columns_ + column;
+  const auto tile = static_cast<std::size_t>(number);
   return std::span(members_).subspan(begin_[tile], begin_[tile + 1] - begin_[tile]);
 }
 

@@ -403,7 +403,9 @@ private:
     const auto dx = static_cast<float>(1 / intrinsics_.fx);
     const auto dy = static_cast<float>(1 / intrinsics_.fy);
     for (std::size_t p = 0; p < rays_.size(); ++p) {
-      rays_[p] = {first.x() + static_cast<float>(p % kTile) * dx, first.y() + static_cast<float>(p / kTile) * dy, 1};
+      const std::size_t column = p % kTile;
+      const std::size_t row = p / kTile;
+      rays_[p] = {first.x() + static_cast<float>(column) * dx, first.y() + static_cast<float>(row) * dy, 1};
     }
   }
 
@@ -471,7 +473,7 @@ private:
 
   bool in_picture(std::size_t p) const { return u_of(p) < intrinsics_.width && v_of(p) < intrinsics_.height; }
   static std::uint8_t to_byte(float value) {
-    return static_cast<std::uint8_t>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);
+    return static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F)));
   }
 
   std::span<const LayerView> views_;

@@ -229,8 +229,10 @@ tracking::Warp twisted(const std::shared_ptr<const tracking::DeformationGraph>& 
 std::shared_ptr<const tracking::DeformationGraph> graph_of_box() {
   Random random(11);
   const auto coordinate = [&random](int number) { return 0.1 * number - 0.5 + 0.05 * random.uniform_double(); };
+  constexpr int kNodes = 11 * 11 * 11;
   std::vector<Eigen::Vector3d> nodes;
-  for (int i = 0; i < 11 * 11 * 11; ++i) {
+  nodes.reserve(kNodes);
+  for (int i = 0; i < kNodes; ++i) {
     nodes.emplace_back(coordinate(i % 11), coordinate(i / 11 % 11), coordinate(i / 121));
   }
   return std::make_shared<const tracking::DeformationGraph>(nodes, 0.15, 0.3);

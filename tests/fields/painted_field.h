@@ -54,7 +54,8 @@ template <class Shape> Field painted_field(const FieldBox& box, const Shape& sha
   constexpr int kH = FieldConfig::kHidden;
   constexpr int kC = FieldConfig::kColorHidden;
   const auto density = [&field](int row, int column) -> float& {
-    return field.density_net[static_cast<std::size_t>(row * kH + column)];
+    const int weight = row * kH + column;
+    return field.density_net[static_cast<std::size_t>(weight)];
   };
   constexpr int kFirst = FieldConfig::kFeatures; // features of the finer level
   constexpr int kSecond = 2 * FieldConfig::kFeatures;
