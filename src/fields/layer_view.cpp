@@ -1,0 +1,116 @@
+#include "fields/layer_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinora::fields {
+
+LayerView::LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality)
+    : layer_(&posed.field->derived()), quality_(quality) {
+  const FieldConfig& config = layer_->field.config;
+  lattice_per_metre_ = layer_->bricks.resolution() / config.box.side;
+  // As far apart as in training, or as the lattice can tell.
+  const double sample = std::max(config.cell_size(), 1 / lattice_per_metre_);
+  step_ = static_cast<float>(quality == DrawQuality::kFull ? sample : 2 * sample);
+  optical_length_ = static_cast<float>(step_ / config.density_length());
+  const SE3 camera_from_world = camera.camera_to_world.inverse();
+  if (posed.hull == nullptr) {
+    const SE3 canonical_from_camera = posed.canonical_to_world.inverse() * camera.camera_to_world;
+    look(canonical_from_camera, canonical_from_camera.inverse());
+    return;
+  }
+  look(*posed.hull, camera_from_world);
+  const Eigen::Vector3d& centre = camera.camera_to_world.translation();
+  if (const auto canonical = posed.warp->to_canonical(centre)) {
+    SE3 canonical_from_camera = SE3::Identity();
+    canonical_from_camera.linear() = posed.warp->at(*canonical)->linear().transpose() * camera.camera_to_world.linear();
+    canonical_from_camera.translation() = *canonical;
+    stand(canonical_from_camera);
+  }
+}
+
+// A rigid layer.
+void LayerView::look(const SE3& canonical_from_camera, const SE3& camera_from_canonical) {
+  stand(canonical_from_camera);
+  const BrickHull& hull = layer_->hull;
+  corners_.resize(hull.corners().size());
+  places_.resize(hull.corners().size());
+  ways_.resize(hull.corners().size());
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    corners_[i] = (camera_from_canonical * hull.corners()[i]).cast<float>();
+    places_[i] = to_lattice(hull.corners()[i]);
+    ways_[i] = places_[i] - camera_place_;
+  }
+  faces_ = &hull.faces();
+}
+
+// A deforming one.
+void LayerView::look(const PosedHull& hull, const SE3& camera_from_world) {
+  const Eigen::Vector3d centre = camera_from_world.inverse().translation();
+  corners_.resize(hull.corners().size());
+  places_.resize(hull.corners().size());
+  ways_.resize(hull.corners().size());
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const PosedHull::Corner& corner = hull.corners()[i];
+    corners_[i] = (camera_from_world * corner.world).cast<float>();
+    places_[i] = to_lattice(corner.canonical);
+    ways_[i] = (corner.canonical_from_world * (corner.world - centre) * lattice_per_metre_).cast<float>();
+  }
+  faces_ = &hull.faces();
+  cells_ = &hull.cells();
+}
+
+void LayerView::stand(const SE3& canonical_from_camera) {
+  camera_place_ = to_lattice(canonical_from_camera.translation());
+  camera_turn_ = (canonical_from_camera.linear() * lattice_per_metre_).cast<float>();
+  const auto brick = [this](int axis) {
+    return static_cast<int>(std::floor(std::clamp(camera_place_[axis], -1e6F, 1e6F) / DensityBricks::kSide));
+  };
+  holds_camera_ = layer_->bricks.brick_at(brick(0), brick(1), brick(2)) >= 0;
+}
+
+LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bins, const Eigen::Vector3f& ray) const {
+  if (entry.triangle == kInside) {
+    const Eigen::Vector3f way = camera_turn_ * ray * entry.depth;
+    return {camera_place_ + way, way};
+  }
+  const HullTriangle& triangle = bins.triangles()[entry.triangle];
+  Place place{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& row = triangle.rows[i];
+    const float share = (row[0] * ray.x() + row[1] * ray.y() + row[2]) * entry.depth;
+    place.at += share * places_[triangle.corners[i]];
+    place.way += share * ways_[triangle.corners[i]];
+  }
+  return place;
+}
+
+Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const {
+  const int iterations = quality_ == DrawQuality::kFull ? 2 : 1;
+  constexpr float kSide = BrickHull::kCellSide;
+  for (int k = 0; k < iterations; ++k) {
+    const Eigen::Vector3f in_cells = at / kSide;
+    const Eigen::Vector3f low = in_cells.array().floor();
+    const int number = layer_->hull.cell_at(layer_->bricks, static_cast<int>(low.x()), static_cast<int>(low.y()),
+                                            static_cast<int>(low.z()));
+    if (number < 0) return at;
+    const auto& corners = (*cells_)[static_cast<std::size_t>(number)];
+    const Eigen::Vector3f f = in_cells - low;
+    Eigen::Vector3f value = Eigen::Vector3f::Zero();
+    Eigen::Matrix3f jacobian = Eigen::Matrix3f::Zero();
+    for (int c = 0; c < 8; ++c) {
+      const Eigen::Vector3f& corner = corners_[corners[static_cast<std::size_t>(c)]];
+      const float wx = (c & 1) ? f.x() : 1 - f.x(), wy = (c & 2) ? f.y() : 1 - f.y(), wz = (c & 4) ? f.z() : 1 - f.z();
+      value += wx * wy * wz * corner;
+      jacobian.col(0) += ((c & 1) ? 1 : -1) * wy * wz * corner;
+      jacobian.col(1) += ((c & 2) ? 1 : -1) * wx * wz * corner;
+      jacobian.col(2) += ((c & 4) ? 1 : -1) * wx * wy * corner;
+    }
+    const Eigen::Vector3f step = kSide * (jacobian.inverse() * (point - value));
+    if (!(step.squaredNorm() < kSide * kSide)) return at;
+    at += step;
+  }
+  return at;
+}
+
+} // namespace kinora::fields

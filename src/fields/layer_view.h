@@ -1,0 +1,77 @@
+// One layer as one camera sees it: its hull in the camera's frame, and the way from a pixel to canonical space.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "fields/rasterizer.h"
+#include "fields/renderer.h"
+
+namespace kinora::fields {
+
+/// What is derived from a field once, to draw it.
+struct DrawableField::Derived {
+  Field field;
+  std::vector<GridLevel> levels;
+  DensityBricks bricks;
+  BrickHull hull;
+};
+
+inline constexpr float kNearDepth = 0.02F; ///< metres: nothing nearer is drawn
+/// Entry::triangle of rays that begin inside of a hull, before the camera.
+inline constexpr std::uint32_t kInside = 0xFFFFFFFF;
+
+/// Lattice coordinates are those of the layer's bricks. Immutable, thread-safe; what it was made from must outlive it.
+class LayerView {
+public:
+  LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality);
+
+  const DrawableField::Derived& layer() const { return *layer_; }
+  DrawQuality quality() const { return quality_; }
+  float step() const { return step_; }                                     ///< metres between samples
+  float optical_length() const { return optical_length_; }                 ///< of a step
+  const std::vector<Eigen::Vector3f>& corners() const { return corners_; } ///< in the camera's frame, metres
+  const std::vector<HullFace>& faces() const { return *faces_; }
+  bool holds_camera() const { return holds_camera_; }
+
+  /// Where a ray of the camera, (x, y, 1) in its frame, is at an entry's depth, and its way from the camera to there.
+  struct Place {
+    Eigen::Vector3f at;
+    Eigen::Vector3f way;
+  };
+  Place place_of(const Entry& entry, const TriangleBins& bins, const Eigen::Vector3f& ray) const;
+  /// `at` moved to where the layer's motion, interpolated among the corners of the brick, carries it to `point` in the
+  /// camera's frame. Only for layers that deform.
+  Eigen::Vector3f refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const;
+  bool deforms() const { return cells_ != nullptr; }
+  /// A place, or a way, relative to the field's box.
+  std::array<float, 3> to_box(const Eigen::Vector3f& lattice) const {
+    const float scale = 1.0F / static_cast<float>(layer_->bricks.resolution());
+    return {lattice.x() * scale, lattice.y() * scale, lattice.z() * scale};
+  }
+
+private:
+  void look(const SE3& canonical_from_camera, const SE3& camera_from_canonical);
+  void look(const PosedHull& hull, const SE3& camera_from_world);
+  void stand(const SE3& canonical_from_camera);
+  Eigen::Vector3f to_lattice(const Eigen::Vector3d& canonical) const {
+    return ((canonical - layer_->field.config.box.origin) * lattice_per_metre_).cast<float>();
+  }
+
+  const DrawableField::Derived* layer_;
+  DrawQuality quality_;
+  double lattice_per_metre_;
+  float step_;
+  float optical_length_;
+  std::vector<Eigen::Vector3f> corners_;
+  std::vector<Eigen::Vector3f> places_; // of the corners, lattice
+  std::vector<Eigen::Vector3f> ways_;   // from the camera to the corners, turned into canonical space, lattice
+  const std::vector<HullFace>* faces_ = nullptr;
+  const std::vector<std::array<std::uint32_t, 8>>* cells_ = nullptr; // of a layer that deforms
+  bool holds_camera_ = false;
+  Eigen::Vector3f camera_place_ = Eigen::Vector3f::Zero();    // lattice
+  Eigen::Matrix3f camera_turn_ = Eigen::Matrix3f::Identity(); // camera's frame to lattice
+};
+
+} // namespace kinora::fields

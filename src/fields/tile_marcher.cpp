@@ -1,0 +1,81 @@
+#include "fields/tile_marcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinora::fields {
+namespace {
+
+constexpr float kSamePlace = 2; // lattice steps: an entry that near to a ray that is under way belongs to it
+
+} // namespace
+
+bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
+                        std::span<const Entry> entries, float until_depth, Ray& ray, float& begin) {
+  while (ray.next < entries.size()) {
+    const Entry& entry = entries[ray.next];
+    const LayerView::Place place = view.place_of(entry, bins, pixel_ray);
+    if (ray.next++ > 0 && entry.depth < until_depth) {
+      const Eigen::Vector3f before = ray.origin + (entry.depth - ray.entry_depth) / ray.depth_step * ray.direction;
+      if ((place.at - before).squaredNorm() < kSamePlace * kSamePlace) continue;
+    }
+    // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
+    ray.depth_step = view.step() / pixel_ray.norm();
+    ray.direction = place.way * (ray.depth_step / entry.depth);
+    const float rung = std::ceil(entry.depth / ray.depth_step - 0.5F);
+    ray.entry_depth = rung * ray.depth_step;
+    ray.origin = place.at + (rung - entry.depth / ray.depth_step) * ray.direction;
+    begin = std::max(0.0F, std::ceil((kNearDepth - ray.entry_depth) / ray.depth_step));
+    return true;
+  }
+  return false;
+}
+
+void TileMarcher::march(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
+                        const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
+  rays_.clear();
+  begin_.clear();
+  for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
+    if (entries.of(p).empty()) continue;
+    Ray ray{p, 0, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    float begin = 0;
+    enter(view, bins, pixel_rays[p], entries.of(p), 0, ray, begin);
+    rays_.push_back(ray);
+    begin_.push_back(begin);
+  }
+  while (!rays_.empty()) {
+    const std::size_t n = rays_.size();
+    march_rays_.resize(n);
+    runs_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Ray& ray = rays_[i];
+      march_rays_[i] = {{ray.origin.x(), ray.origin.y(), ray.origin.z()},
+                        {ray.direction.x(), ray.direction.y(), ray.direction.z()}};
+    }
+    fields::march(view.layer().bricks, march_rays_.data(), begin_.data(), n, view.optical_length(), runs_.data());
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      Ray ray = rays_[i];
+      const MarchRun& run = runs_[i];
+      if (run.opacity > kNegligible) {
+        const float depth = ray.entry_depth + run.mean * ray.depth_step;
+        Eigen::Vector3f at = ray.origin + run.mean * ray.direction;
+        if (view.deforms()) at = view.refined(at, depth * pixel_rays[ray.pixel]);
+        surfaces.insert(ray.pixel, {ray.entry_depth + run.median * ray.depth_step, run.opacity, layer, view.to_box(at),
+                                    view.to_box(run.spread * ray.direction)});
+      }
+      if (run.reason == RunEnd::kOpaque) continue;
+      float begin = run.end;
+      if (run.reason == RunEnd::kLeft && !enter(view, bins, pixel_rays[ray.pixel], entries.of(ray.pixel),
+                                                ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
+        continue;
+      }
+      rays_[kept] = ray;
+      begin_[kept++] = begin;
+    }
+    rays_.resize(kept);
+    begin_.resize(kept);
+  }
+}
+
+} // namespace kinora::fields
