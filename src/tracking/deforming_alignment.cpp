@@ -19,6 +19,7 @@ constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kMinIncidence = 0.3;
 constexpr double kNearest = 0.05; // metres
+constexpr double kRim = 1;        // pixels that a silhouette may be wrong by
 
 struct Stage {
   int level;
@@ -71,6 +72,25 @@ void set_plane(const Seen& seen, const ObjectView& view, double gate, PointTerms
   terms.plane_offset = -normal.dot(measured);
   terms.plane_scale = 1 / (ingest::depth_sigma(measured.z()) *
                            std::max(kMinIncidence, std::abs(normal.dot(measured)) / measured.norm()));
+}
+
+// A point where the camera sees past it: onto the plane through the camera and the rim of the silhouette.
+void set_rim(const Seen& seen, const ObjectView& view, double gate, double share, PointTerms& terms) {
+  const std::int16_t* offset = view.to_silhouette.pixel(seen.pixel_u, seen.pixel_v);
+  const Eigen::Vector2d inwards(offset[0], offset[1]);
+  const double length = inwards.norm();
+  if (length < kRim || is_covered(seen, view)) return;
+  const Intrinsics& camera = view.intrinsics;
+  const Eigen::Vector2d outwards = -inwards / length;
+  const Eigen::Vector2d rim =
+      Eigen::Vector2d(seen.pixel_u - camera.cx, seen.pixel_v - camera.cy) + inwards + kRim * outwards;
+  const Eigen::Vector3d normal =
+      Eigen::Vector3d(outwards.x() * camera.fx, outwards.y() * camera.fy, -outwards.dot(rim)).normalized();
+  const double distance = normal.dot(seen.place);
+  if (!(distance > 0) || distance > gate) return;
+  terms.plane_normal = normal;
+  terms.plane_offset = 0;
+  terms.plane_scale = std::sqrt(share) * camera.fx / seen.place.z();
 }
 
 float texture_of(const PointTexture& texture, std::size_t which, int level) {
@@ -198,6 +218,10 @@ void associate(const LayerModel& model, std::span<const PointTexture> textures, 
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
       const Seen seen = look(model.points[p], states, view);
       if (seen.pixel_u < 0) continue;
+      if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0) {
+        set_rim(seen, view, gate, config.silhouette_share, terms[p]);
+        continue;
+      }
       set_plane(seen, view, gate, terms[p]);
       // A surface that is measured elsewhere along the ray shows another point's texture.
       const bool contradicted = view.planes.weights.at(seen.pixel_u, seen.pixel_v) > 0 && terms[p].plane_scale == 0;

@@ -21,6 +21,7 @@ struct DeformingAlignmentConfig {
   double rigidity = 0.1;          ///< standard deviation of a neighbour's place, in units of the nodes' spacing
   double prior_sigma = 0.05;      ///< metres
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
+  double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
   double texture_sigma = 0.02;    ///< at least; log luminance
   int rigid_iterations = 4;
   int pcg_iterations = 40;
@@ -62,7 +63,8 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
 DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& states);
 
-/// Finds what each point is compared with at `states`: the plane of the pixel that it falls on, and its textures.
+/// Finds what each point is compared with at `states`: the plane of the pixel that it falls on, and its textures; or,
+/// where the camera sees past it, the plane through the camera and the nearest rim of the silhouette.
 /// Exposed for tests.
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
                const NodeStates& states, int level, double gate, const DeformingAlignmentConfig& config,

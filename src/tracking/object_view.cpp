@@ -132,10 +132,10 @@ TextureLevel with_gradient(const Image<float>& values, float scale) {
   return level;
 }
 
-DepthImage cut(const DepthImage& depth, const Box& box) {
-  DepthImage result(box.u1 - box.u0, box.v1 - box.v0);
+template <class T> Image<T> cut(const Image<T>& image, const Box& box) {
+  Image<T> result(box.u1 - box.u0, box.v1 - box.v0);
   for (int v = 0; v < result.height(); ++v) {
-    std::copy_n(depth.pixel(box.u0, box.v0 + v), result.width(), result.pixel(0, v));
+    std::copy_n(image.pixel(box.u0, box.v0 + v), result.width(), result.pixel(0, v));
   }
   return result;
 }
@@ -204,6 +204,7 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   view.intrinsics.cx -= box.u0;
   view.intrinsics.cy -= box.v0;
   view.mask = cut_mask(frame.labels, label, box);
+  view.to_silhouette = offsets_to_silhouette(cut(frame.labels, box)); // another label may hide this one
   view.depth = cut(frame.depth, box);
   view.planes = fit_depth_planes(cut(frame.clean_depth, box), view.intrinsics, view.mask);
   measure_depth(view);

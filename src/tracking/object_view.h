@@ -5,6 +5,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/depth_planes.h"
+#include "tracking/silhouette.h"
 
 namespace kinora::tracking {
 
@@ -26,10 +27,11 @@ struct ObjectView {
   static constexpr int kLevels = 3;
 
   Intrinsics intrinsics;
-  DepthImage depth;     ///< all measured depth in the crop: what may stand in front
-  LabelImage mask;      ///< 1 where the label is, 2 where it is at least two pixels from the label's border
-  DepthPlanes planes;   ///< of the label's clean depth
-  Image<float> texture; ///< log luminance, slightly smoothed; its mean off the label
+  DepthImage depth; ///< all measured depth in the crop: what may stand in front
+  LabelImage mask;  ///< 1 where the label is, 2 where it is at least two pixels from the label's border
+  Image<std::int16_t> to_silhouette; ///< offsets to the nearest pixel of the label, or of one that may hide it
+  DepthPlanes planes;                ///< of the label's clean depth
+  Image<float> texture;              ///< log luminance, slightly smoothed; its mean off the label
   std::array<TextureLevel, kLevels> pyramid;
   std::size_t depth_pixels = 0;                       ///< pixels with a plane
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero(); ///< mean of their points, in the camera

@@ -162,6 +162,23 @@ TEST(DeformingAlignment, BendsAPlateIntoPlace) {
   EXPECT_LT(mean_error(scene, result.nodes, 1.2), 0.003);
 }
 
+// Along itself a flat plate looks alike for depth; without texture only its outline says where it is.
+TEST(DeformingAlignment, SilhouetteHoldsAPlateWithoutTexture) {
+  const Scene scene(0);
+  SE3 aside = SE3::Identity();
+  aside.translation() = Eigen::Vector3d(0.06, 0.05, 0); // the points end 2 cm within the outline
+  const NodeStates start = moved(scene.start, aside);
+  DeformingAlignmentConfig config;
+  config.photometric_share = 0;
+  config.prior_sigma = 1;
+  config.silhouette_share = 0;
+  const auto slipped = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
+  EXPECT_GT(mean_error(scene, slipped.nodes, 0), 0.06);
+  config.silhouette_share = DeformingAlignmentConfig().silhouette_share;
+  const auto held = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
+  EXPECT_LT(mean_error(scene, held.nodes, 0), 0.035);
+}
+
 TEST(DeformingAlignment, EnergyNeverRises) {
   const Scene scene(1.2);
   const auto result = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
