@@ -15,6 +15,7 @@ constexpr std::array<std::array<int, 2>, 12> kEdges{
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 /// Edges of a cell that are longer or shorter by this factor tell that it is torn.
 constexpr double kTorn = 1.7;
+constexpr std::size_t kChunk = 256;
 
 HullFace face_of(const std::array<std::uint32_t, 8>& corners, std::size_t direction) {
   HullFace face{};
@@ -72,27 +73,53 @@ std::int32_t BrickHull::cell_at(const DensityBricks& bricks, int x, int y, int z
 }
 
 std::vector<HullFace> BrickHull::faces_of(const std::vector<std::uint8_t>& kept) const {
-  std::vector<HullFace> faces;
-  for (std::size_t b = 0; b < cells_.size(); ++b) {
-    if (kept[b] == 0) continue;
-    for (std::size_t d = 0; d < 6; ++d) {
-      const std::int32_t neighbour = cells_[b].neighbours[d];
-      if (neighbour < 0 || kept[static_cast<std::size_t>(neighbour)] == 0)
-        faces.push_back(face_of(cells_[b].corners, d));
+  std::vector<std::vector<HullFace>> parts(chunk_count(cells_.size(), kChunk));
+  parallel_for(cells_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
+      if (kept[c] == 0) continue;
+      for (std::size_t d = 0; d < 6; ++d) {
+        const std::int32_t neighbour = cells_[c].neighbours[d];
+        if (neighbour < 0 || kept[static_cast<std::size_t>(neighbour)] == 0)
+          parts[chunk.index].push_back(face_of(cells_[c].corners, d));
+      }
     }
-  }
+  });
+  std::vector<HullFace> faces;
+  for (const auto& part : parts) faces.insert(faces.end(), part.begin(), part.end());
   return faces;
 }
 
 void BrickHull::follow(const tracking::DeformationGraph& graph) {
   influences_.resize(corners_.size());
-  parallel_for(corners_.size(), 256, [&](const Chunk& chunk) {
+  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) influences_[i] = graph.influence(corners_[i]);
+  });
+  middle_influences_.resize(cells_.size());
+  parallel_for(cells_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) middle_influences_[c] = graph.influence(middle(c));
   });
 }
 
 PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp) : corners_(hull.corners().size()) {
-  parallel_for(corners_.size(), 256, [&](const Chunk& chunk) {
+  carry_corners(hull, warp);
+  std::vector<std::uint8_t> whole(hull.cells().size());
+  cells_.resize(whole.size());
+  parallel_for(whole.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
+      cells_[c] = hull.cells()[c].corners;
+      whole[c] = is_whole(cells_[c], hull.cell_side()) ? 1 : 0;
+    }
+  });
+  faces_ = hull.faces_of(whole);
+  std::vector<std::size_t> torn;
+  for (std::size_t c = 0; c < whole.size(); ++c) {
+    if (whole[c] == 0 && hull.middle_influences()[c].count > 0) torn.push_back(c);
+  }
+  carry_rigidly(hull, torn, warp);
+}
+
+void PosedHull::carry_corners(const BrickHull& hull, const tracking::Warp& warp) {
+  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const Eigen::Vector3d& canonical = hull.corners()[i];
       if (hull.influences()[i].count == 0) {
@@ -103,16 +130,6 @@ PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp) : corner
       }
     }
   });
-  std::vector<std::uint8_t> whole(hull.cells().size());
-  cells_.resize(whole.size());
-  for (std::size_t c = 0; c < whole.size(); ++c) {
-    cells_[c] = hull.cells()[c].corners;
-    whole[c] = is_whole(cells_[c], hull.cell_side()) ? 1 : 0;
-  }
-  faces_ = hull.faces_of(whole);
-  for (std::size_t c = 0; c < whole.size(); ++c) {
-    if (whole[c] == 0) carry_rigidly(hull, c, warp);
-  }
 }
 
 bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell, double side) const {
@@ -124,17 +141,27 @@ bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell, double side) 
   return true;
 }
 
-void PosedHull::carry_rigidly(const BrickHull& hull, std::size_t cell, const tracking::Warp& warp) {
-  const std::array<std::uint32_t, 8> old = cells_[cell];
-  const Eigen::Vector3d middle = 0.5 * (hull.corners()[old[0]] + hull.corners()[old[7]]);
-  const auto transform = warp.at(middle);
-  if (!transform) return;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const Eigen::Vector3d canonical = hull.corners()[old[i]]; // a copy: corners_ grows
-    cells_[cell][i] = static_cast<std::uint32_t>(corners_.size());
-    corners_.push_back({canonical, *transform * canonical, transform->linear().transpose()});
-  }
-  for (std::size_t d = 0; d < kFaces.size(); ++d) faces_.push_back(face_of(cells_[cell], d));
+// Each of these cells for itself, with corners and faces of its own.
+void PosedHull::carry_rigidly(const BrickHull& hull, std::span<const std::size_t> cells, const tracking::Warp& warp) {
+  const std::size_t first_corner = corners_.size();
+  const std::size_t first_face = faces_.size();
+  corners_.resize(first_corner + 8 * cells.size());
+  faces_.resize(first_face + kFaces.size() * cells.size());
+  parallel_for(cells.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
+      std::array<std::uint32_t, 8>& cell = cells_[cells[k]];
+      const SE3 transform = warp.at(hull.middle_influences()[cells[k]]);
+      for (std::size_t i = 0; i < 8; ++i) {
+        const Eigen::Vector3d& canonical = hull.corners()[cell[i]];
+        const std::size_t corner = first_corner + 8 * k + i;
+        corners_[corner] = {canonical, transform * canonical, transform.linear().transpose()};
+        cell[i] = static_cast<std::uint32_t>(corner);
+      }
+      for (std::size_t d = 0; d < kFaces.size(); ++d) {
+        faces_[first_face + kFaces.size() * k + d] = face_of(cell, d);
+      }
+    }
+  });
 }
 
 } // namespace kinora::fields

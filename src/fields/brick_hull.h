@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,10 +35,14 @@ public:
   std::int32_t cell_at(const DensityBricks& bricks, int x, int y, int z) const;
   /// Faces between a cell and none.
   const std::vector<HullFace>& faces() const { return faces_; }
-  /// Faces between a cell that is kept (≠ 0) and one that is not, or none.
+  Eigen::Vector3d middle(std::size_t cell) const {
+    return 0.5 * (corners_[cells_[cell].corners[0]] + corners_[cells_[cell].corners[7]]);
+  }
+  /// Faces between a cell that is kept (≠ 0) and one that is not, or none. Uses all threads.
   std::vector<HullFace> faces_of(const std::vector<std::uint8_t>& kept) const;
-  /// What moves the corners; empty unless follow() was called.
+  /// What moves the corners, and the middles of the cells; empty unless follow() was called.
   const std::vector<tracking::Influence>& influences() const { return influences_; }
+  const std::vector<tracking::Influence>& middle_influences() const { return middle_influences_; }
   /// Prepares for being posed by this graph. Uses all threads.
   void follow(const tracking::DeformationGraph& graph);
   double cell_side() const { return cell_side_; } ///< metres
@@ -48,7 +53,7 @@ private:
   std::vector<Cell> cells_;
   std::vector<std::array<std::int32_t, 8>> cells_of_brick_; // −1: none
   std::vector<HullFace> faces_;
-  std::vector<tracking::Influence> influences_;
+  std::vector<tracking::Influence> influences_, middle_influences_;
 };
 
 /// The hull of a deforming layer at one instant. Immutable, thread-safe. A cell that the motion would tear, because
@@ -71,7 +76,8 @@ public:
 
 private:
   bool is_whole(const std::array<std::uint32_t, 8>& cell, double side) const;
-  void carry_rigidly(const BrickHull& hull, std::size_t cell, const tracking::Warp& warp);
+  void carry_corners(const BrickHull& hull, const tracking::Warp& warp);
+  void carry_rigidly(const BrickHull& hull, std::span<const std::size_t> cells, const tracking::Warp& warp);
 
   std::vector<Corner> corners_;
   std::vector<std::array<std::uint32_t, 8>> cells_;

@@ -95,13 +95,12 @@ public:
     return most >= DensityBricks::kVisible;
   }
 
-  void write_words(std::uint32_t* words) const {
+  void write_pairs(std::uint16_t* pairs) const {
     for (int z = 0; z < kLevels; ++z) {
       for (int y = 0; y < kSide; ++y) {
-        for (int x = 0; x < kSide; ++x) {
+        for (int x = 0; x < kLevels; ++x) {
           const std::uint8_t* b = bytes_.data() + (z * kLevels + y) * kLevels + x;
-          *words++ =
-              b[0] | std::uint32_t{b[1]} << 8 | std::uint32_t{b[kLevels]} << 16 | std::uint32_t{b[kLevels + 1]} << 24;
+          *pairs++ = static_cast<std::uint16_t>(b[0] | b[kLevels] << 8);
         }
       }
     }
@@ -147,7 +146,7 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
   constexpr std::size_t kChunk = 64;
   struct Part {
     std::vector<std::array<int, 3>> places;
-    std::vector<std::uint32_t> words;
+    std::vector<std::uint16_t> pairs;
   };
   std::vector<Part> parts(chunk_count(candidates.size(), kChunk));
   parallel_for(candidates.size(), kChunk, [&](const Chunk& chunk) {
@@ -156,13 +155,13 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (!sampler.sample(candidates[i])) continue;
       part.places.push_back(candidates[i]);
-      part.words.resize(part.words.size() + kWords);
-      sampler.write_words(part.words.data() + part.words.size() - kWords);
+      part.pairs.resize(part.pairs.size() + kPairs);
+      sampler.write_pairs(part.pairs.data() + part.pairs.size() - kPairs);
     }
   });
   for (const Part& part : parts) {
     places_.insert(places_.end(), part.places.begin(), part.places.end());
-    words_.insert(words_.end(), part.words.begin(), part.words.end());
+    pairs_.insert(pairs_.end(), part.pairs.begin(), part.pairs.end());
   }
   const auto per_side = static_cast<std::size_t>(bricks_per_side());
   index_.assign(per_side * per_side * per_side, -1);
@@ -181,13 +180,13 @@ int DensityBricks::brick_at(int x, int y, int z) const {
 }
 
 std::uint8_t DensityBricks::largest(std::size_t brick, const std::array<int, 3>& low, int side) const {
-  const std::uint32_t* words = words_.data() + brick * kWords;
-  std::uint32_t most = 0;
+  const std::uint16_t* pairs = pairs_.data() + brick * kPairs;
+  int most = 0;
   for (int z = low[2]; z <= low[2] + side; ++z) {
     for (int y = low[1]; y < low[1] + side; ++y) {
-      for (int x = low[0]; x < low[0] + side; ++x) {
-        const std::uint32_t word = words[(z * kSide + y) * kSide + x];
-        for (int shift = 0; shift < 32; shift += 8) most = std::max(most, word >> shift & 255);
+      for (int x = low[0]; x <= low[0] + side; ++x) {
+        const int pair = pairs[(z * kSide + y) * kLevels + x];
+        most = std::max({most, pair & 255, pair >> 8});
       }
     }
   }
@@ -205,12 +204,12 @@ float DensityBricks::raw_density(const std::array<float, 3>& at) const {
   const int brick =
       low[0] < 0 || low[1] < 0 || low[2] < 0 ? -1 : brick_at(low[0] / kSide, low[1] / kSide, low[2] / kSide);
   if (brick < 0) return kLowest;
-  const std::uint32_t* words = words_.data() + static_cast<std::size_t>(brick) * kWords;
+  const std::uint16_t* pairs = pairs_.data() + static_cast<std::size_t>(brick) * kPairs;
   float sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int dx = corner & 1, dy = (corner >> 1) & 1, dz = corner >> 2;
-    const int word = ((low[2] % kSide + dz) * kSide + low[1] % kSide) * kSide + low[0] % kSide;
-    const std::uint32_t byte = words[word] >> (8 * (2 * dy + dx)) & 255;
+    const int pair = ((low[2] % kSide + dz) * kSide + low[1] % kSide) * kLevels + low[0] % kSide + dx;
+    const int byte = pairs[pair] >> (8 * dy) & 255;
     sum += static_cast<float>(byte) * (dx != 0 ? fraction[0] : 1 - fraction[0]) *
            (dy != 0 ? fraction[1] : 1 - fraction[1]) * (dz != 0 ? fraction[2] : 1 - fraction[2]);
   }

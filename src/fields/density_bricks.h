@@ -21,8 +21,8 @@ class DensityBricks {
 public:
   static constexpr int kSide = 8; ///< lattice steps per side of a brick
   static constexpr int kLevels = kSide + 1;
-  /// Words per brick: x, then y, then z fastest to slowest; x and y from 0 to 7, z from 0 to 8.
-  static constexpr int kWords = kSide * kSide * kLevels;
+  /// Pairs per brick: x, then y, then z fastest to slowest; y from 0 to 7, x and z from 0 to 8.
+  static constexpr int kPairs = kLevels * kSide * kLevels;
   static constexpr int kMostResolution = 512;
   /// A byte b stands for the raw density kLowest + b · kStep; 0 for what is empty.
   static constexpr float kLowest = -8.0F;
@@ -45,8 +45,9 @@ public:
 
   /// bricks_per_side³, x fastest: number of the brick or −1.
   const std::int32_t* index() const { return index_.data(); }
-  /// Per brick kWords: bytes, lowest first, of the samples (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
-  const std::uint32_t* words() const { return words_.data(); }
+  /// Per brick kPairs: bytes, lowest first, of the samples (x, y) and (x, y + 1). Two of them, side by side, are the
+  /// corners of a square.
+  const std::uint16_t* pairs() const { return pairs_.data(); }
 
   /// The largest byte among the samples of a cube within a brick, `low` … `low` + `side` lattice steps along each axis.
   std::uint8_t largest(std::size_t brick, const std::array<int, 3>& low, int side) const;
@@ -58,7 +59,7 @@ private:
   int resolution_ = 0;
   std::vector<std::int32_t> index_;
   std::vector<std::array<int, 3>> places_;
-  LargeBuffer<std::uint32_t> words_;
+  LargeBuffer<std::uint16_t> pairs_;
 };
 
 } // namespace kinora::fields

@@ -3,7 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
+
 namespace kinora::fields {
+namespace {
+
+constexpr std::size_t kChunk = 1024; // corners
+
+} // namespace
 
 LayerView::LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality)
     : layer_(&posed.field->derived()), quality_(quality) {
@@ -36,11 +43,13 @@ void LayerView::look(const SE3& canonical_from_camera, const SE3& camera_from_ca
   corners_.resize(hull.corners().size());
   places_.resize(hull.corners().size());
   ways_.resize(hull.corners().size());
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    corners_[i] = (camera_from_canonical * hull.corners()[i]).cast<float>();
-    places_[i] = to_lattice(hull.corners()[i]);
-    ways_[i] = places_[i] - camera_place_;
-  }
+  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      corners_[i] = (camera_from_canonical * hull.corners()[i]).cast<float>();
+      places_[i] = to_lattice(hull.corners()[i]);
+      ways_[i] = places_[i] - camera_place_;
+    }
+  });
   faces_ = &hull.faces();
 }
 
@@ -50,12 +59,14 @@ void LayerView::look(const PosedHull& hull, const SE3& camera_from_world) {
   corners_.resize(hull.corners().size());
   places_.resize(hull.corners().size());
   ways_.resize(hull.corners().size());
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const PosedHull::Corner& corner = hull.corners()[i];
-    corners_[i] = (camera_from_world * corner.world).cast<float>();
-    places_[i] = to_lattice(corner.canonical);
-    ways_[i] = (corner.canonical_from_world * (corner.world - centre) * lattice_per_metre_).cast<float>();
-  }
+  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const PosedHull::Corner& corner = hull.corners()[i];
+      corners_[i] = (camera_from_world * corner.world).cast<float>();
+      places_[i] = to_lattice(corner.canonical);
+      ways_[i] = (corner.canonical_from_world * (corner.world - centre) * lattice_per_metre_).cast<float>();
+    }
+  });
   faces_ = &hull.faces();
   cells_ = &hull.cells();
 }
@@ -88,6 +99,7 @@ LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bin
 Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const {
   const int iterations = quality_ == DrawQuality::kFull ? 2 : 1;
   constexpr float kSide = BrickHull::kCellSide;
+  constexpr float kClose = 0.1F; // of a lattice step: another iteration would find nothing
   for (int k = 0; k < iterations; ++k) {
     const Eigen::Vector3f in_cells = at / kSide;
     const Eigen::Vector3f low = in_cells.array().floor();
@@ -109,6 +121,7 @@ Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& po
     const Eigen::Vector3f step = kSide * (jacobian.inverse() * (point - value));
     if (!(step.squaredNorm() < kSide * kSide)) return at;
     at += step;
+    if (step.squaredNorm() < kClose * kClose) break;
   }
   return at;
 }

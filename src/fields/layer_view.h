@@ -29,9 +29,10 @@ public:
 
   const DrawableField::Derived& layer() const { return *layer_; }
   DrawQuality quality() const { return quality_; }
-  float step() const { return step_; }                                     ///< metres between samples
-  float optical_length() const { return optical_length_; }                 ///< of a step
-  const std::vector<Eigen::Vector3f>& corners() const { return corners_; } ///< in the camera's frame, metres
+  float step() const { return step_; }                                              ///< metres between samples
+  float lattice_step() const { return static_cast<float>(1 / lattice_per_metre_); } ///< metres
+  float optical_length() const { return optical_length_; }                          ///< of a step
+  const std::vector<Eigen::Vector3f>& corners() const { return corners_; }          ///< in the camera's frame, metres
   const std::vector<HullFace>& faces() const { return *faces_; }
   bool holds_camera() const { return holds_camera_; }
 

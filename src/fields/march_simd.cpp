@@ -26,15 +26,15 @@ struct Lanes {
   HWY_ALIGN float begin[kMostLanes];
 };
 
-/// Bilinear interpolation among the four samples of a word.
-HWY_INLINE VF interpolate(VI word, VF fx, VF fy) {
+/// Bilinear interpolation among the four samples of two pairs, side by side in x.
+HWY_INLINE VF interpolate(VI square, VF fx, VF fy) {
   const DF df;
   const DI di;
   const auto low = hn::Set(di, 255);
-  const auto b00 = hn::ConvertTo(df, hn::And(word, low));
-  const auto b10 = hn::ConvertTo(df, hn::And(hn::ShiftRight<8>(word), low));
-  const auto b01 = hn::ConvertTo(df, hn::And(hn::ShiftRight<16>(word), low));
-  const auto b11 = hn::ConvertTo(df, hn::And(hn::ShiftRight<24>(word), low));
+  const auto b00 = hn::ConvertTo(df, hn::And(square, low));
+  const auto b01 = hn::ConvertTo(df, hn::And(hn::ShiftRight<8>(square), low));
+  const auto b10 = hn::ConvertTo(df, hn::And(hn::ShiftRight<16>(square), low));
+  const auto b11 = hn::ConvertTo(df, hn::And(hn::ShiftRight<24>(square), low));
   const auto y0 = hn::MulAdd(fx, hn::Sub(b10, b00), b00);
   const auto y1 = hn::MulAdd(fx, hn::Sub(b11, b01), b01);
   return hn::MulAdd(fy, hn::Sub(y1, y0), y0);
@@ -46,18 +46,23 @@ struct Position {
 };
 
 /// Level of a byte at a position of bricks that exist.
-HWY_INLINE VF level_at(const std::uint32_t* words, VI brick, const Position& at) {
+HWY_INLINE VF level_at(const std::uint16_t* pairs, VI brick, const Position& at) {
   const DI di;
   constexpr int kSide = DensityBricks::kSide;
   const auto in_brick = hn::Set(di, kSide - 1);
   const auto x = hn::And(at.low[0], in_brick);
   const auto y = hn::And(at.low[1], in_brick);
   const auto z = hn::And(at.low[2], in_brick);
-  const auto local = hn::Add(hn::ShiftLeft<3>(hn::Add(hn::ShiftLeft<3>(z), y)), x);
-  const auto word = hn::Add(hn::Mul(brick, hn::Set(di, DensityBricks::kWords)), local);
-  const auto* base = reinterpret_cast<const std::int32_t*>(words);
-  const auto near = interpolate(hn::GatherIndex(di, base, word), at.fraction[0], at.fraction[1]);
-  const auto far = interpolate(hn::GatherIndex(di, base + kSide * kSide, word), at.fraction[0], at.fraction[1]);
+  const auto row = hn::Add(hn::ShiftLeft<3>(z), y);
+  const auto local = hn::Add(hn::Add(hn::ShiftLeft<3>(row), row), x);
+  static_assert(DensityBricks::kLevels == 9);
+  const auto pair = hn::Add(hn::Mul(brick, hn::Set(di, DensityBricks::kPairs)), local);
+  const auto offset = hn::ShiftLeft<1>(pair); // bytes
+  constexpr std::size_t kLayer = std::size_t{kSide} * DensityBricks::kLevels;
+  const auto* near_base = reinterpret_cast<const std::int32_t*>(pairs);
+  const auto* far_base = reinterpret_cast<const std::int32_t*>(pairs + kLayer);
+  const auto near = interpolate(hn::GatherOffset(di, near_base, offset), at.fraction[0], at.fraction[1]);
+  const auto far = interpolate(hn::GatherOffset(di, far_base, offset), at.fraction[0], at.fraction[1]);
   return hn::MulAdd(at.fraction[2], hn::Sub(far, near), near);
 }
 
@@ -97,7 +102,7 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
       const auto place = hn::Add(hn::Mul(row, per_side), hn::ShiftRight<3>(at.low[0]));
       const auto brick = hn::GatherIndex(di, bricks.index(), place);
       inside = hn::And(inside, hn::RebindMask(df, hn::Gt(brick, hn::Set(di, -1))));
-      const auto raw = hn::MulAdd(level_at(bricks.words(), hn::Max(brick, hn::Zero(di)), at), scale, lowest);
+      const auto raw = hn::MulAdd(level_at(bricks.pairs(), hn::Max(brick, hn::Zero(di)), at), scale, lowest);
       const auto passing = hn::Exp(df, hn::Mul(hn::Exp(df, raw), length));
       const auto weight = hn::IfThenElseZero(inside, hn::Sub(transmittance, hn::Mul(transmittance, passing)));
       const auto moment = hn::Mul(weight, hn::Sub(middle, begin));

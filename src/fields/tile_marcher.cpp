@@ -8,6 +8,8 @@ namespace {
 
 constexpr float kSamePlace = 2; // lattice steps: an entry that near to a ray that is under way belongs to it
 
+constexpr float kHullReach = 16; // lattice steps between a hull and its surface; farther, something stands before it
+
 } // namespace
 
 bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
@@ -31,18 +33,40 @@ bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const E
   return false;
 }
 
+void TileMarcher::begin(const LayerView& view, const TriangleBins& bins, const std::vector<Eigen::Vector3f>& pixel_rays,
+                        const Entries& entries, std::uint32_t pixel) {
+  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  float begin = 0;
+  enter(view, bins, pixel_rays[pixel], entries.of(pixel), 0, ray, begin);
+  rays_.push_back(ray);
+  begin_.push_back(begin);
+}
+
 void TileMarcher::march(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
                         const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
-  rays_.clear();
-  begin_.clear();
+  cells_.clear();
   for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
-    if (entries.of(p).empty()) continue;
-    Ray ray{p, 0, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
-    float begin = 0;
-    enter(view, bins, pixel_rays[p], entries.of(p), 0, ray, begin);
-    rays_.push_back(ray);
-    begin_.push_back(begin);
+    if (SmoothCells::is_anchor(p) && !entries.of(p).empty()) begin(view, bins, pixel_rays, entries, p);
   }
+  follow(view, layer, bins, pixel_rays, entries, surfaces);
+  const float in_box = view.step() / static_cast<float>(view.layer().field.config.box.side);
+  cells_.judge(in_box);
+  const float reach = kHullReach * view.lattice_step();
+  for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
+    if (SmoothCells::is_anchor(p) || entries.of(p).empty()) continue;
+    const auto surface = cells_.at(p);
+    if (surface && surface->depth - entries.of(p).front().depth < reach) {
+      surfaces.insert(p, *surface);
+    } else {
+      begin(view, bins, pixel_rays, entries, p);
+    }
+  }
+  follow(view, layer, bins, pixel_rays, entries, surfaces);
+}
+
+// All rays that have begun, to their ends.
+void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
+                         const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
   while (!rays_.empty()) {
     const std::size_t n = rays_.size();
     march_rays_.resize(n);
@@ -61,8 +85,13 @@ void TileMarcher::march(const LayerView& view, std::uint32_t layer, const Triang
         const float depth = ray.entry_depth + run.mean * ray.depth_step;
         Eigen::Vector3f at = ray.origin + run.mean * ray.direction;
         if (view.deforms()) at = view.refined(at, depth * pixel_rays[ray.pixel]);
-        surfaces.insert(ray.pixel, {ray.entry_depth + run.median * ray.depth_step, run.opacity, layer, view.to_box(at),
-                                    view.to_box(run.spread * ray.direction)});
+        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer, view.to_box(at),
+                              view.to_box(run.spread * ray.direction)};
+        surfaces.insert(ray.pixel, surface);
+        if (ray.alone && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
+          cells_.set(ray.pixel, surface);
+        }
+        ray.alone = false;
       }
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;

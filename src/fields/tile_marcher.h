@@ -1,7 +1,6 @@
 // From where rays enter a layer to the surfaces that they meet in it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,20 +8,14 @@
 #include "fields/layer_view.h"
 #include "fields/march.h"
 #include "fields/rasterizer.h"
+#include "fields/smooth_cells.h"
+#include "fields/surface.h"
 
 namespace kinora::fields {
 
 /// Share of a pixel's light below which a surface is not looked at.
 inline constexpr float kNegligible = 0.004F;
 
-/// What a pixel's ray meets in a layer.
-struct Surface {
-  float depth; ///< metres
-  float opacity;
-  std::uint32_t layer;
-  std::array<float, 3> position; ///< relative to the field's box, where the light is taken away in the mean
-  std::array<float, 3> spread;   ///< its standard deviation along the ray
-};
 using Surfaces = PixelLists<Surface, 8>;
 
 /// Finds the surfaces of one layer in a tile.
@@ -35,6 +28,7 @@ private:
   struct Ray {
     std::uint32_t pixel;
     std::size_t next; // entry
+    bool alone;       // has met nothing yet
     float entry_depth;
     float depth_step;
     Eigen::Vector3f origin, direction;
@@ -43,6 +37,12 @@ private:
   static bool enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
                     std::span<const Entry> entries, float until_depth, Ray& ray, float& begin);
 
+  void begin(const LayerView& view, const TriangleBins& bins, const std::vector<Eigen::Vector3f>& pixel_rays,
+             const Entries& entries, std::uint32_t pixel);
+  void follow(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
+              const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces);
+
+  SmoothCells cells_;
   std::vector<Ray> rays_;
   std::vector<MarchRay> march_rays_;
   std::vector<float> begin_;
