@@ -11,13 +11,20 @@ if(CCACHE)
   # Precompiled headers are cached safely only with these (ccache's manual, "Precompiled headers").
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
       ${CCACHE})
-  add_compile_options(-fpch-preprocess)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    add_compile_options(-fpch-preprocess)
+  else()
+    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
+  endif()
 endif()
 
-# -fPIC for programs too: a precompiled header serves only those who agree on it.
 add_library(kinora_flags INTERFACE)
+if(NOT EMSCRIPTEN)
+  # For programs too: a precompiled header serves only those who agree on it.
+  target_compile_options(kinora_flags INTERFACE -fPIC -fno-semantic-interposition)
+endif()
 target_compile_options(
-  kinora_flags INTERFACE -fPIC -fno-semantic-interposition -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  kinora_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
                          -Werror -fno-math-errno -ffp-contract=off)
 target_include_directories(kinora_flags INTERFACE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src)
 

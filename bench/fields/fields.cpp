@@ -1,9 +1,10 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [rays_per_step=4096] [surface_samples=5] [free_samples=4]
-//                [levels=0] [log2_table_size=0]
-// Every value may be a list; all combinations are run. noise: standard deviation of depth, of the scene's size. 0
-// levels or table size: as the encoder chooses.
+//                [levels=0] [log2_table_size=0] [target=avx2]
+// Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
+// (bench/instruction_set.h) instead of the best that there are. noise: standard deviation of depth, of the scene's
+// size. 0 levels or table size: as the encoder chooses.
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -19,6 +20,7 @@
 #include "fields/kernels.h"
 #include "fields/renderer.h"
 #include "fields/trainer.h"
+#include "instruction_set.h"
 
 namespace {
 
@@ -100,6 +102,10 @@ int main(int argc, char** argv) {
   try {
     for (int i = 1; i < argc; ++i) {
       if (set_knob(argv[i], knobs)) continue;
+      if (const std::string argument = argv[i]; argument.starts_with("target=")) {
+        bench::use_instruction_set(argument.substr(argument.find('=') + 1));
+        continue;
+      }
       std::fprintf(stderr,
                    "bench_fields: %s: no name=value of a knob; they stand at the top of bench/fields/fields.cpp\n",
                    argv[i]);

@@ -1,5 +1,6 @@
 // How long a clip takes to draw: frames all over it, seen by the capture camera and by cameras up to 30° aside.
-// usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720]
+// usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [target=avx2]
+// target: draws with these instructions (bench/instruction_set.h) instead of the best that there are.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -10,6 +11,8 @@
 
 #include "core/parallel.h"
 #include "encode/clip_io.h"
+#include "fields/kernels.h"
+#include "instruction_set.h"
 #include "player/camera_path.h"
 #include "player/player.h"
 
@@ -70,19 +73,20 @@ int main(int argc, char** argv) {
   std::vector<std::string> threads{"1", "2"};
   std::vector<std::string> sizes{"640x480", "1280x720"};
   if (argc < 2) {
-    std::fprintf(stderr, "usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720]\n");
+    std::fprintf(stderr, "usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [target=avx2]\n");
     return 2;
   }
-  for (int i = 2; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument.starts_with("threads=")) threads = values_of(argument);
-    if (argument.starts_with("size=")) sizes = values_of(argument);
-  }
   try {
+    for (int i = 2; i < argc; ++i) {
+      const std::string argument = argv[i];
+      if (argument.starts_with("threads=")) threads = values_of(argument);
+      if (argument.starts_with("size=")) sizes = values_of(argument);
+      if (argument.starts_with("target=")) bench::use_instruction_set(values_of(argument).at(0));
+    }
     const auto begin = std::chrono::steady_clock::now();
     const player::Player player(encode::read_clip(argv[1]));
-    std::printf("# opened in %.2f s\nquality,size,threads,median_ms,largest_ms,median_processor_ms\n",
-                seconds_since(begin));
+    std::printf("# opened in %.2f s; %s\nquality,size,threads,median_ms,largest_ms,median_processor_ms\n",
+                seconds_since(begin), fields::kernels::instruction_set());
     for (const auto quality : {fields::DrawQuality::kFull, fields::DrawQuality::kFast}) {
       for (const std::string& size : sizes) {
         const std::size_t cross = size.find('x');

@@ -1,7 +1,6 @@
 // Numbers as little-endian bytes, whatever the machine.
 #pragma once
 
-#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +18,11 @@ template <std::integral T> void put(std::vector<std::byte>& out, T value) {
 }
 
 /// Appends an IEEE 754 double.
-inline void put(std::vector<std::byte>& out, double value) { put(out, std::bit_cast<std::uint64_t>(value)); }
+inline void put(std::vector<std::byte>& out, double value) {
+  std::uint64_t bits = 0; // not std::bit_cast, which Emscripten's library lacks
+  std::memcpy(&bits, &value, sizeof bits);
+  put(out, bits);
+}
 
 /// Reads at `offset`; the caller has checked that offset + sizeof(T) ≤ bytes.size().
 template <std::integral T> T get(std::span<const std::byte> bytes, std::size_t offset) {
@@ -32,7 +35,10 @@ template <std::integral T> T get(std::span<const std::byte> bytes, std::size_t o
 }
 
 inline double get_double(std::span<const std::byte> bytes, std::size_t offset) {
-  return std::bit_cast<double>(get<std::uint64_t>(bytes, offset));
+  const auto bits = get<std::uint64_t>(bytes, offset);
+  double value = 0;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
 }
 
 } // namespace kinora::container

@@ -6,8 +6,9 @@
 namespace kinora::fields {
 namespace {
 
-constexpr float kSamePlace = 2; // lattice steps: an entry that near to a ray that is under way belongs to it
-
+constexpr float kSamePlace = 2;      // lattice steps: an entry that near to a ray that is under way belongs to it
+constexpr float kTouching = 1e-3F;   // metres: the way to a corner that near says nothing of where a ray goes
+constexpr float kStandstill = 0.01F; // lattice steps per sample: so little comes of corners turned against each other
 constexpr float kHullReach = 16; // lattice steps between a hull and its surface; farther, something stands before it
 
 } // namespace
@@ -15,15 +16,19 @@ constexpr float kHullReach = 16; // lattice steps between a hull and its surface
 bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
                         std::span<const Entry> entries, float until_depth, Ray& ray, float& begin) {
   while (ray.next < entries.size()) {
-    const Entry& entry = entries[ray.next];
+    Entry entry = entries[ray.next];
+    if (entry.depth < kTouching) entry = {kTouching, kInside};
     const LayerView::Place place = view.place_of(entry, bins, pixel_ray);
     if (ray.next++ > 0 && entry.depth < until_depth) {
       const Eigen::Vector3f before = ray.origin + (entry.depth - ray.entry_depth) / ray.depth_step * ray.direction;
       if ((place.at - before).squaredNorm() < kSamePlace * kSamePlace) continue;
     }
+    const float depth_step = view.step() / pixel_ray.norm();
+    const Eigen::Vector3f direction = place.way * (depth_step / entry.depth);
+    if (!(direction.norm() > kStandstill)) continue; // it would never leave
+    ray.depth_step = depth_step;
+    ray.direction = direction;
     // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
-    ray.depth_step = view.step() / pixel_ray.norm();
-    ray.direction = place.way * (ray.depth_step / entry.depth);
     const float rung = std::ceil(entry.depth / ray.depth_step - 0.5F);
     ray.entry_depth = rung * ray.depth_step;
     ray.origin = place.at + (rung - entry.depth / ray.depth_step) * ray.direction;
@@ -37,7 +42,7 @@ void TileMarcher::begin(const LayerView& view, const TriangleBins& bins, const s
                         const Entries& entries, std::uint32_t pixel) {
   Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
   float begin = 0;
-  enter(view, bins, pixel_rays[pixel], entries.of(pixel), 0, ray, begin);
+  if (!enter(view, bins, pixel_rays[pixel], entries.of(pixel), 0, ray, begin)) return;
   rays_.push_back(ray);
   begin_.push_back(begin);
 }

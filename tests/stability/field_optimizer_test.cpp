@@ -102,6 +102,23 @@ TEST(FieldSteps, OfRaysWithoutSamplesAreFinite) {
   expect_finite(field);
 }
 
+TEST(FieldSteps, OfNoRaysAtAllLeaveTheFieldAsItWas) {
+  Field field = testing::random_field(5);
+  const Field before = field;
+  FieldOptimizer optimizer(field, {});
+  for (const std::size_t chunks : {0, 2}) {
+    const StepRays none{chunks, [](std::size_t, RayBatch& batch) { batch = {}; }};
+    optimizer.draw(none);
+    const StepResult result = optimizer.step({}, none);
+    EXPECT_EQ(result.rays, 0U);
+    EXPECT_TRUE(std::isfinite(result.loss));
+    EXPECT_TRUE(std::isfinite(result.opacity));
+    EXPECT_EQ(field.table, before.table);
+    EXPECT_EQ(field.density_net, before.density_net);
+    EXPECT_EQ(field.color_net, before.color_net);
+  }
+}
+
 TEST(FieldSteps, StayFiniteForAMillion) {
   FieldConfig config;
   config.levels = 2;
