@@ -40,8 +40,9 @@ constexpr int kTile = TriangleBins::kTile;
 class TileRenderer {
 public:
   TileRenderer(std::span<const LayerView> views, const TriangleBins& bins, const Intrinsics& intrinsics,
-               Picture& picture)
-      : views_(views), bins_(bins), intrinsics_(intrinsics), picture_(picture), shaders_(views.size()) {}
+               const DrawOptions& options, Picture& picture)
+      : views_(views), bins_(bins), intrinsics_(intrinsics), options_(options), picture_(picture),
+        shaders_(views.size()) {}
 
   void draw(int column, int row) {
     left_ = column * kTile;
@@ -99,16 +100,27 @@ private:
     if (!in_picture(p)) return;
     float transmittance = 1;
     float median_depth = 0;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (const Surface& surface : surfaces_.of(p)) {
       const float weight = transmittance * surface.opacity;
+      const LayerView& view = views_[surface.layer];
       if (weight > kNegligible) {
-        shaders_[surface.layer].add(p, surface, weight, views_[surface.layer].quality());
+        shaders_[surface.layer].add(p, surface, weight, options_.quality);
+        if (options_.normals) normal += weight * view.normal_at(view.from_box(surface.position));
       }
       if (transmittance > 0.5F && transmittance - weight <= 0.5F) median_depth = surface.depth;
       transmittance -= weight;
       if (transmittance <= kOpaque) break;
     }
     picture_.depth.at(u_of(p), v_of(p)) = median_depth;
+    if (options_.normals && median_depth > 0) write_normal(p, normal);
+  }
+
+  // Towards the camera where none is known.
+  void write_normal(std::uint32_t p, Eigen::Vector3f normal) {
+    if (normal.squaredNorm() < 1e-12F) normal = -rays_[p];
+    normal.normalize();
+    std::copy_n(normal.data(), 3, picture_.normal.pixel(u_of(p), v_of(p)));
   }
 
   void add_colors(std::size_t l) {
@@ -142,6 +154,7 @@ private:
   std::span<const LayerView> views_;
   const TriangleBins& bins_;
   const Intrinsics& intrinsics_;
+  const DrawOptions& options_;
   Picture& picture_;
   int left_ = 0, top_ = 0;
   std::vector<Eigen::Vector3f> rays_; // per pixel, (x, y, 1)
@@ -155,7 +168,7 @@ private:
 
 } // namespace
 
-Picture render(std::span<const PosedField> layers, const Camera& camera, DrawQuality quality) {
+Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options) {
   constexpr int kMaxSide = 16384;
   constexpr std::size_t kMaxLayers = 255;
   const Intrinsics& intrinsics = camera.intrinsics;
@@ -166,14 +179,15 @@ Picture render(std::span<const PosedField> layers, const Camera& camera, DrawQua
   std::vector<LayerView> views;
   TriangleBins bins(intrinsics);
   for (const PosedField& posed : layers) {
-    views.emplace_back(posed, camera, quality);
+    views.emplace_back(posed, camera, options.quality);
     bins.add(static_cast<std::uint8_t>(views.size() - 1), views.back().corners(), views.back().faces());
   }
   bins.sort();
   Picture picture{ColorImage(intrinsics.width, intrinsics.height, 4), DepthImage(intrinsics.width, intrinsics.height),
                   LabelImage(intrinsics.width, intrinsics.height)};
+  if (options.normals) picture.normal = Image<float>(intrinsics.width, intrinsics.height, 3);
   parallel_for(static_cast<std::size_t>(bins.rows()), 1, [&](const Chunk& row) {
-    TileRenderer tile(views, bins, intrinsics, picture);
+    TileRenderer tile(views, bins, intrinsics, options, picture);
     for (int column = 0; column < bins.columns(); ++column) tile.draw(column, static_cast<int>(row.begin));
   });
   return picture;

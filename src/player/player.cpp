@@ -85,14 +85,14 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
 }
 
 fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers,
-                             fields::DrawQuality quality) const {
+                             const fields::DrawOptions& options) const {
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
     if (frame < static_cast<double>(first_frames_.at(i))) continue;
     posed.push_back(this->posed(i, frame));
   }
-  return fields::render(posed, camera, quality);
+  return fields::render(posed, camera, options);
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {

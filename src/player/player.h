@@ -37,11 +37,11 @@ public:
   /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not
   /// drawn before its first frame; one that is lost later stays where it was last.
   fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers,
-                       fields::DrawQuality quality = fields::DrawQuality::kFull) const;
+                       const fields::DrawOptions& options = {}) const;
   /// The same at a time in seconds from the start.
   fields::Picture draw_at(const Camera& camera, double seconds, const LayerChoice& layers,
-                          fields::DrawQuality quality = fields::DrawQuality::kFull) const {
-    return draw(camera, clip_.frame_at(seconds), layers, quality);
+                          const fields::DrawOptions& options = {}) const {
+    return draw(camera, clip_.frame_at(seconds), layers, options);
   }
 
   /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.
