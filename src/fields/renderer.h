@@ -61,6 +61,11 @@ enum class DrawQuality {
 struct DrawOptions {
   DrawQuality quality = DrawQuality::kFull;
   bool normals = false;
+  static constexpr int kMostSamples = 8;
+  /// Along each side of a pixel: 1, 2, 4 or 8, fewer where the picture would have more than 16384 of them on a side.
+  /// Colours are averaged by their opacity, in sRGB; depth is that of the sample in the middle of all from near to
+  /// far, so that it is never averaged across an edge; `front` is the same sample's.
+  int samples = 1;
 };
 
 /// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread
