@@ -51,7 +51,7 @@ void measure(const player::Player& player, fields::DrawQuality quality, int thre
   for (const player::View& view : views_of(player, width, height)) {
     const auto begin = std::chrono::steady_clock::now();
     const double processor_begin = processor_seconds();
-    player.draw(view.camera, view.frame, player.all_layers(), quality);
+    player.draw(view.camera, view.frame, player.all_layers(), {quality});
     milliseconds.push_back(1000 * seconds_since(begin));
     processor.push_back(1000 * (processor_seconds() - processor_begin));
   }

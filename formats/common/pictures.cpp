@@ -30,4 +30,16 @@ DepthImage16 depth_of(const KinoraImage& image) {
   return copy_of<std::uint16_t>(image);
 }
 
+Image<float> normal_of(const KinoraImage& image) {
+  if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_F32 || image.channels != 3)
+    throw Error(ErrorCode::kUsage, "a picture of normals must have floats and three channels");
+  return copy_of<float>(image);
+}
+
+Image<std::uint8_t> confidence_of(const KinoraImage& image) {
+  if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_U8 || image.channels != 1)
+    throw Error(ErrorCode::kUsage, "a picture of confidence must have 8 bits and one channel");
+  return copy_of<std::uint8_t>(image);
+}
+
 } // namespace kinora::formats

@@ -12,4 +12,10 @@ ColorImage color_of(const KinoraImage& image);
 /// A copy. Throws Error(kUsage) unless it is 16-bit with one channel.
 DepthImage16 depth_of(const KinoraImage& image);
 
+/// A copy. Throws Error(kUsage) unless it is of floats with three channels.
+Image<float> normal_of(const KinoraImage& image);
+
+/// A copy. Throws Error(kUsage) unless it is 8-bit with one channel.
+Image<std::uint8_t> confidence_of(const KinoraImage& image);
+
 } // namespace kinora::formats

@@ -43,9 +43,11 @@ const KinoraOption kOptions[] = {{"layout", "auto|folder|file", "auto",
 constexpr KinoraFormat png_format() {
   auto format = make_struct<KinoraFormat>();
   format.name = "png";
-  format.description = "PNG pictures with alpha, one file or a folder; depth as 16-bit PNG in millimetres";
+  format.description =
+      "PNG pictures with alpha, one file or a folder; depth in 16-bit millimetres, normals, confidence";
   format.extensions = ".png";
-  format.capabilities = KINORA_WRITES_PICTURES | KINORA_WRITES_ALPHA | KINORA_WRITES_DEPTH;
+  format.capabilities = KINORA_WRITES_PICTURES | KINORA_WRITES_ALPHA | KINORA_WRITES_DEPTH | KINORA_WRITES_NORMALS |
+                        KINORA_WRITES_CONFIDENCE;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
   format.open_writer = open_png;

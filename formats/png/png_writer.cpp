@@ -1,5 +1,8 @@
 #include "png/png_writer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/files.h"
 #include "common/pictures.h"
 #include "core/error.h"
@@ -17,11 +20,26 @@ fs::path without_part(const fs::path& path) {
 }
 
 /// a.png → a.depth.png, a.png.part → a.depth.png.part
-fs::path depth_path_of(const fs::path& color_path) {
+fs::path path_beside(const fs::path& color_path, const char* extension) {
   fs::path path = without_part(color_path);
-  path.replace_extension(".depth.png");
+  path.replace_extension(extension);
   if (path != color_path && color_path.extension() == kPartSuffix) path += kPartSuffix;
   return path;
+}
+
+/// Axes x right, y up, z towards the camera, as in tools for artists; −1 to 1 as 0 to 255. No normal is black.
+ColorImage as_colors(const Image<float>& normals) {
+  ColorImage colors(normals.width(), normals.height(), 3);
+  for (std::size_t i = 0; i < normals.pixel_count(); ++i) {
+    const float* n = normals.data() + 3 * i;
+    if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
+    const float axes[] = {n[0], -n[1], -n[2]};
+    for (std::size_t c = 0; c < 3; ++c) {
+      colors.data()[3 * i + c] =
+          static_cast<std::uint8_t>(std::lround(127.5F * (1 + std::clamp(axes[c], -1.0F, 1.0F))));
+    }
+  }
+  return colors;
 }
 
 void make_folder(const fs::path& folder) {
@@ -60,7 +78,11 @@ void PngWriter::write(const KinoraPicture& picture) {
     if (path.parent_path() != path_) make_folder(path.parent_path());
   }
   write_file(path, encode_png(color_of(picture.color)));
-  if (picture.depth.data != nullptr) write_file(depth_path_of(path), encode_png16(depth_of(picture.depth)));
+  if (picture.depth.data != nullptr) write_file(path_beside(path, ".depth.png"), encode_png16(depth_of(picture.depth)));
+  if (picture.normal.data != nullptr)
+    write_file(path_beside(path, ".normal.png"), encode_png(as_colors(normal_of(picture.normal))));
+  if (picture.confidence.data != nullptr)
+    write_file(path_beside(path, ".confidence.png"), encode_png(confidence_of(picture.confidence)));
   ++written_;
 }
 

@@ -125,10 +125,13 @@ typedef struct KinoraFrame {
 /* One picture for a writer. */
 typedef struct KinoraPicture {
   KINORA_STRUCT_HEADER;
-  const char* name;  /* without extension; may hold '/' for folders; unique within one output */
-  double time;       /* seconds from the start, increasing */
-  KinoraImage color; /* U8, 3 channels sRGB or 4 with straight alpha */
-  KinoraImage depth; /* U16, 1 channel, millimetres, 0 = nothing; may be absent */
+  const char* name;       /* without extension; may hold '/' for folders; unique within one output */
+  double time;            /* seconds from the start, increasing */
+  KinoraImage color;      /* U8, 3 channels sRGB or 4 with straight alpha */
+  KinoraImage depth;      /* U16, 1 channel, millimetres, 0 = nothing; may be absent */
+  KinoraImage normal;     /* F32, 3 channels: unit vectors out of the surface along the camera's axes, 0 = nothing;
+                             may be absent */
+  KinoraImage confidence; /* U8, 1 channel: how well the surface was seen, 0 = never; may be absent */
 } KinoraPicture;
 
 /* A surface, given to a writer once. A point p of the mesh (homogeneous) is in the world at
@@ -196,10 +199,12 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
        KINORA_WRITES_DEPTH = 1u << 19,
-       KINORA_WRITES_MESHES = 1u << 20, /* and their motion, if it writes skins */
-       KINORA_WRITES_SKINS = 1u << 21,  /* else meshes stay as they are in their own space */
-       KINORA_WRITES_VOLUMES = 1u << 22 /* one in each output: the host numbers the files */
-                                        /* All other bits are reserved and 0. */
+       KINORA_WRITES_MESHES = 1u << 20,  /* and their motion, if it writes skins */
+       KINORA_WRITES_SKINS = 1u << 21,   /* else meshes stay as they are in their own space */
+       KINORA_WRITES_VOLUMES = 1u << 22, /* one in each output: the host numbers the files */
+       KINORA_WRITES_NORMALS = 1u << 23, /* of pictures */
+       KINORA_WRITES_CONFIDENCE = 1u << 24
+       /* All other bits are reserved and 0. */
 };
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */

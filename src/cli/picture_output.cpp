@@ -17,9 +17,15 @@ namespace {
 
 constexpr std::string_view kDefaultFormat = "png";
 
-host::Picture picture_for(const fields::Picture& drawn, const std::string& name, double seconds, bool with_depth) {
-  host::Picture picture{name, seconds, drawn.color, {}};
-  if (!with_depth) return picture;
+using Passes = std::vector<std::string>;
+
+bool contains(const Passes& passes, std::string_view pass) {
+  return std::find(passes.begin(), passes.end(), pass) != passes.end();
+}
+
+host::Picture picture_for(const fields::Picture& drawn, const std::string& name, double seconds, const Passes& beside) {
+  host::Picture picture{name, seconds, drawn.color, {}, drawn.normal};
+  if (!contains(beside, "depth")) return picture;
   picture.depth = DepthImage16(drawn.depth.width(), drawn.depth.height());
   for (std::size_t i = 0; i < drawn.depth.pixel_count(); ++i) {
     const double millimetres = std::round(1000.0 * drawn.depth.data()[i]);
@@ -84,7 +90,7 @@ public:
       : file_(request.path, request.overwrite, request.inputs),
         writer_(plugins.writer_for(request.path), file_.writing_path(), request.options) {}
   void add(const fields::Picture& picture, const std::string& name, double seconds) override {
-    writer_.write(picture_for(picture, name, seconds, false));
+    writer_.write(picture_for(picture, name, seconds, {}));
   }
   void finish() override {
     writer_.finish();
@@ -96,27 +102,30 @@ private:
   host::PictureWriter writer_;
 };
 
-/// One picture, and its depth beside it.
+/// One picture, and its other passes beside it.
 class SinglePictureOutput : public PictureOutput {
 public:
   SinglePictureOutput(const PictureRequest& request, const host::PluginTable& plugins)
       : path_(request.path), file_(request.path, request.overwrite, request.inputs),
         writer_(plugins.writer_for(request.path), fs::path(request.path) += ".parts", request.options) {
-    if (!request.depth) return;
-    depth_file_ = std::make_unique<OutputFile>(path_.parent_path() / (path_.stem().string() + ".depth.png"),
-                                               request.overwrite, request.inputs);
-    with_depth_ = true;
+    for (const std::string& pass : request.beside) {
+      beside_.push_back(pass);
+      const fs::path file = path_.parent_path() / (path_.stem().string() + "." + pass + ".png");
+      files_beside_.push_back(std::make_unique<OutputFile>(file, request.overwrite, request.inputs));
+    }
   }
   void add(const fields::Picture& picture, const std::string& /*name*/, double seconds) override {
-    writer_.write(picture_for(picture, "picture", seconds, with_depth_));
+    writer_.write(picture_for(picture, "picture", seconds, beside_));
   }
   void finish() override {
     writer_.finish();
     writer_.move_files([this](const fs::path& inside) {
-      const bool is_depth = inside.stem().extension() == ".depth";
-      return is_depth && depth_file_ ? depth_file_->writing_path() : file_.writing_path();
+      for (std::size_t i = 0; i < beside_.size(); ++i) {
+        if (inside.stem().extension() == "." + beside_[i]) return files_beside_[i]->writing_path();
+      }
+      return file_.writing_path();
     });
-    if (depth_file_) depth_file_->commit();
+    for (const auto& file : files_beside_) file->commit();
     file_.commit();
   }
 
@@ -124,17 +133,17 @@ private:
   fs::path path_;
   OutputFile file_;
   StagedWriter writer_;
-  std::unique_ptr<OutputFile> depth_file_;
-  bool with_depth_ = false;
+  Passes beside_;
+  std::vector<std::unique_ptr<OutputFile>> files_beside_; // as beside_
 };
 
 class FolderOutput : public PictureOutput {
 public:
   FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
                const host::Options& options)
-      : path_(checked(request, names, format)), depth_(request.depth), writer_(format, path_ / ".part", options) {}
+      : path_(checked(request, names, format)), beside_(request.beside), writer_(format, path_ / ".part", options) {}
   void add(const fields::Picture& picture, const std::string& name, double seconds) override {
-    writer_.write(picture_for(picture, name, seconds, depth_));
+    writer_.write(picture_for(picture, name, seconds, beside_));
     move();
   }
   void finish() override {
@@ -168,7 +177,7 @@ private:
   }
 
   fs::path path_;
-  bool depth_;
+  Passes beside_;
   StagedWriter writer_;
 };
 

@@ -18,7 +18,7 @@ struct PictureRequest {
   std::filesystem::path path;
   host::Options options; ///< of the writer; "format" chooses it where the path does not
   bool overwrite = false;
-  bool depth = false; ///< depth pictures beside the colour ones
+  std::vector<std::string> beside; ///< passes that stand beside colour: depth, normal, confidence
   std::vector<std::filesystem::path> inputs;
 };
 

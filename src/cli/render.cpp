@@ -1,10 +1,12 @@
 // kinora render: a clip drawn from any camera, at any of its times.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
@@ -47,20 +49,23 @@ std::pair<int, int> parse_size(const std::string& text) {
   return {width, height};
 }
 
-bool wants_depth(const std::vector<std::string>& passes) {
+/// The passes to write beside colour, each once.
+std::vector<std::string> passes_beside_color(const std::vector<std::string>& passes) {
+  constexpr std::array<std::string_view, 2> kBeside{"depth", "normal"};
+  std::vector<std::string> beside;
   bool rgb = false;
-  bool depth = false;
   for (const std::string& pass : passes) {
     if (pass == "rgb") {
       rgb = true;
-    } else if (pass == "depth") {
-      depth = true;
-    } else {
-      throw Error(ErrorCode::kUsage, fmt::format("there is no pass \"{}\"; this version draws rgb and depth", pass));
+    } else if (std::find(kBeside.begin(), kBeside.end(), pass) == kBeside.end()) {
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("there is no pass \"{}\"; there are rgb, {}", pass, fmt::join(kBeside, ", ")));
+    } else if (std::find(beside.begin(), beside.end(), pass) == beside.end()) {
+      beside.push_back(pass);
     }
   }
   if (!rgb) throw Error(ErrorCode::kUsage, "--passes needs rgb, which the other passes stand beside: rgb,depth");
-  return depth;
+  return beside;
 }
 
 std::vector<player::View> views_of(const Options& options, const player::Player& player, Context& context) {
@@ -93,15 +98,16 @@ std::vector<double> show_times(const std::vector<player::View>& views, const enc
 }
 
 void run(const Options& options, Context& context) {
-  const bool depth = wants_depth(options.passes);
+  const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
                          host::parse_options(options.writer_options),
                          context.shared.overwrite,
-                         depth,
+                         beside,
                          {options.clip, options.cameras}};
   const OutputKind kind = output_kind(options.out, context.plugins());
-  if (depth && kind == OutputKind::kFilm) {
-    throw Error(ErrorCode::kUsage, "a film has no place for depth; render --passes rgb,depth into a folder");
+  if (!beside.empty() && kind == OutputKind::kFilm) {
+    throw Error(ErrorCode::kUsage, fmt::format("a film has no place for {}; render --passes rgb,{} into a folder",
+                                               fmt::join(beside, " and "), fmt::join(beside, ",")));
   }
   const player::Player player(open_clip(options.clip));
   const player::LayerChoice layers =
@@ -117,11 +123,15 @@ void run(const Options& options, Context& context) {
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip());
 
+  const auto has = [&beside](std::string_view pass) {
+    return std::find(beside.begin(), beside.end(), pass) != beside.end();
+  };
+  const fields::DrawOptions draw{options.quality, has("normal")};
   const auto output = PictureOutput::open(request, names, context.plugins());
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
-    output->add(player.draw(views[i].camera, views[i].frame, layers, options.quality), views[i].name, times[i]);
+    output->add(player.draw(views[i].camera, views[i].frame, layers, draw), views[i].name, times[i]);
     context.progress.advance(i + 1, "");
   }
   output->finish();
@@ -161,7 +171,7 @@ void add_render(CLI::App& app, Context& context) {
                                           "  kinora render clip.mkv side.png --orbit 30 --frames 45\n"
                                           "  kinora render clip.mkv film.mp4 --orbit 20 --size 960x720\n"
                                           "  kinora render clip.mkv pictures/ --cameras transforms.json "
-                                          "--layers object --passes rgb,depth",
+                                          "--layers object --passes rgb,depth,normal",
                                           [options, &context] { run(*options, context); });
   command.add_option("CLIP", options->clip, "The clip to draw")->required()->type_name("FILE");
   command.add_option("OUT", options->out, "A .mp4 film, a .png of the first view, or a folder for one .png per view")
@@ -181,7 +191,10 @@ void add_render(CLI::App& app, Context& context) {
   command.add_option("--layers", options->layers, "Only these layers, such as person,object")
       ->delimiter(',')
       ->type_name("NAMES");
-  command.add_option("--passes", options->passes, "What to write: rgb, or rgb,depth (16-bit millimetres, .depth.png)")
+  command
+      .add_option("--passes", options->passes,
+                  "What to write: rgb, and beside it .depth.png (16-bit millimetres), .normal.png (of the camera: "
+                  "x right, y up, z back, as colours)")
       ->delimiter(',')
       ->type_name("NAMES");
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")

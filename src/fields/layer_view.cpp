@@ -96,34 +96,64 @@ LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bin
   return place;
 }
 
+bool LayerView::motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const {
+  constexpr float kSide = BrickHull::kCellSide;
+  const Eigen::Vector3f in_cells = at / kSide;
+  const Eigen::Vector3f low = in_cells.array().floor();
+  const int number = layer_->hull.cell_at(layer_->bricks, static_cast<int>(low.x()), static_cast<int>(low.y()),
+                                          static_cast<int>(low.z()));
+  if (number < 0) return false;
+  const auto& corners = (*cells_)[static_cast<std::size_t>(number)];
+  const Eigen::Vector3f f = in_cells - low;
+  motion = {Eigen::Vector3f::Zero(), Eigen::Matrix3f::Zero()};
+  for (int c = 0; c < 8; ++c) {
+    const Eigen::Vector3f& corner = corners_[corners[static_cast<std::size_t>(c)]];
+    const float wx = (c & 1) ? f.x() : 1 - f.x(), wy = (c & 2) ? f.y() : 1 - f.y(), wz = (c & 4) ? f.z() : 1 - f.z();
+    motion.value += wx * wy * wz * corner;
+    motion.jacobian.col(0) += ((c & 1) ? 1 : -1) * wy * wz * corner;
+    motion.jacobian.col(1) += ((c & 2) ? 1 : -1) * wx * wz * corner;
+    motion.jacobian.col(2) += ((c & 4) ? 1 : -1) * wx * wy * corner;
+  }
+  motion.jacobian /= kSide;
+  return true;
+}
+
 Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const {
   const int iterations = quality_ == DrawQuality::kFull ? 2 : 1;
   constexpr float kSide = BrickHull::kCellSide;
   constexpr float kClose = 0.1F; // of a lattice step: another iteration would find nothing
   for (int k = 0; k < iterations; ++k) {
-    const Eigen::Vector3f in_cells = at / kSide;
-    const Eigen::Vector3f low = in_cells.array().floor();
-    const int number = layer_->hull.cell_at(layer_->bricks, static_cast<int>(low.x()), static_cast<int>(low.y()),
-                                            static_cast<int>(low.z()));
-    if (number < 0) return at;
-    const auto& corners = (*cells_)[static_cast<std::size_t>(number)];
-    const Eigen::Vector3f f = in_cells - low;
-    Eigen::Vector3f value = Eigen::Vector3f::Zero();
-    Eigen::Matrix3f jacobian = Eigen::Matrix3f::Zero();
-    for (int c = 0; c < 8; ++c) {
-      const Eigen::Vector3f& corner = corners_[corners[static_cast<std::size_t>(c)]];
-      const float wx = (c & 1) ? f.x() : 1 - f.x(), wy = (c & 2) ? f.y() : 1 - f.y(), wz = (c & 4) ? f.z() : 1 - f.z();
-      value += wx * wy * wz * corner;
-      jacobian.col(0) += ((c & 1) ? 1 : -1) * wy * wz * corner;
-      jacobian.col(1) += ((c & 2) ? 1 : -1) * wx * wz * corner;
-      jacobian.col(2) += ((c & 4) ? 1 : -1) * wx * wy * corner;
-    }
-    const Eigen::Vector3f step = kSide * (jacobian.inverse() * (point - value));
+    LocalMotion motion;
+    if (!motion_at(at, motion)) return at;
+    const Eigen::Vector3f step = motion.jacobian.inverse() * (point - motion.value);
     if (!(step.squaredNorm() < kSide * kSide)) return at;
     at += step;
     if (step.squaredNorm() < kClose * kClose) break;
   }
   return at;
+}
+
+Eigen::Vector3f LayerView::normal_at(const Eigen::Vector3f& at) const {
+  const float reach = 2 * step_ * static_cast<float>(lattice_per_metre_);
+  Eigen::Vector3f less = Eigen::Vector3f::Zero(); // against the gradient of the logarithm of density
+  for (int i = 0; i < 27; ++i) {
+    const Eigen::Vector3i offset(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const int axes = offset.cwiseAbs().sum();
+    if (axes == 0) continue;
+    const Eigen::Vector3f away = offset.cast<float>();
+    const Eigen::Vector3f place = at + reach * away;
+    less -= layer_->bricks.raw_density({place.x(), place.y(), place.z()}) / static_cast<float>(axes) * away;
+  }
+  LocalMotion motion;
+  if (!deforms()) {
+    less = camera_turn_.transpose() * less;
+  } else if (motion_at(at, motion)) {
+    less = motion.jacobian.inverse().transpose() * less;
+  } else {
+    return Eigen::Vector3f::Zero();
+  }
+  const float norm = less.norm();
+  return norm > 0 && std::isfinite(norm) ? Eigen::Vector3f(less / norm) : Eigen::Vector3f::Zero();
 }
 
 } // namespace kinora::fields

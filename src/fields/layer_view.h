@@ -28,7 +28,6 @@ public:
   LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality);
 
   const DrawableField::Derived& layer() const { return *layer_; }
-  DrawQuality quality() const { return quality_; }
   float step() const { return step_; }                                              ///< metres between samples
   float lattice_step() const { return static_cast<float>(1 / lattice_per_metre_); } ///< metres
   float optical_length() const { return optical_length_; }                          ///< of a step
@@ -46,6 +45,13 @@ public:
   /// camera's frame. Only for layers that deform.
   Eigen::Vector3f refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const;
   bool deforms() const { return cells_ != nullptr; }
+  /// Unit normal, in the camera's frame, of the surface of equal density at a place, out of what is dense; zero where
+  /// none can be told. From 27 places up to two samples' distance away on each axis, as trained density is rough.
+  /// Source: Zucker, Hummel, "A Three-Dimensional Edge Operator", IEEE PAMI 3(3), 1981.
+  Eigen::Vector3f normal_at(const Eigen::Vector3f& at) const;
+  Eigen::Vector3f from_box(const std::array<float, 3>& position) const {
+    return Eigen::Map<const Eigen::Vector3f>(position.data()) * static_cast<float>(layer_->bricks.resolution());
+  }
   /// A place, or a way, relative to the field's box.
   std::array<float, 3> to_box(const Eigen::Vector3f& lattice) const {
     const float scale = 1.0F / static_cast<float>(layer_->bricks.resolution());
@@ -53,6 +59,12 @@ public:
   }
 
 private:
+  /// The layer's motion near a place: interpolated among the corners of its cell.
+  struct LocalMotion {
+    Eigen::Vector3f value;    // camera's frame, metres
+    Eigen::Matrix3f jacobian; // metres per lattice step
+  };
+  bool motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const;
   void look(const SE3& canonical_from_camera, const SE3& camera_from_canonical);
   void look(const PosedHull& hull, const SE3& camera_from_world);
   void stand(const SE3& canonical_from_camera);

@@ -35,28 +35,41 @@ PosedField pose(const DrawableField& field, const tracking::Warp& warp) {
 namespace {
 
 constexpr int kTile = TriangleBins::kTile;
+constexpr int kMostSide = 16384;
+static_assert(kTile % DrawOptions::kMostSamples == 0);
 
 /// Draws tiles; buffers are kept.
 class TileRenderer {
 public:
-  TileRenderer(std::span<const LayerView> views, const TriangleBins& bins, const Intrinsics& intrinsics,
-               Picture& picture)
-      : views_(views), bins_(bins), intrinsics_(intrinsics), picture_(picture), shaders_(views.size()) {}
+  /// `intrinsics`: of the samples, `per_side`² of which make a pixel.
+  TileRenderer(std::span<const LayerView> views, const TriangleBins& bins, const Intrinsics& intrinsics, int per_side,
+               const DrawOptions& options, Picture& picture)
+      : views_(views), bins_(bins), intrinsics_(intrinsics), per_side_(per_side), options_(options), picture_(picture),
+        shaders_(views.size()) {}
 
   void draw(int column, int row) {
     left_ = column * kTile;
     top_ = row * kTile;
     if (!find_surfaces(bins_.of_tile(column, row))) return;
     for (TileShader& shader : shaders_) shader.clear();
+    samples_.assign(rays_.size(), {});
     for (std::uint32_t p = 0; p < rays_.size(); ++p) composite(p);
-    colors_.assign(rays_.size(), {0, 0, 0});
-    most_.assign(rays_.size(), 0.0F);
-    totals_.assign(rays_.size(), 0.0F);
     for (std::size_t l = 0; l < views_.size(); ++l) add_colors(l);
-    for (std::size_t p = 0; p < rays_.size(); ++p) write(p);
+    for (int v = 0; v < kTile; v += per_side_) {
+      for (int u = 0; u < kTile; u += per_side_) write(u, v);
+    }
   }
 
 private:
+  struct Sample {
+    std::array<float, 3> color{}; // sRGB, times opacity
+    float opacity = 0;
+    float most = 0; // of one layer
+    std::uint8_t front = 0;
+    float depth = 0;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  };
+
   int u_of(std::size_t p) const { return left_ + static_cast<int>(p) % kTile; }
   int v_of(std::size_t p) const { return top_ + static_cast<int>(p) / kTile; }
 
@@ -99,16 +112,23 @@ private:
     if (!in_picture(p)) return;
     float transmittance = 1;
     float median_depth = 0;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (const Surface& surface : surfaces_.of(p)) {
       const float weight = transmittance * surface.opacity;
+      const LayerView& view = views_[surface.layer];
       if (weight > kNegligible) {
-        shaders_[surface.layer].add(p, surface, weight, views_[surface.layer].quality());
+        shaders_[surface.layer].add(p, surface, weight, options_.quality);
+        if (options_.normals) normal += weight * view.normal_at(view.from_box(surface.position));
       }
       if (transmittance > 0.5F && transmittance - weight <= 0.5F) median_depth = surface.depth;
       transmittance -= weight;
       if (transmittance <= kOpaque) break;
     }
-    picture_.depth.at(u_of(p), v_of(p)) = median_depth;
+    samples_[p].depth = median_depth;
+    // Towards the camera where none is known.
+    if (options_.normals && median_depth > 0) {
+      samples_[p].normal = (normal.squaredNorm() > 1e-12F ? normal : Eigen::Vector3f(-rays_[p])).normalized();
+    }
   }
 
   void add_colors(std::size_t l) {
@@ -118,20 +138,59 @@ private:
       const std::uint32_t p = shader.pixels()[row];
       const float opacity = shader.opacity(row);
       const std::array<float, 3> color = shader.color(row);
-      for (std::size_t c = 0; c < 3; ++c) colors_[p][c] += opacity * color[c];
-      totals_[p] += opacity;
-      if (opacity > most_[p]) {
-        most_[p] = opacity;
-        picture_.front.at(u_of(p), v_of(p)) = static_cast<std::uint8_t>(l + 1);
+      Sample& sample = samples_[p];
+      for (std::size_t c = 0; c < 3; ++c) sample.color[c] += opacity * color[c];
+      sample.opacity += opacity;
+      if (opacity > sample.most) {
+        sample.most = opacity;
+        sample.front = static_cast<std::uint8_t>(l + 1);
       }
     }
   }
 
-  void write(std::size_t p) {
-    if (totals_[p] <= 0) return;
-    std::uint8_t* pixel = picture_.color.pixel(u_of(p), v_of(p));
-    for (std::size_t c = 0; c < 3; ++c) pixel[c] = to_byte(colors_[p][c] / totals_[p]);
-    pixel[3] = to_byte(totals_[p] > 1 - 2 * kOpaque ? 1.0F : totals_[p]);
+  // One pixel out of the samples from (left, top) in the tile: colours are averaged by their opacity, in sRGB as
+  // pictures are compared; depth is that of the samples in the middle of all from near to far.
+  void write(int left, int top) {
+    order_.clear();
+    std::array<float, 3> color{};
+    float opacity = 0, drawn = 0;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    for (int v = top; v < top + per_side_; ++v) {
+      for (int u = left; u < left + per_side_; ++u) {
+        const int number = v * kTile + u;
+        const Sample& sample = samples_[static_cast<std::size_t>(number)];
+        if (per_side_ > 1) order_.push_back(&sample);
+        for (std::size_t c = 0; c < 3; ++c) color[c] += sample.color[c];
+        opacity += sample.opacity;
+        drawn += sample.opacity > 1 - 2 * kOpaque ? 1.0F : sample.opacity;
+        if (options_.normals) normal += sample.normal;
+      }
+    }
+    if (opacity <= 0) return;
+    const int u = (left_ + left) / per_side_;
+    const int v = (top_ + top) / per_side_;
+    std::uint8_t* pixel = picture_.color.pixel(u, v);
+    for (std::size_t c = 0; c < 3; ++c) pixel[c] = to_byte(color[c] / opacity);
+    pixel[3] = to_byte(drawn / static_cast<float>(per_side_ * per_side_));
+    const Sample& middle = per_side_ > 1 ? middle_sample() : samples_[static_cast<std::size_t>(top * kTile + left)];
+    picture_.depth.at(u, v) = middle.depth;
+    picture_.front.at(u, v) = middle.front;
+    if (options_.normals && middle.depth > 0) {
+      const float length = normal.norm();
+      normal = length > 1e-6F ? Eigen::Vector3f(normal / length) : middle.normal;
+      std::copy_n(normal.data(), 3, picture_.normal.pixel(u, v));
+    }
+  }
+  // Of order_, from near to far.
+  const Sample& middle_sample() {
+    const auto middle = order_.begin() + static_cast<std::ptrdiff_t>(order_.size() / 2);
+    std::nth_element(order_.begin(), middle, order_.end(), is_nearer);
+    return **middle;
+  }
+  // What is not met is farthest; the more opaque is before it.
+  static bool is_nearer(const Sample* a, const Sample* b) {
+    if (a->depth > 0 && b->depth > 0) return a->depth < b->depth;
+    return a->depth > 0 || (!(b->depth > 0) && a->most > b->most);
   }
 
   bool in_picture(std::size_t p) const { return u_of(p) < intrinsics_.width && v_of(p) < intrinsics_.height; }
@@ -142,38 +201,46 @@ private:
   std::span<const LayerView> views_;
   const TriangleBins& bins_;
   const Intrinsics& intrinsics_;
+  int per_side_;
+  const DrawOptions& options_;
   Picture& picture_;
   int left_ = 0, top_ = 0;
   std::vector<Eigen::Vector3f> rays_; // per pixel, (x, y, 1)
   Entries entries_;
   Surfaces surfaces_;
   TileMarcher marcher_;
-  std::vector<TileShader> shaders_;          // per layer
-  std::vector<std::array<float, 3>> colors_; // per pixel, times opacity
-  std::vector<float> totals_, most_;         // per pixel: opacity of all layers, and of the one that has most
+  std::vector<TileShader> shaders_; // per layer
+  std::vector<Sample> samples_;
+  std::vector<const Sample*> order_; // of a pixel
 };
 
 } // namespace
 
-Picture render(std::span<const PosedField> layers, const Camera& camera, DrawQuality quality) {
-  constexpr int kMaxSide = 16384;
+Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options) {
   constexpr std::size_t kMaxLayers = 255;
   const Intrinsics& intrinsics = camera.intrinsics;
-  if (intrinsics.width < 1 || intrinsics.height < 1 || intrinsics.width > kMaxSide || intrinsics.height > kMaxSide) {
+  if (intrinsics.width < 1 || intrinsics.height < 1 || intrinsics.width > kMostSide || intrinsics.height > kMostSide) {
     throw Error(ErrorCode::kUsage, "a picture must have between 1 and 16384 pixels on each side");
   }
   if (layers.size() > kMaxLayers) throw Error(ErrorCode::kUsage, "at most 255 layers can be drawn together");
   std::vector<LayerView> views;
-  TriangleBins bins(intrinsics);
-  for (const PosedField& posed : layers) {
-    views.emplace_back(posed, camera, quality);
-    bins.add(static_cast<std::uint8_t>(views.size() - 1), views.back().corners(), views.back().faces());
+  for (const PosedField& posed : layers) views.emplace_back(posed, camera, options.quality);
+  int per_side = options.samples;
+  if (per_side < 1 || per_side > DrawOptions::kMostSamples || kTile % per_side != 0) {
+    throw Error(ErrorCode::kUsage, "a pixel is drawn with 1, 2, 4 or 8 samples along each side");
+  }
+  while (per_side * std::max(intrinsics.width, intrinsics.height) > kMostSide) per_side /= 2;
+  const Intrinsics fine = intrinsics.resized(per_side * intrinsics.width, per_side * intrinsics.height);
+  TriangleBins bins(fine);
+  for (std::size_t l = 0; l < views.size(); ++l) {
+    bins.add(static_cast<std::uint8_t>(l), views[l].corners(), views[l].faces());
   }
   bins.sort();
   Picture picture{ColorImage(intrinsics.width, intrinsics.height, 4), DepthImage(intrinsics.width, intrinsics.height),
                   LabelImage(intrinsics.width, intrinsics.height)};
+  if (options.normals) picture.normal = Image<float>(intrinsics.width, intrinsics.height, 3);
   parallel_for(static_cast<std::size_t>(bins.rows()), 1, [&](const Chunk& row) {
-    TileRenderer tile(views, bins, intrinsics, picture);
+    TileRenderer tile(views, bins, fine, per_side, options, picture);
     for (int column = 0; column < bins.columns(); ++column) tile.draw(column, static_cast<int>(row.begin));
   });
   return picture;

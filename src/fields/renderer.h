@@ -46,6 +46,9 @@ struct Picture {
   ColorImage color; ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)
   DepthImage depth; ///< metres along the optical axis where alpha > 0.5, else 0
   LabelImage front; ///< 1 + index into `layers` of the one that contributes most at the pixel; 0 = nothing
+  /// 3 channels: unit vector out of what is seen, in the camera's frame (x right, y down, z forward; so z < 0, but for
+  /// rims), where alpha > 0.5, else 0. Empty unless asked for.
+  Image<float> normal = {};
 };
 
 /// What a picture costs and how close it comes to the field.
@@ -54,8 +57,19 @@ enum class DrawQuality {
   kFast  ///< half as many of each
 };
 
+/// What is drawn beside colour and depth costs only those who ask for it.
+struct DrawOptions {
+  DrawQuality quality = DrawQuality::kFull;
+  bool normals = false;
+  static constexpr int kMostSamples = 8;
+  /// Along each side of a pixel: 1, 2, 4 or 8, fewer where the picture would have more than 16384 of them on a side.
+  /// Colours are averaged by their opacity, in sRGB; depth is that of the sample in the middle of all from near to
+  /// far, so that it is never averaged across an edge; `front` is the same sample's.
+  int samples = 1;
+};
+
 /// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread
 /// count. Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
-Picture render(std::span<const PosedField> layers, const Camera& camera, DrawQuality quality = DrawQuality::kFull);
+Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options = {});
 
 } // namespace kinora::fields

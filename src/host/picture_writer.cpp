@@ -43,6 +43,8 @@ void PictureWriter::write(const Picture& picture) {
   given.time = picture.time;
   given.color = view_of(flatten ? flat : picture.color, KINORA_PIXEL_U8);
   if (supports(*format_, KINORA_WRITES_DEPTH)) given.depth = view_of(picture.depth, KINORA_PIXEL_U16);
+  if (supports(*format_, KINORA_WRITES_NORMALS)) given.normal = view_of(picture.normal, KINORA_PIXEL_F32);
+  if (supports(*format_, KINORA_WRITES_CONFIDENCE)) given.confidence = view_of(picture.confidence, KINORA_PIXEL_U8);
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->writer_write(writer_.get(), &given, &message);
   if (status != KINORA_OK) throw error_of(status, message, format_->name);

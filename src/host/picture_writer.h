@@ -12,10 +12,12 @@ namespace kinora::host {
 
 /// One picture to write.
 struct Picture {
-  std::string name;   ///< without extension; may hold '/' for folders
-  double time = 0;    ///< seconds from the start, increasing
-  ColorImage color;   ///< 3 channels sRGB, or 4 with straight alpha
-  DepthImage16 depth; ///< millimetres, 0 = nothing; may be empty
+  std::string name;                    ///< without extension; may hold '/' for folders
+  double time = 0;                     ///< seconds from the start, increasing
+  ColorImage color;                    ///< 3 channels sRGB, or 4 with straight alpha
+  DepthImage16 depth;                  ///< millimetres, 0 = nothing; may be empty
+  Image<float> normal = {};            ///< 3 channels: unit vectors along the camera's axes, 0 = nothing; may be empty
+  Image<std::uint8_t> confidence = {}; ///< may be empty
 };
 
 /// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.
@@ -26,7 +28,8 @@ public:
   PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
 
   const KinoraFormat& format() const { return *format_; }
-  /// Formats without alpha get the colour composited on black. Depth is dropped where the format has no place for it.
+  /// Formats without alpha get the colour composited on black. Depth and what else stands beside colour
+  /// is dropped where the format has no place for it.
   /// Throws Error, normally kUnwritableOutput.
   void write(const Picture& picture);
   /// Completes the output. Nothing may be written afterwards.

@@ -19,12 +19,19 @@ struct Capability {
 };
 
 constexpr Capability kCapabilities[] = {
-    {KINORA_READS_FRAMES, "read-frames"},       {KINORA_SEEKS, "seek"},
-    {KINORA_READS_POSES, "read-poses"},         {KINORA_READS_MASKS, "read-masks"},
-    {KINORA_WRITES_PICTURES, "write-pictures"}, {KINORA_WRITES_FILM, "write-film"},
-    {KINORA_WRITES_ALPHA, "write-alpha"},       {KINORA_WRITES_DEPTH, "write-depth"},
-    {KINORA_WRITES_MESHES, "write-meshes"},     {KINORA_WRITES_SKINS, "write-skins"},
+    {KINORA_READS_FRAMES, "read-frames"},
+    {KINORA_SEEKS, "seek"},
+    {KINORA_READS_POSES, "read-poses"},
+    {KINORA_READS_MASKS, "read-masks"},
+    {KINORA_WRITES_PICTURES, "write-pictures"},
+    {KINORA_WRITES_FILM, "write-film"},
+    {KINORA_WRITES_ALPHA, "write-alpha"},
+    {KINORA_WRITES_DEPTH, "write-depth"},
+    {KINORA_WRITES_MESHES, "write-meshes"},
+    {KINORA_WRITES_SKINS, "write-skins"},
     {KINORA_WRITES_VOLUMES, "write-volumes"},
+    {KINORA_WRITES_NORMALS, "write-normals"},
+    {KINORA_WRITES_CONFIDENCE, "write-confidence"},
 };
 
 /// Every format has the members before this one; see plugin.h.

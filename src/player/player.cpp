@@ -34,6 +34,13 @@ std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
   return 0;
 }
 
+int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
+  constexpr double kCoarser = 1.2; // than the capture's pixels: shows no difference yet
+  int samples = 1;
+  while (samples < fields::DrawOptions::kMostSamples && kCoarser * samples * picture.fx < capture.fx) samples *= 2;
+  return samples;
+}
+
 Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
   for (const encode::Layer& layer : clip_.layers) {
     drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get()));
@@ -85,14 +92,16 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
 }
 
 fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers,
-                             fields::DrawQuality quality) const {
+                             const fields::DrawOptions& options) const {
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
     if (frame < static_cast<double>(first_frames_.at(i))) continue;
     posed.push_back(this->posed(i, frame));
   }
-  return fields::render(posed, camera, quality);
+  fields::DrawOptions wanted = options;
+  wanted.samples = samples_per_side(camera.intrinsics, clip_.intrinsics);
+  return fields::render(posed, camera, wanted);
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {

@@ -21,6 +21,10 @@ using LayerChoice = std::vector<std::size_t>;
 /// The first frame, of `count`, in which a layer with this motion has been seen: until then it is lost.
 std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count);
 
+/// Samples along each side of a pixel (DrawOptions) with which a picture shows no less than the capture's pixels would,
+/// averaged: 1 unless it is smaller than the capture.
+int samples_per_side(const Intrinsics& picture, const Intrinsics& capture);
+
 /// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
 class Player {
 public:
@@ -35,13 +39,14 @@ public:
   std::optional<std::size_t> layer_with_label(int label) const;
 
   /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not
-  /// drawn before its first frame; one that is lost later stays where it was last.
+  /// drawn before its first frame; one that is lost later stays where it was last. Pictures smaller than the capture
+  /// get the samples that they need; `options.samples` is not looked at.
   fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers,
-                       fields::DrawQuality quality = fields::DrawQuality::kFull) const;
+                       const fields::DrawOptions& options = {}) const;
   /// The same at a time in seconds from the start.
   fields::Picture draw_at(const Camera& camera, double seconds, const LayerChoice& layers,
-                          fields::DrawQuality quality = fields::DrawQuality::kFull) const {
-    return draw(camera, clip_.frame_at(seconds), layers, quality);
+                          const fields::DrawOptions& options = {}) const {
+    return draw(camera, clip_.frame_at(seconds), layers, options);
   }
 
   /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.

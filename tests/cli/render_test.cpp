@@ -5,6 +5,7 @@
 #include "core/image_codec.h"
 #include "encode/clip_io.h"
 #include "encode/sample_clip.h"
+#include "fields/painted_field.h"
 
 namespace kinora::test {
 namespace {
@@ -17,6 +18,15 @@ protected:
   Said render(std::vector<std::string> words) const {
     words.insert(words.begin(), {"render", path("clip.mkv")});
     return run_kinora(folder_, words);
+  }
+  // Instead of the clip, one in which the capture camera sees a ball of 0.3 m, 1.2 m before it.
+  void show_ball() const {
+    encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+    clip.layers.resize(1);
+    clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
+    clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
+    fs::remove(path("clip.mkv"));
+    encode::write_clip(clip, path("clip.mkv"));
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   ColorImage picture(const std::string& name) const {
@@ -48,6 +58,24 @@ TEST_F(Render, DepthStandsBesideTheStill) {
   ASSERT_EQ(render({path("o.png"), "--size", "32x24", "--passes", "rgb,depth"}).code, 0);
   const std::string bytes = contents_of(path("o.depth.png"));
   EXPECT_EQ(decode_depth16(std::as_bytes(std::span(bytes)), "o.depth.png").width(), 32);
+}
+
+// As colours: red to the right, green up, blue towards the camera.
+TEST_F(Render, NormalsStandBesideTheStillAsColours) {
+  show_ball();
+  ASSERT_EQ(render({path("o.png"), "--size", "64x48", "--passes", "rgb,normal"}).code, 0);
+  EXPECT_FALSE(fs::exists(path("o.depth.png")));
+  const ColorImage normals = picture("o.normal.png");
+  ASSERT_EQ(normals.width(), 64);
+  int seen = 0;
+  for (std::size_t i = 0; i < normals.pixel_count(); ++i) {
+    const std::uint8_t* n = normals.data() + 3 * i;
+    if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
+    ++seen;
+    EXPECT_NEAR(std::hypot(n[0] - 127.5, n[1] - 127.5, n[2] - 127.5), 127.5, 1.5);
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_GT(normals.at(32, 24, 2), 250);
 }
 
 TEST_F(Render, FolderHoldsAPictureForEachFrame) {
@@ -93,9 +121,10 @@ TEST_F(Render, ExistingPicturesStayUnlessOverwritten) {
 TEST_F(Render, WordsThatMakeNoSenseAreUsageErrors) {
   expect_error(render({path("o.png"), "--size", "big"}), 2, "big");
   expect_error(render({path("o.png"), "--size", "0x5"}), 2, "0x5");
-  expect_error(render({path("o.png"), "--passes", "rgb,normal"}), 2, "normal");
+  expect_error(render({path("o.png"), "--passes", "rgb,heat"}), 2, "heat");
   expect_error(render({path("o.png"), "--passes", "depth"}), 2, "rgb");
   expect_error(render({path("o.mp4"), "--passes", "rgb,depth"}), 2, "film");
+  expect_error(render({path("o.mp4"), "--passes", "rgb,normal"}), 2, "normal");
   expect_error(render({path("o.avi")}), 2, ".avi");
   expect_error(render({path("o.png"), "--frames", "9:12"}), 2, "9:12");
   expect_error(render({path("o.png"), "--orbit", "3", "--capture-view"}), 2, "--help");

@@ -7,31 +7,18 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "core/random.h"
+#include "drawn_scene.h"
 #include "fields/renderer.h"
-#include "painted_field.h"
 
 namespace kinora::fields {
 namespace {
 
+using testing::camera_at;
+using testing::graph_of_box;
+using testing::kBox;
+using testing::kCell;
 using testing::painted_field;
 using testing::PaintedBall;
-
-// Cells of 16 mm. The surface is drawn where its density has taken half of the light: within a cell behind it.
-const FieldBox kBox{Eigen::Vector3d::Constant(-0.5), 1};
-constexpr double kCell = 1.0 / testing::kPaintedCells;
-
-/// Looks at `target` from `position`; 45° to each side.
-Camera camera_at(const Eigen::Vector3d& position, const Eigen::Vector3d& target, int width = 96, int height = 72) {
-  Camera camera;
-  camera.intrinsics = {width, height, width / 2.0, width / 2.0, (width - 1) / 2.0, (height - 1) / 2.0};
-  const Eigen::Vector3d forward = (target - position).normalized();
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(forward).normalized();
-  camera.camera_to_world = SE3::Identity();
-  camera.camera_to_world.linear() << right, forward.cross(right), forward;
-  camera.camera_to_world.translation() = position;
-  return camera;
-}
 
 struct BallError {
   double depth = 0;   ///< metres, mean over pixels that both have
@@ -85,7 +72,7 @@ double psnr(const Picture& a, const Picture& b) {
 Picture draw(const DrawableField& field, const Camera& camera, const SE3& pose = SE3::Identity(),
              DrawQuality quality = DrawQuality::kFull) {
   const PosedField posed{&field, pose};
-  return render({&posed, 1}, camera, quality);
+  return render({&posed, 1}, camera, {quality});
 }
 
 TEST(Drawing, ABallFromAllSides) {
@@ -223,19 +210,6 @@ tracking::Warp twisted(const std::shared_ptr<const tracking::DeformationGraph>& 
     nodes.push_back(DualQuaternion::from(pose * turn));
   }
   return {graph, nodes};
-}
-
-/// Not in rows: where more nodes are equally near than may move a point, none does.
-std::shared_ptr<const tracking::DeformationGraph> graph_of_box() {
-  Random random(11);
-  const auto coordinate = [&random](int number) { return 0.1 * number - 0.5 + 0.05 * random.uniform_double(); };
-  constexpr int kNodes = 11 * 11 * 11;
-  std::vector<Eigen::Vector3d> nodes;
-  nodes.reserve(kNodes);
-  for (int i = 0; i < kNodes; ++i) {
-    nodes.emplace_back(coordinate(i % 11), coordinate(i / 11 % 11), coordinate(i / 121));
-  }
-  return std::make_shared<const tracking::DeformationGraph>(nodes, 0.15, 0.3);
 }
 
 TEST(Drawing, ADeformingLayerThatMovesAsOneIsDrawnAsARigidOne) {

@@ -5,6 +5,7 @@
 #include "fields/analytic_scene.h"
 #include "fields/renderer.h"
 #include "fields/trainer.h"
+#include "normal_error.h"
 
 namespace kinora::fields {
 namespace {
@@ -25,10 +26,15 @@ TEST(Training, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
   const Picture picture = render(layers, held_out.camera);
   EXPECT_GT(compare_images(picture.color, held_out.color).psnr_full, 24);
 
-  const Picture ball = render(std::span(layers).subspan(1), held_out.camera);
+  const Picture ball = render(std::span(layers).subspan(1), held_out.camera, {.normals = true});
   const ImageMetrics alone = compare_images(ball.color, held_out.color, held_out.labels);
   EXPECT_GT(alone.psnr_inside, 24);
   EXPECT_GT(alone.iou, 0.93);
+  const auto normal_of = [&](const Eigen::Vector3d& point) {
+    return Eigen::Vector3d((point - scene.centre).normalized());
+  };
+  const testing::NormalError normals = testing::normal_error(ball, held_out.camera, normal_of);
+  EXPECT_LT(normals.mean, 10);
 
   std::vector<float> errors;
   std::size_t right_layer = 0;

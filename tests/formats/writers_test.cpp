@@ -63,6 +63,23 @@ TEST_F(PngWriterTest, FolderHoldsOnePictureAndItsDepthPerName) {
   EXPECT_FALSE(fs::exists(folder_.path() / "out/a/b/c.d.depth.png"));
 }
 
+// Red to the right, green up, blue towards the camera; where there is no normal, black.
+TEST_F(PngWriterTest, NormalsAndConfidenceStandBesideTheColour) {
+  Picture given = picture(0, 4, 4, 1);
+  given.normal = Image<float>(4, 1, 3);
+  const float normals[] = {0, 0, -1, 1, 0, 0, 0, -1, 0, 0, 0, 0};
+  std::copy(std::begin(normals), std::end(normals), given.normal.data());
+  given.confidence = Image<std::uint8_t>(4, 1, 1, 77);
+  PictureWriter writer = open("png", "still.png");
+  writer.write(given);
+  writer.finish();
+  ColorImage colors(4, 1, 3);
+  const std::uint8_t expected[] = {128, 128, 255, 255, 128, 128, 128, 255, 128, 0, 0, 0};
+  std::copy(std::begin(expected), std::end(expected), colors.data());
+  EXPECT_EQ(read_bytes(folder_.path() / "still.normal.png"), encode_png(colors));
+  EXPECT_EQ(read_bytes(folder_.path() / "still.confidence.png"), encode_png(given.confidence));
+}
+
 TEST_F(PngWriterTest, SingleFileIsWrittenToExactlyThePathGiven) {
   for (const char* name : {"still.png", "still.png.part"}) {
     PictureWriter writer = open("png", name);

@@ -76,6 +76,15 @@ TEST(PlayerCentre, OfAnEmptyLayerIsNothing) {
   EXPECT_FALSE(Player(std::move(clip)).centre_of(0, 0).has_value());
 }
 
+TEST(PlayerSize, PicturesSmallerThanTheCaptureGetMoreSamples) {
+  const Intrinsics capture{640, 480, 500, 500, 319.5, 239.5};
+  EXPECT_EQ(samples_per_side(capture.resized(1280, 960), capture), 1);
+  EXPECT_EQ(samples_per_side(capture, capture), 1);
+  EXPECT_EQ(samples_per_side(capture.resized(320, 240), capture), 2);
+  EXPECT_EQ(samples_per_side(capture.resized(160, 120), capture), 4);
+  EXPECT_EQ(samples_per_side(capture.resized(8, 6), capture), 8);
+}
+
 TEST(PlayerTime, DrawingAtATimeIsDrawingAtItsFrame) {
   const Player player(encode::testing::sample_clip(5, 4, true));
   Camera camera = player.clip().capture_camera(2);
