@@ -1,7 +1,7 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [rays_per_step=4096] [surface_samples=5] [free_samples=4]
-//                [levels=0] [log2_table_size=0] [target=avx2]
+//                [levels=0] [log2_table_size=0] [largest_log2_table_size=17] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
 // (bench/instruction_set.h) instead of the best that there are. noise: standard deviation of depth, of the scene's
 // size. 0 levels or table size: as the encoder chooses.
@@ -20,6 +20,7 @@
 #include "fields/kernels.h"
 #include "fields/renderer.h"
 #include "fields/trainer.h"
+#include "fields/view_agreement.h"
 #include "instruction_set.h"
 
 namespace {
@@ -49,8 +50,10 @@ void train_and_judge(const Setting& setting) {
   fields::TrainerConfig trainer;
   trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
   trainer.rays_per_step = whole("rays_per_step");
+  trainer.largest_log2_table_size = whole("largest_log2_table_size");
   trainer.sampling.surface_samples = whole("surface_samples");
   trainer.sampling.free_samples = whole("free_samples");
+  trainer.loss = fields::weights_for(fields::agreement_of_views(store, 1, motion));
   Progress progress;
   fields::TrainingReport report;
   const std::clock_t cpu_begin = std::clock();
@@ -71,6 +74,12 @@ void train_and_judge(const Setting& setting) {
   std::printf("%.2f,%.2f,%.3f,%.2f,%.2f,%.1f\n", report.seconds, cpu_seconds,
               rays / report.seconds / whole("threads") / 1e6, static_cast<double>(report.samples) / rays,
               psnr / bench::AnalyticScene::kHeldOutViews, 1000 * drawing / bench::AnalyticScene::kHeldOutViews);
+  for (const fields::GrowthTrial& trial : report.growth) {
+    std::printf("# after %zu rays: tables of 2^%d full to %.2f; colour error held apart %.5f, with twice the entries "
+                "%.5f: %s; %zu rays\n",
+                trial.begin, trial.log2_table_size, trial.table_fill, trial.error, trial.grown_error,
+                trial.kept ? "kept" : "not kept", trial.price);
+  }
   std::fflush(stdout);
 }
 
@@ -97,8 +106,9 @@ bool set_knob(const std::string& argument, Knobs& knobs) {
 } // namespace
 
 int main(int argc, char** argv) {
-  Knobs knobs{{"threads", {1}},         {"million_rays", {2}}, {"noise", {0, 0.005}}, {"rays_per_step", {4096}},
-              {"surface_samples", {5}}, {"free_samples", {4}}, {"levels", {0}},       {"log2_table_size", {0}}};
+  Knobs knobs{{"threads", {1}},          {"million_rays", {2}},    {"noise", {0, 0.005}},
+              {"rays_per_step", {4096}}, {"surface_samples", {5}}, {"free_samples", {4}},
+              {"levels", {0}},           {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
   try {
     for (int i = 1; i < argc; ++i) {
       if (set_knob(argv[i], knobs)) continue;

@@ -7,9 +7,11 @@
 
 #include "core/error.h"
 #include "encode/scene_tracker.h"
+#include "encode/size_report.h"
 #include "encode/stage_times.h"
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
+#include "fields/view_agreement.h"
 #include "ingest/exposure.h"
 #include "ingest/registration_json.h"
 
@@ -149,6 +151,7 @@ Json config_json(const fields::TrainerConfig& config) {
           {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
           {"final_learning_rate", config.final_learning_rate},
           {"negligible_gradient", config.negligible_gradient},
+          {"largest_log2_table_size", config.largest_log2_table_size},
           {"loss_weights",
            {{"color", config.loss.color},
             {"opacity", config.loss.opacity},
@@ -202,10 +205,13 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   const TrackedLabel& tracked = *job.label;
   const int label = tracked.plan.label;
   Layer layer{unique_name(tracked.plan.name, pass.clip), label, {}, pass.scene.motion_of(tracked)};
-  const fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion);
+  fields::FieldNeed need;
+  const fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion, &need);
   fields::TrainerConfig trainer;
   trainer.seed = options.seed;
   trainer.rays = job.rays;
+  const fields::ViewAgreement agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
+  trainer.loss = fields::weights_for(agreement);
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
@@ -213,15 +219,17 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   });
   const std::string why = reason_of(tracked, layer.motion);
   pass.clip.metadata["layers"][layer.name] = {
-      {"label", label}, {"why", why}, {"field", config_json(config)}, {"trainer", config_json(trainer)}};
+      {"label", label}, {"why", why}, {"field", config_json(layer.field.config)}, {"trainer", config_json(trainer)}};
   report["layers"].push_back({{"name", layer.name},
                               {"label", label},
                               {"why", why},
                               {"pixels_seen", tracked.pixels},
+                              {"views", {{"looks", agreement.looks}, {"seen_through", round4(agreement.seen_through)}}},
                               {"parameters", layer.field.parameter_count()},
                               {"occupied_cells", layer.field.occupancy.count()},
                               {"motion", motion_json(tracked, layer.motion)},
-                              {"field", config_json(config)},
+                              {"field", config_json(layer.field.config)},
+                              {"size", size_json(need, config, layer.field, training)},
                               {"training",
                                {{"rays", training.rays},
                                 {"samples", training.samples},

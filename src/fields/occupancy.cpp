@@ -171,26 +171,44 @@ bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& positio
   return occupancy.at(cell[0], cell[1], cell[2]);
 }
 
+Occupancy coarsened(const Occupancy& occupancy, int factor) {
+  Occupancy coarse(occupancy.resolution() / factor);
+  const auto r = static_cast<std::size_t>(occupancy.resolution());
+  const auto block = static_cast<std::size_t>(factor);
+  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
+    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
+      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      coarse.set(static_cast<int>(cell % r / block), static_cast<int>(cell / r % r / block),
+                 static_cast<int>(cell / (r * r) / block));
+    }
+  }
+  return coarse;
+}
+
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval) {
-  const int resolution = occupancy.resolution();
-  const float cells = static_cast<float>(resolution);
+  const auto r = static_cast<std::size_t>(occupancy.resolution());
+  const auto cells = static_cast<float>(r);
+  std::array<float, 3> origin{};    // cells
+  std::array<float, 3> direction{}; // cells per metre of depth
   float fastest = 0;
-  for (const float d : ray.direction) fastest = std::max(fastest, std::abs(d));
-  const float step = 0.5F / std::max(fastest * cells, 1e-12F);
+  for (std::size_t a = 0; a < 3; ++a) {
+    origin[a] = ray.origin[a] * cells;
+    direction[a] = ray.direction[a] * cells;
+    fastest = std::max(fastest, std::abs(direction[a]));
+  }
+  const float step = 0.5F / std::max(fastest, 1e-12F);
   const int steps = static_cast<int>(std::min((interval.end - interval.begin) / step, 4.0F * cells)) + 1;
+  std::size_t last = r * r * r; // two steps often end in one cell
   for (int i = 0; i <= steps; ++i) {
     const float depth = std::min(interval.begin + step * static_cast<float>(i), interval.end);
-    std::array<int, 3> cell{};
-    bool inside = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const float coordinate = ray.origin[a] + depth * ray.direction[a];
-      inside = inside && coordinate >= 0 && coordinate < 1;
-      cell[a] = cell_of(coordinate * cells, resolution);
-    }
-    if (!inside) continue;
-    const std::size_t r = static_cast<std::size_t>(resolution);
-    const std::size_t bit = (static_cast<std::size_t>(cell[2]) * r + static_cast<std::size_t>(cell[1])) * r +
-                            static_cast<std::size_t>(cell[0]);
+    const float x = origin[0] + depth * direction[0];
+    const float y = origin[1] + depth * direction[1];
+    const float z = origin[2] + depth * direction[2];
+    if (!(x >= 0 && y >= 0 && z >= 0 && x < cells && y < cells && z < cells)) continue;
+    const std::size_t bit =
+        (static_cast<std::size_t>(z) * r + static_cast<std::size_t>(y)) * r + static_cast<std::size_t>(x);
+    if (bit == last) continue;
+    last = bit;
     const std::uint64_t mask = std::uint64_t{1} << (bit & 63);
     std::atomic_ref<std::uint64_t> word(occupancy.words()[bit >> 6]);
     if ((word.load(std::memory_order_relaxed) & mask) == 0) word.fetch_or(mask, std::memory_order_relaxed);

@@ -7,6 +7,7 @@
 #include "fields/compositing.h"
 #include "fields/field_batch.h"
 #include "fields/flush_to_zero.h"
+#include "fields/growth.h"
 
 namespace kinora::fields {
 namespace {
@@ -274,7 +275,28 @@ void FieldOptimizer::Implementation::merge(std::size_t chunks, StepResult& resul
 
 FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights, float negligible)
     : implementation_(std::make_unique<Implementation>(field, weights, negligible)) {}
+FieldOptimizer::FieldOptimizer(Field& field, const FieldOptimizer& before) {
+  const Implementation& old = *before.implementation_;
+  implementation_ = std::make_unique<Implementation>(field, old.weights, old.negligible);
+  Implementation& s = *implementation_;
+  s.table.first = with_doubled_rows(old.field.config, old.table.first);
+  s.table.second = with_doubled_rows(old.field.config, old.table.second);
+  s.density_net = old.density_net;
+  s.color_net = old.color_net;
+  s.steps = old.steps;
+}
 FieldOptimizer::~FieldOptimizer() = default;
+
+double FieldOptimizer::table_fill() const {
+  const GridLevel& finest = implementation_->levels.back();
+  const float* moments = implementation_->table.second.data() + static_cast<std::size_t>(finest.offset) * kF;
+  std::size_t reached = 0;
+  for (std::size_t e = 0; e < finest.size; ++e) {
+    const float* row = moments + e * kF;
+    reached += std::any_of(row, row + kF, [](float moment) { return moment > 0; }) ? 1 : 0;
+  }
+  return static_cast<double>(reached) / finest.size;
+}
 
 void FieldOptimizer::draw(const StepRays& rays) {
   implementation_->prepare(rays);

@@ -38,6 +38,8 @@ public:
   /// Samples whose gradients are all below `negligible` shares of a ray's weight in the mean are left out of the
   /// backward pass: those that light does not reach, and empty ones. 0: none are.
   FieldOptimizer(Field& field, const LossWeights& weights, float negligible = 0);
+  /// Goes on where `before` is, with its field's tables doubled in `field`; has no rays.
+  FieldOptimizer(Field& field, const FieldOptimizer& before);
   ~FieldOptimizer();
 
   /// Draws the rays of the next step.
@@ -47,10 +49,14 @@ public:
   StepResult step(const LearningRates& rates, const StepRays& next);
 
   /// The loss of a step and its gradient, without changing the field: what tests compare with the reference.
+  /// Rays that were drawn for the next step are lost.
   struct Gradient {
     std::vector<float> table, density_net, color_net;
   };
   StepResult gradient(const StepRays& rays, Gradient& gradient);
+
+  /// Share of the finest level's entries that a gradient has reached: where all were, many vertices share each.
+  double table_fill() const;
 
 private:
   struct Implementation;

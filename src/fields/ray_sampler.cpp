@@ -9,6 +9,26 @@
 #include "fields/surface_band.h"
 
 namespace kinora::fields {
+namespace {
+
+// Takes every so many-th of a list, at most about four thousand, and leaves the others in order.
+template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
+  constexpr std::size_t kMost = 4096;
+  constexpr std::size_t kLeastStride = 32;
+  const std::size_t stride = std::max(kLeastStride, rays.size() / kMost);
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (i % stride == stride - 1) {
+      take(rays[i]);
+    } else {
+      rays[left++] = rays[i];
+    }
+  }
+  rays.resize(left);
+}
+
+} // namespace
+
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                        const SamplingConfig& sampling)
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling),
@@ -16,6 +36,7 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
   if (motion.kind() == tracking::MotionKind::kDeforming) {
     warped_own_ = warp_measured_pixels(pixels, label, motion, config);
     order_by_place(warped_own_, [&](const WarpedPixel& own) { return place_of(own.ray, own.pixel); });
+    take_some(warped_own_, [&](const WarpedPixel& own) { held_apart_.push_back(own); });
     return;
   }
   for (const StoredFrame& stored : pixels.frames()) frames_.push_back(frame_rays(stored));
@@ -28,6 +49,7 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     }
   }
   order_by_place(own_, [&](const PixelRef& ref) { return place_of(ray_of(ref), ref.pixel); });
+  take_some(own_, [&](const PixelRef& ref) { held_apart_.push_back(whole_ray(ref)); });
 }
 
 // Nothing is known of where the layer was then.
@@ -89,6 +111,7 @@ Occupancy RaySampler::seed_occupancy() const {
 
 void RaySampler::set_occupancy(const Occupancy& occupancy) {
   occupancy_ = occupancy;
+  coarse_occupancy_ = coarsened(occupancy, kCoarse);
   if (motion_.kind() == tracking::MotionKind::kDeforming) {
     warped_space_ = warp_occupied_space(pixels_, label_, motion_, config_, occupancy, sampling_.near_depth);
   } else {
@@ -193,10 +216,14 @@ RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_st
   return {point_at(ray, depth), depth, depth_step * ray.metres_per_depth * per_density_length_};
 }
 
+// Most of what is asked for is empty, which the coarse cells tell from the nearest cache.
 bool RaySampler::is_occupied_in_box(const std::array<float, 3>& position) const {
   const int last = occupancy_.resolution() - 1;
   const auto cell = [&](float x) { return std::clamp(static_cast<int>(x * static_cast<float>(last + 1)), 0, last); };
-  return occupancy_.at(cell(position[0]), cell(position[1]), cell(position[2]));
+  const int x = cell(position[0]);
+  const int y = cell(position[1]);
+  const int z = cell(position[2]);
+  return coarse_occupancy_.at(x / kCoarse, y / kCoarse, z / kCoarse) && occupancy_.at(x, y, z);
 }
 
 // One sample in each of `count` equal parts of what lies in the box; those in empty space are left out. Occupied space
@@ -260,13 +287,16 @@ void RaySampler::append_other(const WarpedPixel& chosen, Random& random, RayBatc
   batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
 }
 
+WarpedPixel RaySampler::whole_ray(const PixelRef& ref) const {
+  return {ref.pixel, ray_of(ref), {sampling_.near_depth, kFarthest}, {}};
+}
+
 WarpedPixel RaySampler::ray_at(bool own, std::size_t index) const {
   if (motion_.kind() == tracking::MotionKind::kDeforming) {
     if (!own) return warped_space_.before[index];
     return index < warped_own_.size() ? warped_own_[index] : warped_space_.unmeasured[index - warped_own_.size()];
   }
-  if (own && index < own_.size())
-    return {own_[index].pixel, ray_of(own_[index]), {sampling_.near_depth, kFarthest}, {}};
+  if (own && index < own_.size()) return whole_ray(own_[index]);
   const PixelPiece& piece = own ? unmeasured_[index - own_.size()] : others_[index];
   return {piece.ref.pixel, ray_of(piece.ref), piece.piece, {}};
 }
@@ -285,6 +315,11 @@ std::uint32_t RaySampler::pixel_at(bool own, std::size_t index) const {
   if (motion_.kind() == tracking::MotionKind::kDeforming) return ray_at(own, index).pixel;
   if (own && index < own_.size()) return own_[index].pixel;
   return (own ? unmeasured_[index - own_.size()] : others_[index]).ref.pixel;
+}
+
+void RaySampler::judge(std::size_t begin, std::size_t end, RayBatch& batch) const {
+  Random random(0x7E57, begin);
+  for (std::size_t i = begin; i < end; ++i) append_own(held_apart_[i], random, batch);
 }
 
 void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, RayBatch& batch) const {

@@ -47,6 +47,11 @@ public:
   /// neighbouring parts.
   void draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, RayBatch& batch) const;
 
+  /// Own rays that are never drawn, spread over the whole surface: what training is judged by.
+  std::size_t held_apart_count() const { return held_apart_.size(); }
+  /// Appends those of [begin, end), with the same samples each time.
+  void judge(std::size_t begin, std::size_t end, RayBatch& batch) const;
+
 private:
   struct FrameRays { // camera to box-relative coordinates
     std::array<float, 3> origin;
@@ -63,11 +68,13 @@ private:
   };
 
   static constexpr int kBlockSide = 8; // pixels that are asked together whether they see anything
+  static constexpr int kCoarse = 4;    // cells of occupancy along a side of a coarse one
 
   bool is_lost(const StoredFrame& frame) const;
   FrameRays frame_rays(const StoredFrame& frame) const;
   FieldRay ray_of(const PixelRef& ref) const;
   std::array<float, 3> place_of(const FieldRay& ray, std::uint32_t pixel) const;
+  WarpedPixel whole_ray(const PixelRef& ref) const;
   WarpedPixel ray_at(bool own, std::size_t index) const;
   const void* ray_memory(bool own, std::size_t index) const;
   std::uint32_t pixel_at(bool own, std::size_t index) const;
@@ -95,7 +102,9 @@ private:
   // Of a layer that deforms: rays are warped once and kept.
   LargeBuffer<WarpedPixel> warped_own_;
   WarpedSpace warped_space_;
+  std::vector<WarpedPixel> held_apart_;
   Occupancy occupancy_;
+  Occupancy coarse_occupancy_;
 };
 
 } // namespace kinora::fields

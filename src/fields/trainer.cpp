@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "fields/field_batch.h"
+#include "fields/growth.h"
 
 namespace kinora::fields {
 namespace {
@@ -106,64 +108,182 @@ void prune(Field& field) {
   });
 }
 
+std::size_t bytes_of(const Field& field) { return 4 * sizeof(float) * field.parameter_count(); }
+
+/// A field on its way: how far its training has come, and how it goes on.
+class Run {
+public:
+  Run(const RaySampler& sampler, const TrainerConfig& trainer, Field field)
+      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))) {
+    start();
+  }
+
+  /// The same with twice the entries in the tables.
+  Run grown() const {
+    Run larger(*this, std::make_unique<Field>(with_doubled_tables(*field_)));
+    larger.draw();
+    return larger;
+  }
+
+  std::size_t rays() const { return rays_; }
+  const Field& field() const { return *field_; }
+  double table_fill() const { return optimizer_->table_fill(); }
+
+  /// `cooling`: progress of a training within this one, which ends with small steps, too.
+  StepResult step(Progress& progress, TrainingReport& report, double cooling = 0) {
+    const double share = share_done();
+    rays_ += chunks_of_step(*trainer_, share) * TrainerConfig::kRaysPerChunk;
+    ++steps_;
+    const StepResult taken =
+        optimizer_->step(scheduled(*trainer_, std::max(share, cooling), restart_factor_), next_rays());
+    report.samples += taken.samples;
+    report.rays += taken.rays;
+    ++report.steps;
+    report.final_loss = taken.loss;
+    if (pulse_.is_dead(taken) && restarts_ < kMaxRestarts) {
+      progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", steps_));
+      restart_factor_ *= kRestartFactor;
+      report.restarts = ++restarts_;
+      start();
+    }
+    return taken;
+  }
+
+  /// Mean of ‖C − C*‖² over the rays held apart.
+  double judged_error() {
+    constexpr std::size_t kRays = TrainerConfig::kRaysPerChunk;
+    const std::size_t count = sampler_->held_apart_count();
+    FieldOptimizer::Gradient unused;
+    const StepResult result =
+        optimizer_->gradient({chunk_count(count, kRays),
+                              [&](std::size_t chunk, RayBatch& batch) {
+                                sampler_->judge(chunk * kRays, std::min((chunk + 1) * kRays, count), batch);
+                              }},
+                             unused);
+    draw();
+    return result.color_error;
+  }
+
+  Field take_field() { return std::move(*field_); }
+
+private:
+  static constexpr float kRestartFactor = 0.3F;
+  static constexpr std::size_t kMaxRestarts = 3;
+
+  Run(const Run& before, std::unique_ptr<Field> field)
+      : sampler_(before.sampler_), trainer_(before.trainer_), field_(std::move(field)),
+        optimizer_(std::make_unique<FieldOptimizer>(*field_, *before.optimizer_)), rays_(before.rays_),
+        steps_(before.steps_), restarts_(before.restarts_), restart_factor_(before.restart_factor_),
+        pulse_(before.pulse_) {}
+
+  void start() {
+    rays_ = steps_ = 0;
+    pulse_ = {};
+    initialise(*field_, trainer_->seed + restarts_);
+    optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->negligible_gradient);
+    draw();
+  }
+
+  void draw() { optimizer_->draw(next_rays()); }
+  double share_done() const {
+    return static_cast<double>(rays_) / static_cast<double>(std::max<std::size_t>(trainer_->rays, 1));
+  }
+  StepRays next_rays() const {
+    const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
+    return {chunks, [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
+              Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
+              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
+            }};
+  }
+
+  const RaySampler* sampler_;
+  const TrainerConfig* trainer_;
+  std::unique_ptr<Field> field_; // its optimizer knows its address
+  std::unique_ptr<FieldOptimizer> optimizer_;
+  std::size_t rays_ = 0; // since the last start
+  std::size_t steps_ = 0;
+  std::size_t restarts_ = 0;
+  float restart_factor_ = 1;
+  Pulse pulse_;
+};
+
+// Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
+// that are full, and an error that can be seen.
+bool may_grow(Run& run, const RaySampler& sampler, const TrainerConfig& trainer) {
+  constexpr std::size_t kRaysPerEntry = 192; // shorter trainings end before larger tables pay (docs/fields.md)
+  constexpr std::size_t kFewestJudges = 256;
+  constexpr double kFull = 0.5;
+  constexpr double kSeen = 3e-4; // 40 dB
+  return trainer.rays >> run.field().config.log2_table_size >= kRaysPerEntry &&
+         sampler.held_apart_count() >= kFewestJudges && can_double_tables(run.field().config) &&
+         run.field().config.log2_table_size < trainer.largest_log2_table_size && run.table_fill() > kFull &&
+         run.judged_error() > kSeen;
+}
+
+// Trains on until so many rays are done, with steps that fall as those of a whole training do, or until learning stops:
+// large steps hide what tables hold. Returns the error over the rays held apart.
+double error_after(std::size_t end, Run& run, Progress& progress, TrainingReport& report) {
+  const std::size_t begin = run.rays();
+  const std::size_t restarts = report.restarts;
+  while (run.rays() < end && report.restarts == restarts) {
+    progress.check();
+    run.step(progress, report, static_cast<double>(run.rays() - begin) / static_cast<double>(end - begin));
+  }
+  return run.judged_error();
+}
+
+// Returns whether larger tables paid; the run goes on with them then.
+bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, TrainingReport& report) {
+  constexpr double kPays = 0.96; // of the error; less is not worth the memory (docs/fields.md)
+  constexpr std::size_t kMostRays = 500'000;
+  GrowthTrial trial;
+  trial.begin = run.rays();
+  trial.table_fill = run.table_fill();
+  trial.log2_table_size = run.field().config.log2_table_size;
+  trial.bytes = bytes_of(run.field());
+  Run larger = run.grown();
+  trial.grown_bytes = bytes_of(larger.field());
+  const std::size_t end = run.rays() + std::min(trainer.rays / 8, kMostRays);
+  TrainingReport aside;
+  trial.error = error_after(end, run, progress, report);
+  trial.grown_error = error_after(end, larger, progress, aside);
+  trial.price = larger.rays() - trial.begin;
+  trial.kept = aside.restarts == 0 && trial.grown_error < kPays * trial.error;
+  if (trial.kept) run = std::move(larger);
+  report.growth.push_back(trial);
+  return trial.kept;
+}
+
 } // namespace
 
 Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                   const TrainerConfig& trainer, Progress& progress, TrainingReport* report) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
-  constexpr float kRestartFactor = 0.3F;
-  constexpr std::size_t kMaxRestarts = 3;
   RaySampler sampler(pixels, label, motion, config, trainer.sampling);
-  Field field(config);
-  field.occupancy = sampler.seed_occupancy();
-  sampler.set_occupancy(field.occupancy);
+  Field untrained(config);
+  untrained.occupancy = sampler.seed_occupancy();
+  sampler.set_occupancy(untrained.occupancy);
   if (sampler.own_ray_count() == 0) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }
-
   TrainingReport result;
-  float restart_factor = 1;
-  initialise(field, trainer.seed);
-  auto optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
-  const std::size_t wanted = std::max<std::size_t>(trainer.rays, 1);
-  const auto share_of = [wanted](std::size_t done) { return static_cast<double>(done) / static_cast<double>(wanted); };
-  const auto rays_of = [&](std::size_t step, std::size_t done) {
-    const std::size_t chunks = done < wanted ? chunks_of_step(trainer, share_of(done)) : 0;
-    return StepRays{chunks, [&sampler, &trainer, step, chunks](std::size_t chunk, RayBatch& batch) {
-                      Random random(mix64(trainer.seed + 0x7241) + step, chunk);
-                      sampler.draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
-                    }};
-  };
-  std::size_t done = 0; // rays since the last start
-  std::size_t step = 0;
-  Pulse pulse;
-  optimizer->draw(rays_of(step, done));
-  while (done < wanted) {
+  Run run(sampler, trainer, std::move(untrained));
+  bool growing = true;
+  std::size_t next_trial = trainer.rays / 4;
+  for (std::size_t step = 1; run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
     progress.check();
-    const LearningRates rates = scheduled(trainer, share_of(done), restart_factor);
-    done += chunks_of_step(trainer, share_of(done)) * TrainerConfig::kRaysPerChunk;
-    ++step;
-    const StepResult taken = optimizer->step(rates, rays_of(step, done));
-    result.samples += taken.samples;
-    result.rays += taken.rays;
-    ++result.steps;
-    result.final_loss = taken.loss;
-    if (pulse.is_dead(taken) && result.restarts < kMaxRestarts) {
-      progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", step));
-      ++result.restarts;
-      restart_factor *= kRestartFactor;
-      initialise(field, trainer.seed + result.restarts);
-      optimizer = std::make_unique<FieldOptimizer>(field, trainer.loss, trainer.negligible_gradient);
-      done = 0;
-      step = 0;
-      pulse = {};
-      optimizer->draw(rays_of(step, done));
+    if (growing && run.rays() >= next_trial) {
+      growing = may_grow(run, sampler, trainer) && try_growth(run, trainer, progress, result);
+      next_trial += trainer.rays / 8;
     }
-    if (step % 64 == 0 || done >= wanted) progress.advance(done, fmt::format("loss {:.4f}", taken.loss));
+    const StepResult taken = run.step(progress, result);
+    if (step % 64 == 0) progress.advance(run.rays(), fmt::format("loss {:.4f}", taken.loss));
   }
+  progress.advance(run.rays(), fmt::format("loss {:.4f}", result.final_loss));
+  Field field = run.take_field();
   prune(field);
-  result.bytes = 4 * sizeof(float) * field.parameter_count();
+  result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;
   return field;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/progress.h"
 #include "fields/field.h"
@@ -23,14 +24,37 @@ struct TrainerConfig {
   LossWeights loss;
   SamplingConfig sampling;
   float negligible_gradient = 1e-4F; ///< FieldOptimizer
+  int largest_log2_table_size = 17;  ///< up to which tables may grow (GrowthTrial)
 
   static constexpr int kRaysPerChunk = 128;
+};
+
+/// What a field's size is chosen from.
+struct FieldNeed {
+  std::size_t points = 0;   ///< measured points of the layer that were looked at
+  double footprint = 0;     ///< metres of a pixel at the surface, for the nearest quarter of them
+  double surface_cells = 0; ///< cells of the finest level that the surface passes through
 };
 
 /// Chooses box, resolution and table size from the layer's observed surface: the measured pixels of `label` carried
 /// into canonical space, and the finest pixel footprint among them. `label` 0 takes all pixels when nothing is
 /// labelled. Throws Error(kFailure) if the layer has no measured pixel.
-FieldConfig choose_field_config(const PixelStore& pixels, int label, const tracking::Motion& motion);
+FieldConfig choose_field_config(const PixelStore& pixels, int label, const tracking::Motion& motion,
+                                FieldNeed* need = nullptr);
+
+/// After a part of the training it goes on twice over the same rays: with the tables as they are, and with twice the
+/// entries. What draws rays held apart better by enough is kept.
+struct GrowthTrial {
+  std::size_t begin = 0;       ///< rays that had been trained
+  std::size_t price = 0;       ///< rays that taught what was thrown away
+  double table_fill = 0;       ///< FieldOptimizer::table_fill before
+  int log2_table_size = 0;     ///< before
+  std::size_t bytes = 0;       ///< as TrainingReport::bytes, before
+  std::size_t grown_bytes = 0; ///< and with twice the entries
+  double error = 0;            ///< mean of ‖C − C*‖² over the rays held apart, with tables as they are
+  double grown_error = 0;      ///< and with twice the entries
+  bool kept = false;           ///< whether the tables grew
+};
 
 struct TrainingReport {
   std::size_t rays = 0;
@@ -40,10 +64,11 @@ struct TrainingReport {
   double seconds = 0;    ///< for people; no decision depends on it
   double final_loss = 0;
   std::size_t restarts = 0; ///< times a dead or diverged field was begun anew
+  std::vector<GrowthTrial> growth;
 };
 
-/// Returns the trained field with its occupancy. Same input, same bits, for any number of threads.
-/// Throws Error(kInterrupted) when cancelled.
+/// Returns the trained field with its occupancy; its tables may have grown (GrowthTrial). Same input, same bits, for
+/// any number of threads. Throws Error(kInterrupted) when cancelled.
 Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                   const TrainerConfig& trainer, Progress& progress, TrainingReport* report = nullptr);
 

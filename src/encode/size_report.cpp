@@ -1,0 +1,63 @@
+#include "encode/size_report.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "encode/touched_entries.h"
+
+namespace kinora::encode {
+namespace {
+
+using Json = nlohmann::json;
+
+// Of a mean of ‖C − C*‖², to hundredths of a decibel.
+double psnr(double error) { return std::round(-1000 * std::log10(std::max(error, 1e-12) / 3)) / 100; }
+
+Json levels_json(const fields::Field& field) {
+  const auto touched = touched_entries(field.config, field.occupancy);
+  Json levels = Json::array();
+  for (const fields::GridLevel& level : fields::grid_levels(field.config)) {
+    levels.push_back({{"cells_per_side", level.resolution},
+                      {"entries", level.size},
+                      {"hashed", level.hashed},
+                      {"entries_stored", touched[levels.size()].size()}});
+  }
+  return levels;
+}
+
+Json growth_json(const std::vector<fields::GrowthTrial>& trials) {
+  Json growth = Json::array();
+  for (const fields::GrowthTrial& trial : trials) {
+    growth.push_back({{"after_rays", trial.begin},
+                      {"price_rays", trial.price},
+                      {"table_fill", std::round(trial.table_fill * 100) / 100},
+                      {"log2_table_size", {trial.log2_table_size, trial.log2_table_size + 1}},
+                      {"bytes", {trial.bytes, trial.grown_bytes}},
+                      {"psnr_held_apart", {psnr(trial.error), psnr(trial.grown_error)}},
+                      {"kept", trial.kept}});
+  }
+  return growth;
+}
+
+std::string why(const fields::FieldNeed& need, const fields::FieldConfig& config) {
+  return fmt::format("{} measured points fill a box of {:.3f} m; a pixel is {:.2f} mm wide there, a cell of the finest "
+                     "level {:.2f} mm; the surface passes through about {:.0f} such cells, of which {} entries per "
+                     "level keep what training works on near to the processor",
+                     need.points, config.box.side, 1000 * need.footprint, 1000 * config.cell_size(), need.surface_cells,
+                     1 << config.log2_table_size);
+}
+
+} // namespace
+
+Json size_json(const fields::FieldNeed& need, const fields::FieldConfig& chosen, const fields::Field& field,
+               const fields::TrainingReport& training) {
+  return {{"why", why(need, chosen)},
+          {"pixel_footprint_m", need.footprint},
+          {"surface_cells", std::round(need.surface_cells)},
+          {"levels", levels_json(field)},
+          {"training_bytes", training.bytes},
+          {"growth", growth_json(training.growth)}};
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,26 @@
+// How well the views of a layer agree on where it is: what training may ask of them follows from it.
+#pragma once
+
+#include "fields/pixel_store.h"
+#include "fields/ray_batch.h"
+#include "tracking/motion.h"
+
+namespace kinora::fields {
+
+struct ViewAgreement {
+  std::size_t looks = 0; ///< measured points of the layer looked at by cameras of other frames
+  /// Share of the looks that meet something farther in the point's pixel and in all about it, as far as the sensor's
+  /// noise may have moved the point and one pixel more: the mask, a pose or the motion is wrong in one of the two
+  /// frames. 0 without looks.
+  double seen_through = 0;
+};
+
+/// A spread of measured points of the layer, carried into a spread of other frames. Takes some ten milliseconds.
+ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion);
+
+/// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, so that surfaces are
+/// found with fewer rays; where masks or motion contradict each other that would make silhouettes grow. In between the
+/// weights fall in proportion to what is seen through (docs/fields.md).
+LossWeights weights_for(const ViewAgreement& agreement);
+
+} // namespace kinora::fields

@@ -1,0 +1,54 @@
+// Losses are trusted as far as the views of a layer agree.
+#include <gtest/gtest.h>
+
+#include "fields/analytic_scene.h"
+#include "fields/view_agreement.h"
+
+namespace kinora::fields {
+namespace {
+
+constexpr int kBall = 2;
+
+/// Twelve views of the ball, every other one from a camera that stands elsewhere than it says.
+PixelStore misplaced(double metres) {
+  const Scene scene;
+  PixelStore store(1'000'000, 12);
+  for (int i = 0; i < 12; ++i) {
+    ingest::Frame frame = scene.frame(i, 0.05 * (i - 6));
+    if (i % 2 == 1) frame.camera.camera_to_world.translation() += Eigen::Vector3d(metres, 0, 0);
+    store.add(frame, i);
+  }
+  return store;
+}
+
+TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
+  const ViewAgreement agreement = agreement_of_views(misplaced(0), kBall, tracking::Motion::still());
+  EXPECT_GT(agreement.looks, 1000U);
+  EXPECT_EQ(agreement.seen_through, 0);
+  const LossWeights weights = weights_for(agreement);
+  EXPECT_FLOAT_EQ(weights.opacity, 2 * LossWeights{}.opacity);
+  EXPECT_FLOAT_EQ(weights.depth, 2 * LossWeights{}.depth);
+  EXPECT_FLOAT_EQ(weights.emptiness, LossWeights{}.emptiness);
+}
+
+TEST(ViewAgreement, IsLostWithWrongPoses) {
+  const ViewAgreement agreement = agreement_of_views(misplaced(0.2), kBall, tracking::Motion::still());
+  EXPECT_GT(agreement.seen_through, 0.05);
+  EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
+}
+
+TEST(ViewAgreement, IsNotClaimedOfASingleView) {
+  PixelStore store(1'000'000, 1);
+  store.add(Scene{}.frame(0, 0), 0);
+  const ViewAgreement agreement = agreement_of_views(store, kBall, tracking::Motion::still());
+  EXPECT_EQ(agreement.looks, 0U);
+  EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
+}
+
+TEST(ViewAgreement, FallsInProportion) {
+  EXPECT_GT(weights_for({1000, 0.001}).opacity, weights_for({1000, 0.003}).opacity);
+  EXPECT_GT(weights_for({1000, 0.003}).opacity, weights_for({1000, 0.1}).opacity);
+}
+
+} // namespace
+} // namespace kinora::fields
