@@ -49,6 +49,7 @@ public:
   /// The loss of a step and its gradient, without changing the field: what tests compare with the reference.
   struct Gradient {
     std::vector<float> table, density_net, color_net;
+    float sharpness = 0;
   };
   StepResult gradient(const StepRays& rays, Gradient& gradient);
 

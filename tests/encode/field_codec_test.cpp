@@ -81,6 +81,29 @@ TEST(FieldCodec, EncodesWhatItDecodedToTheSameBytes) {
   }
 }
 
+TEST(FieldCodec, KeepsGeometryAndSharpness) {
+  Field field = random_field(1);
+  EXPECT_EQ(decode(encode_field(field)).config.geometry, fields::Geometry::kDensity);
+  field.config.geometry = fields::Geometry::kSignedDistance;
+  field.sharpness = 2.7F;
+  const Bytes payload = encode_field(field);
+  const Field back = decode(payload);
+  EXPECT_EQ(back.config.geometry, fields::Geometry::kSignedDistance);
+  EXPECT_NEAR(back.sharpness, 2.7F, 2.7F * 0x1p-11);
+  EXPECT_EQ(encode_field(back), payload);
+}
+
+TEST(FieldCodec, RejectsASharpnessOutsideItsLimits) {
+  Field field = random_field(1);
+  field.config.geometry = fields::Geometry::kSignedDistance;
+  Bytes payload = encode_field(field);
+  for (const int high_byte : {0x4A, 0xCA, 0x7C, 0x7E}) { // 12, −12, infinity, not a number
+    payload[14] = std::byte{0};
+    payload[15] = static_cast<std::byte>(high_byte);
+    expect_corrupt(payload);
+  }
+}
+
 TEST(FieldCodec, StoresAnEmptyFieldInAFewKilobytes) {
   const Field field(testing::small_config());
   const Bytes payload = encode_field(field);
@@ -109,7 +132,7 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
     for (const int v : values) bad[i++] = static_cast<std::byte>(v);
     return bad;
   };
-  expect_corrupt(with(0, {2}));           // version
+  expect_corrupt(with(0, {3}));           // version
   expect_corrupt(with(1, {0}));           // levels
   expect_corrupt(with(1, {255}));         // levels
   expect_corrupt(with(2, {31}));          // table size
