@@ -29,7 +29,7 @@ constexpr std::size_t kFeatures = FieldConfig::kFeatures;
 
 struct Header {
   FieldConfig config;
-  float sharpness = 0; // of a field of signed distances
+  float sharpness = 0;             // of a field of signed distances
   std::vector<int> exponents;      // one per level
   std::size_t occupancy_bytes = 0; // compressed
   std::size_t parameter_bytes = 0; // compressed

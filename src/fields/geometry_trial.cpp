@@ -49,7 +49,7 @@ public:
     for (const std::size_t f : frames) {
       const StoredFrame& frame = pixels_.frames()[f];
       const PosedField posed = pose(drawable, motion_.warp(frame.frame));
-      const Picture picture = render({&posed, 1}, frame.camera);
+      const Picture picture = render({&posed, 1}, frame.camera, DrawQuality::kFast);
       for (std::size_t i = frame.begin; i < frame.end; ++i) compare(picture, pixels_.pixels()[i]);
     }
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);
@@ -63,6 +63,7 @@ private:
     const std::uint8_t* drawn = picture.color.pixel(pixel.u, pixel.v);
     const double opacity = drawn[3] / 255.0;
     const bool own = pixel.label == label_;
+    if (own && pixel.depth == 0) return; // nothing tells whether there is anything to be drawn
     const float depth = picture.depth.at(pixel.u, pixel.v);
     if (!own && !(depth > 0 && depth < empty_until(pixel))) return;
     for (std::size_t c = 0; c < 3; ++c) {

@@ -8,8 +8,8 @@ namespace kinora::fields {
 
 /// How far drawings are from the pixels of frames that were not trained on.
 struct DrawingError {
-  double color = 0; ///< root of the mean square for each of the layer's pixels, of 255: theirs, drawn on black, and
-                    ///< what the layer covers by mistake of other pixels
+  double color = 0; ///< root of the mean square for each of the layer's pixels with any depth, of 255: theirs, drawn
+                    ///< on black, and what the layer covers by mistake of other pixels
   double depth = 0; ///< metres, median over the layer's pixels with measured depth
 };
 
@@ -23,8 +23,8 @@ struct GeometryTrial {
 /// The smaller colour error wins; where they differ by less than a hundredth, the smaller depth error.
 Geometry better_geometry(const DrawingError& density, const DrawingError& signed_distance);
 
-/// Tries both. Same input, same choice, for any number of threads. `trainer` is that of the whole training, of which a trial takes a small share.
-/// Throws Error(kInterrupted) when cancelled.
+/// Tries both. Same input, same choice, for any number of threads. `trainer` is that of the whole training, of which a
+/// trial takes a small share. Throws Error(kInterrupted) when cancelled.
 GeometryTrial try_geometries(const PixelStore& pixels, int label, const tracking::Motion& motion,
                              const FieldConfig& config, const TrainerConfig& trainer, Progress& progress);
 

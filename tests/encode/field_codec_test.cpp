@@ -82,21 +82,15 @@ TEST(FieldCodec, EncodesWhatItDecodedToTheSameBytes) {
 }
 
 TEST(FieldCodec, KeepsGeometryAndSharpness) {
-  Field field = random_field(1);
-  EXPECT_EQ(decode(encode_field(field)).config.geometry, fields::Geometry::kDensity);
-  field.config.geometry = fields::Geometry::kSignedDistance;
-  field.sharpness = 2.7F;
-  const Bytes payload = encode_field(field);
-  const Field back = decode(payload);
+  EXPECT_EQ(decode(encode_field(random_field(2))).config.geometry, fields::Geometry::kDensity);
+  const Field field = random_field(3);
+  const Field back = decode(encode_field(field));
   EXPECT_EQ(back.config.geometry, fields::Geometry::kSignedDistance);
-  EXPECT_NEAR(back.sharpness, 2.7F, 2.7F * 0x1p-11);
-  EXPECT_EQ(encode_field(back), payload);
+  EXPECT_NEAR(back.sharpness, field.sharpness, field.sharpness * 0x1p-11);
 }
 
 TEST(FieldCodec, RejectsASharpnessOutsideItsLimits) {
-  Field field = random_field(1);
-  field.config.geometry = fields::Geometry::kSignedDistance;
-  Bytes payload = encode_field(field);
+  Bytes payload = encode_field(random_field(1));
   for (const int high_byte : {0x4A, 0xCA, 0x7C, 0x7E}) { // 12, −12, infinity, not a number
     payload[14] = std::byte{0};
     payload[15] = static_cast<std::byte>(high_byte);
