@@ -20,7 +20,7 @@ struct PresetBudget {
 
 constexpr std::array<PresetBudget, 3> kPresets{{
     {Preset::kFast, "fast", 0.2, 500'000, 20'000'000, false},
-    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000, true},
+    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000, false},
     {Preset::kBest, "best", 4.8, 8'000'000, 400'000'000, true},
 }};
 

@@ -54,7 +54,7 @@ public:
     }
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);
     std::nth_element(depths_.begin(), middle, depths_.end());
-    return {255 * std::sqrt(squares_ / static_cast<double>(3 * std::max<std::size_t>(own_pixels_, 1))),
+    return {std::sqrt(squares_ / static_cast<double>(3 * std::max<std::size_t>(own_pixels_, 1))),
             depths_.empty() ? 0 : static_cast<double>(*middle)};
   }
 
@@ -65,11 +65,10 @@ private:
     const bool own = pixel.label == label_;
     if (own && pixel.depth == 0) return; // nothing tells whether there is anything to be drawn
     const float depth = picture.depth.at(pixel.u, pixel.v);
-    if (!own && !(depth > 0 && depth < empty_until(pixel))) return;
+    if (!own && depth >= empty_until(pixel)) return; // it may well be there, behind what the pixel shows
     for (std::size_t c = 0; c < 3; ++c) {
-      const double behind = own ? 0 : pixel.color[c] / 255.0;
-      const double shown = opacity * drawn[c] / 255.0 + (1 - opacity) * behind;
-      squares_ += (shown - pixel.color[c] / 255.0) * (shown - pixel.color[c] / 255.0);
+      const double difference = opacity * drawn[c] - (own ? pixel.color[c] : 0);
+      squares_ += difference * difference;
     }
     if (own) ++own_pixels_;
     if (own && pixel.depth > 0) depths_.push_back(std::abs(depth - pixel.depth));
@@ -86,7 +85,7 @@ private:
 } // namespace
 
 Geometry better_geometry(const DrawingError& density, const DrawingError& signed_distance) {
-  constexpr double kAlike = 0.01;
+  constexpr double kAlike = 0.003;
   const double difference = signed_distance.color - density.color;
   const bool alike = std::abs(difference) < kAlike * density.color;
   const bool better = alike ? signed_distance.depth < density.depth : difference < 0;

@@ -8,8 +8,8 @@ namespace kinora::fields {
 
 /// How far drawings are from the pixels of frames that were not trained on.
 struct DrawingError {
-  double color = 0; ///< root of the mean square for each of the layer's pixels with any depth, of 255: theirs, drawn
-                    ///< on black, and what the layer covers by mistake of other pixels
+  double color = 0; ///< root of the mean square for each of the layer's pixels with any depth, of 255, on black: what
+                    ///< is drawn in front of other pixels should be black, too
   double depth = 0; ///< metres, median over the layer's pixels with measured depth
 };
 
@@ -20,7 +20,7 @@ struct GeometryTrial {
   std::size_t frames = 0; ///< left out and drawn; with 0 nothing could be tried
 };
 
-/// The smaller colour error wins; where they differ by less than a hundredth, the smaller depth error.
+/// The smaller colour error wins; where they differ by less than 0.3 %, the smaller depth error.
 Geometry better_geometry(const DrawingError& density, const DrawingError& signed_distance);
 
 /// Tries both. Same input, same choice, for any number of threads. `trainer` is that of the whole training, of which a

@@ -9,8 +9,8 @@ namespace {
 TEST(GeometryTrial, PrefersTrueColorAndThenTrueDepth) {
   EXPECT_EQ(better_geometry({10, 0.01}, {9, 0.02}), Geometry::kSignedDistance);
   EXPECT_EQ(better_geometry({9, 0.02}, {10, 0.01}), Geometry::kDensity);
-  EXPECT_EQ(better_geometry({10, 0.01}, {10.05, 0.009}), Geometry::kSignedDistance);
-  EXPECT_EQ(better_geometry({10.05, 0.009}, {10, 0.01}), Geometry::kDensity);
+  EXPECT_EQ(better_geometry({10, 0.01}, {10.02, 0.009}), Geometry::kSignedDistance);
+  EXPECT_EQ(better_geometry({10.02, 0.009}, {10, 0.01}), Geometry::kDensity);
 }
 
 TEST(GeometryTrial, MeasuresBothGeometriesInFramesThatAreLeftOut) {
