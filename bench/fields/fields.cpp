@@ -1,10 +1,11 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [rays_per_step=4096] [surface_samples=5] [free_samples=4]
-//                [levels=0] [log2_table_size=0] [largest_log2_table_size=17] [target=avx2]
+//                [levels=0] [log2_table_size=0] [largest_log2_table_size=17] [geometry=density] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
 // (bench/instruction_set.h) instead of the best that there are. noise: standard deviation of depth, of the scene's
-// size. 0 levels or table size: as the encoder chooses.
+// size. 0 levels or table size: as the encoder chooses. geometry: density (0) or sdf (1), a signed distance.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -46,6 +47,7 @@ void train_and_judge(const Setting& setting) {
   fields::FieldConfig config = fields::choose_field_config(store, 1, motion);
   if (whole("levels") > 0) config.levels = whole("levels");
   if (whole("log2_table_size") > 0) config.log2_table_size = whole("log2_table_size");
+  config.geometry = static_cast<fields::Geometry>(whole("geometry"));
   config.validate("bench_fields");
   fields::TrainerConfig trainer;
   trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
@@ -60,6 +62,7 @@ void train_and_judge(const Setting& setting) {
   const fields::DrawableField field(fields::train_field(store, 1, motion, config, trainer, progress, &report));
   const double cpu_seconds = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   double psnr = 0;
+  std::vector<float> depth_errors;
   double drawing = 0;
   for (int i = 0; i < bench::AnalyticScene::kHeldOutViews; ++i) {
     const ingest::Frame truth = scene.held_out_view(i);
@@ -68,12 +71,19 @@ void train_and_judge(const Setting& setting) {
     const fields::Picture picture = fields::render({&posed, 1}, truth.camera);
     drawing += seconds_since(begin);
     psnr += compare_images(picture.color, truth.color).psnr_full;
+    for (std::size_t k = 0; k < truth.labels.pixel_count(); ++k) {
+      if (truth.labels.data()[k] != 1) continue;
+      depth_errors.push_back(std::abs(picture.depth.data()[k] - truth.depth.data()[k]));
+    }
   }
+  const auto middle = depth_errors.begin() + static_cast<std::ptrdiff_t>(depth_errors.size() / 2);
+  std::nth_element(depth_errors.begin(), middle, depth_errors.end());
   for (const auto& [name, value] : setting) std::printf("%g,", value);
   const auto rays = static_cast<double>(report.rays);
-  std::printf("%.2f,%.2f,%.3f,%.2f,%.2f,%.1f\n", report.seconds, cpu_seconds,
+  std::printf("%.2f,%.2f,%.3f,%.2f,%.2f,%.2f,%.1f\n", report.seconds, cpu_seconds,
               rays / report.seconds / whole("threads") / 1e6, static_cast<double>(report.samples) / rays,
-              psnr / bench::AnalyticScene::kHeldOutViews, 1000 * drawing / bench::AnalyticScene::kHeldOutViews);
+              psnr / bench::AnalyticScene::kHeldOutViews, 1000 * static_cast<double>(*middle),
+              1000 * drawing / bench::AnalyticScene::kHeldOutViews);
   for (const fields::GrowthTrial& trial : report.growth) {
     std::printf("# after %zu rays: tables of 2^%d full to %.2f; colour error held apart %.5f, with twice the entries "
                 "%.5f: %s; %zu rays\n",
@@ -99,16 +109,20 @@ bool set_knob(const std::string& argument, Knobs& knobs) {
   std::vector<double>& values = knobs[argument.substr(0, equals)];
   values.clear();
   std::istringstream list(argument.substr(equals + 1));
-  for (std::string value; std::getline(list, value, ',');) values.push_back(std::stod(value));
+  for (std::string value; std::getline(list, value, ',');) {
+    values.push_back(value == "density" ? 0 : value == "sdf" ? 1 : std::stod(value));
+  }
   return !values.empty();
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  Knobs knobs{{"threads", {1}},          {"million_rays", {2}},    {"noise", {0, 0.005}},
-              {"rays_per_step", {4096}}, {"surface_samples", {5}}, {"free_samples", {4}},
-              {"levels", {0}},           {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
+  Knobs knobs{{"threads", {1}},         {"million_rays", {2}},
+              {"noise", {0, 0.005}},    {"rays_per_step", {4096}},
+              {"surface_samples", {5}}, {"free_samples", {4}},
+              {"levels", {0}},          {"geometry", {0}},
+              {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
   try {
     for (int i = 1; i < argc; ++i) {
       if (set_knob(argv[i], knobs)) continue;
@@ -125,7 +139,8 @@ int main(int argc, char** argv) {
     std::printf("# one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s\n", machine.fma_gflops,
                 machine.lines_per_us, fields::kernels::instruction_set());
     for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
-    std::printf("seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,drawing_ms\n");
+    std::printf(
+        "seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,depth_mm,drawing_ms\n");
     Setting setting;
     run_all(knobs, knobs.begin(), setting);
   } catch (const std::exception& error) {

@@ -15,12 +15,13 @@ struct PresetBudget {
   double rays_per_pixel;
   std::size_t min_rays;
   std::size_t max_rays;
+  bool try_geometries;
 };
 
 constexpr std::array<PresetBudget, 3> kPresets{{
-    {Preset::kFast, "fast", 0.2, 500'000, 20'000'000},
-    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000},
-    {Preset::kBest, "best", 4.8, 8'000'000, 400'000'000},
+    {Preset::kFast, "fast", 0.2, 500'000, 20'000'000, false},
+    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000, false},
+    {Preset::kBest, "best", 4.8, 8'000'000, 400'000'000, true},
 }};
 
 const PresetBudget& budget_of(Preset preset) {
@@ -48,6 +49,7 @@ EncodeOptions EncodeOptions::of(Preset preset) {
   options.rays_per_pixel = budget.rays_per_pixel;
   options.min_rays = budget.min_rays;
   options.max_rays = budget.max_rays;
+  options.try_geometries = budget.try_geometries;
   return options;
 }
 
@@ -65,7 +67,8 @@ nlohmann::json EncodeOptions::json() const {
           {"max_stored_pixels", max_stored_pixels},
           {"rays_per_pixel", rays_per_pixel},
           {"min_rays", min_rays},
-          {"max_rays", max_rays}};
+          {"max_rays", max_rays},
+          {"try_geometries", try_geometries}};
 }
 
 } // namespace kinora::encode

@@ -27,6 +27,7 @@ struct EncodeOptions {
   double rays_per_pixel = 0;
   std::size_t min_rays = 0;
   std::size_t max_rays = 0;
+  bool try_geometries = false; ///< whether each layer takes the geometry that draws it better (geometry_trial.h)
 
   /// The documented budget of a preset; `balanced` is the default.
   static EncodeOptions of(Preset preset);

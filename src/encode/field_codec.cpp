@@ -16,25 +16,39 @@ using container::get_double;
 using container::put;
 using fields::Field;
 using fields::FieldConfig;
+using fields::Geometry;
 using fields::GridLevel;
 
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kDensityVersion = 1;
+constexpr std::uint8_t kSignedDistanceVersion = 2;
 constexpr std::size_t kFixedHeaderBytes = 56;
 constexpr std::size_t kBytesPerLevel = 4;
 constexpr std::size_t kFeatures = FieldConfig::kFeatures;
 
 struct Header {
   FieldConfig config;
+  float sharpness = 0;             // of a field of signed distances
   std::vector<int> exponents;      // one per level
   std::size_t occupancy_bytes = 0; // compressed
   std::size_t parameter_bytes = 0; // compressed
 };
 
+std::uint16_t half_bits(float value) {
+  constexpr float kLargestHalf = 65504;
+  if (!std::isfinite(value)) {
+    throw Error(ErrorCode::kFailure,
+                "a field holds parameters that are not finite; it cannot be stored, train it anew");
+  }
+  return Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(std::clamp(value, -kLargestHalf, kLargestHalf)));
+}
+
 void put_header(Bytes& out, const Header& header) {
   const FieldConfig& c = header.config;
-  put(out, kVersion);
+  const bool has_distances = c.geometry == Geometry::kSignedDistance;
+  constexpr float kMost = fields::FieldLimits::kMaxSharpness;
+  put(out, has_distances ? kSignedDistanceVersion : kDensityVersion);
   put(out, static_cast<std::uint8_t>(c.levels));
   put(out, static_cast<std::uint8_t>(c.log2_table_size));
   put(out, static_cast<std::uint8_t>(FieldConfig::kFeatures));
@@ -45,7 +59,7 @@ void put_header(Bytes& out, const Header& header) {
   put(out, static_cast<std::uint8_t>(FieldConfig::kGeometry));
   put(out, static_cast<std::uint8_t>(FieldConfig::kColorHidden));
   put(out, static_cast<std::uint8_t>(FieldConfig::kColorOutputs));
-  put(out, std::uint16_t{0});
+  put(out, has_distances ? half_bits(std::clamp(header.sharpness, -kMost, kMost)) : std::uint16_t{0});
   for (int a = 0; a < 3; ++a) put(out, c.box.origin[a]);
   put(out, c.box.side);
   put(out, static_cast<std::uint32_t>(header.occupancy_bytes));
@@ -62,11 +76,18 @@ void put_header(Bytes& out, const Header& header) {
   throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
 }
 
+float get_half(std::span<const std::byte> bytes, std::size_t at, const std::string& place) {
+  const auto value = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(get<std::uint16_t>(bytes, at)));
+  if (!std::isfinite(value)) corrupt(place, "a field holds parameters that are not finite");
+  return value;
+}
+
 Header get_header(std::span<const std::byte> payload, const std::string& place) {
   if (payload.size() < kFixedHeaderBytes) corrupt(place, "a field is too short for its header");
   const auto version = get<std::uint8_t>(payload, 0);
-  if (version != kVersion) {
-    corrupt(place, fmt::format("a field has version {}; this Kinora reads version {}", version, kVersion));
+  if (version != kDensityVersion && version != kSignedDistanceVersion) {
+    corrupt(place, fmt::format("a field has version {}; this Kinora reads versions {} and {}", version, kDensityVersion,
+                               kSignedDistanceVersion));
   }
   if (get<std::uint8_t>(payload, 3) != FieldConfig::kFeatures ||
       get<std::uint8_t>(payload, 10) != FieldConfig::kHidden ||
@@ -85,6 +106,12 @@ Header get_header(std::span<const std::byte> payload, const std::string& place) 
   for (std::size_t a = 0; a < 3; ++a) c.box.origin[static_cast<Eigen::Index>(a)] = get_double(payload, 16 + 8 * a);
   c.box.side = get_double(payload, 40);
   c.validate(place);
+  if (version == kSignedDistanceVersion) {
+    c.geometry = Geometry::kSignedDistance;
+    header.sharpness = get_half(payload, 14, place);
+    if (std::abs(header.sharpness) > fields::FieldLimits::kMaxSharpness)
+      corrupt(place, "a field's sharpness is out of range");
+  }
   header.occupancy_bytes = get<std::uint32_t>(payload, 48);
   header.parameter_bytes = get<std::uint32_t>(payload, 52);
 
@@ -132,22 +159,11 @@ void put_planes(Bytes& out, const std::vector<QuantisedLevel>& levels) {
 }
 
 void put_halves(Bytes& out, std::span<const float> values) {
-  constexpr float kLargestHalf = 65504;
-  for (const float value : values) {
-    if (!std::isfinite(value)) {
-      throw Error(ErrorCode::kFailure,
-                  "a field holds parameters that are not finite; it cannot be stored, train it anew");
-    }
-    const Eigen::half half(std::clamp(value, -kLargestHalf, kLargestHalf));
-    put(out, Eigen::numext::bit_cast<std::uint16_t>(half));
-  }
+  for (const float value : values) put(out, half_bits(value));
 }
 
 void get_halves(std::span<const std::byte> bytes, std::span<float> values, const std::string& place) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(get<std::uint16_t>(bytes, 2 * i)));
-    if (!std::isfinite(values[i])) corrupt(place, "a field holds parameters that are not finite");
-  }
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = get_half(bytes, 2 * i, place);
 }
 
 Bytes occupancy_bytes_of(const fields::Occupancy& occupancy) {
@@ -162,7 +178,7 @@ Bytes occupancy_bytes_of(const fields::Occupancy& occupancy) {
 Bytes encode_field(const Field& field) {
   field.config.validate("a clip to be written");
   check_shape(field);
-  Header header{field.config, {}, 0, 0};
+  Header header{field.config, field.sharpness, {}, 0, 0};
   const std::vector<GridLevel> levels = fields::grid_levels(field.config);
   const std::vector<std::vector<std::uint32_t>> touched = touched_entries(field.config, field.occupancy);
   std::vector<QuantisedLevel> quantised_levels;
@@ -196,6 +212,7 @@ Field decode_field(std::span<const std::byte> payload, const std::string& place,
   const Header header = get_header(payload, place);
   budget.take(decoding_memory(header.config), place);
   Field field(header.config);
+  field.sharpness = header.sharpness;
 
   const std::span<const std::byte> stored_parameters = payload.last(header.parameter_bytes);
   const std::span<const std::byte> stored_occupancy =

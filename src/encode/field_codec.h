@@ -11,9 +11,9 @@
 namespace kinora::encode {
 
 /// Stored are the occupancy exactly, the table entries that it touches (touched_entries.h) as 16-bit integers times one
-/// power of two for each level (level_quantiser.h), and both networks as 16-bit floats. The same field gives the same
-/// bytes. Thread-safe. Throws Error(kFailure) if parameters are not finite, or their number does not fit the
-/// configuration.
+/// power of two for each level (level_quantiser.h), and both networks and the sharpness as 16-bit floats. The same
+/// field gives the same bytes. Thread-safe. Throws Error(kFailure) if parameters are not finite, or their number does
+/// not fit the configuration.
 Bytes encode_field(const fields::Field& field);
 
 /// Entries that no occupied cell touches come back as zero. encode_field(decode_field(b)) = b for every b that

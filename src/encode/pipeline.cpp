@@ -9,6 +9,7 @@
 #include "encode/scene_tracker.h"
 #include "encode/size_report.h"
 #include "encode/stage_times.h"
+#include "fields/geometry_trial.h"
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
 #include "fields/view_agreement.h"
@@ -141,7 +142,8 @@ Json config_json(const fields::FieldConfig& config) {
           {"log2_table_size", config.log2_table_size},
           {"coarsest_resolution", config.coarsest_resolution},
           {"finest_resolution", config.finest_resolution},
-          {"occupancy_resolution", config.occupancy_resolution}};
+          {"occupancy_resolution", config.occupancy_resolution},
+          {"geometry", fields::name_of(config.geometry)}};
 }
 
 Json config_json(const fields::TrainerConfig& config) {
@@ -157,13 +159,28 @@ Json config_json(const fields::TrainerConfig& config) {
             {"opacity", config.loss.opacity},
             {"depth", config.loss.depth},
             {"emptiness", config.loss.emptiness},
-            {"depth_clamp", config.loss.depth_clamp}}},
+            {"depth_clamp", config.loss.depth_clamp},
+            {"distance", config.loss.distance}}},
           {"sampling",
            {{"surface_samples", config.sampling.surface_samples},
             {"free_samples", config.sampling.free_samples},
             {"unmeasured_samples", config.sampling.unmeasured_samples},
             {"emptiness_samples", config.sampling.emptiness_samples},
             {"near_depth_m", config.sampling.near_depth}}}};
+}
+
+Json geometry_json(const fields::GeometryTrial& trial) {
+  if (trial.frames == 0) return {{"chosen", fields::name_of(trial.chosen)}, {"why", "nothing else was tried"}};
+  const auto error = [](const fields::DrawingError& e) {
+    return Json{{"color_rms", round4(e.color)}, {"depth_median_m", round4(e.depth)}};
+  };
+  return {{"chosen", fields::name_of(trial.chosen)},
+          {"why",
+           "it drew frames that were not trained on with a smaller error of colour, or of depth where colour is alike"},
+          {"rays", trial.rays},
+          {"frames", trial.frames},
+          {fields::name_of(fields::Geometry::kDensity), error(trial.density)},
+          {fields::name_of(fields::Geometry::kSignedDistance), error(trial.signed_distance)}};
 }
 
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
@@ -206,12 +223,20 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   const int label = tracked.plan.label;
   Layer layer{unique_name(tracked.plan.name, pass.clip), label, {}, pass.scene.motion_of(tracked)};
   fields::FieldNeed need;
-  const fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion, &need);
+  fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion, &need);
   fields::TrainerConfig trainer;
   trainer.seed = options.seed;
   trainer.rays = job.rays;
   const fields::ViewAgreement agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
   trainer.loss = fields::weights_for(agreement);
+  fields::GeometryTrial trial;
+  if (options.try_geometries) {
+    progress.stage("trying geometries of " + layer.name, 0);
+    trial = pass.times.measure("try geometries of " + layer.name, [&] {
+      return fields::try_geometries(pass.pixels, label, layer.motion, config, trainer, progress);
+    });
+  }
+  config.geometry = trial.chosen;
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
@@ -230,6 +255,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                               {"motion", motion_json(tracked, layer.motion)},
                               {"field", config_json(layer.field.config)},
                               {"size", size_json(need, config, layer.field, training)},
+                              {"geometry", geometry_json(trial)},
                               {"training",
                                {{"rays", training.rays},
                                 {"samples", training.samples},

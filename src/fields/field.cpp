@@ -9,6 +9,8 @@
 
 namespace kinora::fields {
 
+const char* name_of(Geometry geometry) { return geometry == Geometry::kDensity ? "density" : "signed_distance"; }
+
 void FieldConfig::validate(const std::string& source) const {
   const auto require = [&source](bool valid, const std::string& what) {
     if (!valid) throw Error(ErrorCode::kCorruptInput, fmt::format("{}: a field's {} is out of range", source, what));

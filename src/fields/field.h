@@ -25,7 +25,17 @@ struct FieldLimits {
   static constexpr int kMaxLog2TableSize = 20;
   static constexpr int kMaxResolution = 8192;
   static constexpr int kMaxOccupancyResolution = 512;
+  static constexpr float kMaxSharpness = 11.0F; ///< of either sign
 };
+
+/// What the density MLP's first output means (signed_distance.h).
+enum class Geometry : std::uint8_t {
+  kDensity,       ///< the logarithm of density
+  kSignedDistance ///< the distance from the surface in units of density_length(), positive outside
+};
+
+/// "density" or "signed_distance".
+const char* name_of(Geometry geometry);
 
 struct FieldConfig {
   static constexpr int kFeatures = 8;      ///< per level
@@ -40,6 +50,7 @@ struct FieldConfig {
   int coarsest_resolution = 16;
   int finest_resolution = 256;    ///< cells per side of the finest level; levels in between grow geometrically
   int occupancy_resolution = 128; ///< cells per side of the stored occupancy; a multiple of 64
+  Geometry geometry = Geometry::kDensity;
 
   int encoding_width() const { return levels * kFeatures; }
   /// Metres: side of a cell of the finest level.
@@ -103,6 +114,7 @@ struct Field {
   LargeBuffer<float> table;       ///< grid_entry_count × kFeatures
   std::vector<float> density_net; ///< encoding_width × kHidden, then kHidden × kGeometry
   std::vector<float> color_net; ///< kGeometry × kColorHidden, kColorHidden × kColorHidden, kColorHidden × kColorOutputs
+  float sharpness = 0;          ///< of a signed distance: logarithm of how fast density rises, per density_length()
   Occupancy occupancy;
 
   /// Zero parameters of the right sizes, empty occupancy.

@@ -1,5 +1,7 @@
 #include "fields/field_batch.h"
 
+#include "fields/signed_distance.h"
+
 namespace kinora::fields {
 namespace {
 
@@ -16,6 +18,7 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
   grow(batch.encoding, points.count, width);
   grow(batch.hidden, points.count, FieldConfig::kHidden);
   grow(batch.geometry, points.count, FieldConfig::kGeometry);
+  if (field.config.geometry == Geometry::kSignedDistance) grow(batch.distance, points.count, 1);
   const float* net = field.density_net.data();
   for (std::size_t begin = 0; begin < points.count; begin += kPointBlock) {
     const kernels::Points block{points.x + begin, points.y + begin, points.z + begin,
@@ -26,6 +29,10 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
     kernels::dense(encoding, block.count, width, net, FieldConfig::kHidden, true, hidden);
     kernels::dense(hidden, block.count, FieldConfig::kHidden, net + width * FieldConfig::kHidden,
                    FieldConfig::kGeometry, false, batch.geometry.data() + begin * FieldConfig::kGeometry);
+    if (field.config.geometry == Geometry::kSignedDistance) {
+      to_log_densities(field.sharpness, block.count, batch.geometry.data() + begin * FieldConfig::kGeometry,
+                       batch.distance.data() + begin);
+    }
   }
 }
 

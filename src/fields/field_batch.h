@@ -16,6 +16,7 @@ struct PointBatch {
   std::vector<float> encoding; ///< n × encoding_width
   std::vector<float> hidden;   ///< n × kHidden
   std::vector<float> geometry; ///< n × kGeometry: raw density, then 15 features
+  std::vector<float> distance; ///< n, of a field of signed distances
 };
 
 /// Same for colours of n rays.

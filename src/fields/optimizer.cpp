@@ -1,13 +1,16 @@
 #include "fields/optimizer.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "fields/compositing.h"
 #include "fields/field_batch.h"
 #include "fields/flush_to_zero.h"
 #include "fields/growth.h"
+#include "fields/signed_distance.h"
 
 namespace kinora::fields {
 namespace {
@@ -41,6 +44,7 @@ struct ChunkWork {
   std::vector<float> encoding_gradient; // of the samples that matter
   std::vector<float> density_net_gradient, color_net_gradient;
   double loss = 0;
+  double sharpness_gradient = 0;
   ColorSums colors;
   double own_opacity = 0;
   std::size_t own_rays = 0;
@@ -84,6 +88,13 @@ void add_to(LargeBuffer<float>& sum, const std::vector<float>& values) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i];
 }
 
+/// kernels::adam for a single parameter.
+void adam_alone(const kernels::AdamStep& step, float gradient, float& parameter, std::array<float, 2>& moments) {
+  moments[0] += (1 - step.beta1) * (gradient - moments[0]);
+  moments[1] += (1 - step.beta2) * (gradient * gradient - moments[1]);
+  parameter -= step.learning_rate * moments[0] / (std::sqrt(moments[1]) + step.epsilon);
+}
+
 // Calls task(0), task(1), … on all threads; each begins when those before it have begun.
 void run_in_order(std::size_t tasks, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next = 0;
@@ -103,6 +114,8 @@ struct FieldOptimizer::Implementation {
   std::vector<ChunkWork> work;
   std::size_t drawn = 0; // chunks whose rays wait for the next step
   long steps = 0;
+  float sharpness_gradient = 0;
+  std::array<float, 2> sharpness_moments{};
 
   Implementation(Field& f, const LossWeights& w, float n)
       : field(f), weights(w), negligible(n), levels(grid_levels(f.config)), table(f.table.size()),
@@ -206,6 +219,12 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   scratch.geometry_gradient.resize(chunk.rays.samples.size() * kG);
   composite_backward(chunk.rays, geometry, weights, scale, scratch.composition, scratch.color.input,
                      scratch.input_gradient.data(), scratch.geometry_gradient.data());
+  if (field.config.geometry == Geometry::kSignedDistance) {
+    const DistanceSums sums = distance_backward(chunk.rays, scratch.points.distance, field.sharpness, weights, scale,
+                                                scratch.geometry_gradient.data());
+    chunk.loss += sums.loss;
+    chunk.sharpness_gradient = sums.sharpness_gradient;
+  }
   keep_mattering(chunk, scratch, scale);
   points_backward(chunk, scratch, transposed);
 }
@@ -261,6 +280,7 @@ void FieldOptimizer::Implementation::merge(std::size_t chunks, StepResult& resul
   for (std::size_t c = 0; c < chunks; ++c) {
     add_to(density_net.gradient, work[c].density_net_gradient);
     add_to(color_net.gradient, work[c].color_net_gradient);
+    sharpness_gradient += static_cast<float>(work[c].sharpness_gradient);
     result.loss += work[c].loss / static_cast<double>(result.rays);
     colors.add(work[c].colors);
     opacity += work[c].own_opacity;
@@ -317,6 +337,10 @@ StepResult FieldOptimizer::step(const LearningRates& rates, const StepRays& next
   };
   const StepResult result = s.accumulate(update_level, next);
   adam_step.learning_rate = static_cast<float>(rates.nets * correction);
+  if (s.field.config.geometry == Geometry::kSignedDistance) {
+    adam_alone(adam_step, s.sharpness_gradient, s.field.sharpness, s.sharpness_moments);
+    s.sharpness_gradient = 0;
+  }
   const FlushToZero flush;
   for (auto [parameters, moments] :
        {std::pair(&s.field.density_net, &s.density_net), std::pair(&s.field.color_net, &s.color_net)}) {
@@ -335,6 +359,7 @@ StepResult FieldOptimizer::gradient(const StepRays& rays, Gradient& gradient) {
     out->assign(moments->gradient.begin(), moments->gradient.end());
     std::fill(moments->gradient.begin(), moments->gradient.end(), 0.0F);
   }
+  gradient.sharpness = std::exchange(s.sharpness_gradient, 0.0F);
   return result;
 }
 

@@ -52,6 +52,7 @@ public:
   /// Rays that were drawn for the next step are lost.
   struct Gradient {
     std::vector<float> table, density_net, color_net;
+    float sharpness = 0;
   };
   StepResult gradient(const StepRays& rays, Gradient& gradient);
 

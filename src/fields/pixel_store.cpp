@@ -76,4 +76,19 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});
 }
 
+PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {
+  PixelStore part(max_pixels, frames_.size());
+  const double share = static_cast<double>(max_pixels) / static_cast<double>(std::max<std::size_t>(pixels_.size(), 1));
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    if (std::binary_search(left_out.begin(), left_out.end(), f)) continue;
+    Random random(0x7217, f);
+    const std::size_t begin = part.pixels_.size();
+    for (std::size_t i = frames_[f].begin; i < frames_[f].end; ++i) {
+      if (random.uniform_double() < share) part.pixels_.push_back(pixels_[i]);
+    }
+    part.frames_.push_back({frames_[f].frame, frames_[f].camera, begin, part.pixels_.size()});
+  }
+  return part;
+}
+
 } // namespace kinora::fields

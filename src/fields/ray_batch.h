@@ -18,6 +18,7 @@ struct RayTarget {
   std::array<float, 3> color{}; ///< sRGB in [0, 1]
   float depth = 0;              ///< metres; 0: not measured here
   float inverse_band = 0;       ///< 1 / (metres within which the surface is expected around `depth`)
+  float lengths_per_depth = 0;  ///< units of length (RaySample) of the ray for each metre of depth
   bool own = true;              ///< false: the pixel shows something behind; all samples should be empty
 };
 
@@ -36,14 +37,16 @@ struct RayBatch {
 };
 
 /// The loss of an own ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)², depth_clamp), of
-/// any other emptiness·A, with wᵢ the compositing weights and A their sum. The loss of a step is the mean over its
-/// rays.
+/// any other emptiness·A, with wᵢ the compositing weights and A their sum. A field of signed distances sᵢ adds to an
+/// own ray's distance·Σᵢ ((sᵢ − (z* − zᵢ))/band)², over the samples in the band and in metres of depth along the ray.
+/// The loss of a step is the mean over its rays.
 struct LossWeights {
   float color = 1.0F;
   float opacity = 0.1F;
   float depth = 0.03F;
   float emptiness = 0.5F;
   float depth_clamp = 4.0F;
+  float distance = 0.1F;
 };
 
 /// Largest raw density before the exponential: e¹¹ per unit of length is opaque to any sample.

@@ -257,6 +257,7 @@ void RaySampler::append_own(const WarpedPixel& chosen, Random& random, RayBatch&
   if (pixel.depth > 0) {
     target.depth = depth;
     target.inverse_band = 1.0F / band;
+    target.lengths_per_depth = ray.metres_per_depth * per_density_length_;
     // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
     if (warped_own_.empty()) {
       append_in_occupied(ray, sampling_.near_depth, depth - band, sampling_.free_samples, random, batch);

@@ -1,9 +1,10 @@
 // The field's mathematics, written once and plainly, for any scalar type: the specification that every backend is
 // tested against, and whose gradients are checked numerically in double.
 //
-// A point: hash-grid encoding e (Müller et al. 2022, sec. 3), h = relu(eᵀ W₁), g = hᵀ W₂; g₀ is the raw density,
-// σ = exp(min(g₀, kMaxRawDensity)); g₁…g₁₅ are features. A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 − exp(−σᵢ
-// δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([F / (A + ε), 1])).
+// A point: hash-grid encoding e (Müller et al. 2022, sec. 3), h = relu(eᵀ W₁), g = hᵀ W₂; g₀ is the raw density, or a
+// signed distance with g₀ = ln(Ψ(−exp(k) s)) + k its raw density (signed_distance.h; Ψ of Laplace's distribution, k the
+// sharpness); σ = exp(min(g₀, kMaxRawDensity)); g₁…g₁₅ are features. A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 −
+// exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([F / (A + ε), 1])).
 #pragma once
 
 #include <algorithm>
@@ -20,11 +21,12 @@ namespace kinora::fields::reference {
 
 template <class T> struct Parameters {
   std::vector<T> table, density_net, color_net;
+  T sharpness = 0;
 
   Parameters() = default;
   explicit Parameters(const Field& field)
       : table(field.table.begin(), field.table.end()), density_net(field.density_net.begin(), field.density_net.end()),
-        color_net(field.color_net.begin(), field.color_net.end()) {}
+        color_net(field.color_net.begin(), field.color_net.end()), sharpness(field.sharpness) {}
   Parameters zeros() const {
     Parameters p;
     p.table.assign(table.size(), T(0));
@@ -114,6 +116,16 @@ template <class T> void relu_backward(std::span<const T> activated, std::span<T>
   }
 }
 
+/// Raw density of a signed distance, and its derivatives.
+template <class T> struct RawDensity { T value, by_distance, by_sharpness; };
+template <class T> RawDensity<T> raw_density(T distance, T sharpness) {
+  const T rate = std::exp(sharpness);
+  const T u = rate * distance;
+  const T tail = std::exp(-std::abs(u)) / 2;
+  const T fall = u >= 0 ? T(1) : tail / (1 - tail); // −∂ ln Ψ(−u) / ∂u
+  return {sharpness + (u >= 0 ? -u - std::log(T(2)) : std::log1p(-tail)), -rate * fall, 1 - u * fall};
+}
+
 template <class T> T density(T raw) { return std::exp(std::min(raw, T(kMaxRawDensity))); }
 
 using std::array;
@@ -127,6 +139,9 @@ template <class T> struct PointState {
   std::vector<T> encoding;
   array<T, kH> hidden{};
   array<T, kG> geometry{}; ///< raw density, then 15 features
+  T distance = 0;          ///< of a field of signed distances, like the next two
+  T by_distance = 1;       ///< ∂ raw density
+  T by_sharpness = 0;
 };
 
 template <class T>
@@ -138,6 +153,13 @@ PointState<T> evaluate_point(const FieldConfig& config, std::span<const GridLeve
   dense<T>(s.encoding, p.density_net.data(), s.hidden);
   relu<T>(s.hidden);
   dense<T>(s.hidden, p.density_net.data() + config.encoding_width() * kH, s.geometry);
+  if (config.geometry == Geometry::kSignedDistance) {
+    s.distance = s.geometry[0];
+    const RawDensity<T> raw = raw_density(s.distance, p.sharpness);
+    s.geometry[0] = raw.value;
+    s.by_distance = raw.by_distance;
+    s.by_sharpness = raw.by_sharpness;
+  }
   return s;
 }
 
@@ -191,6 +213,17 @@ array<T, kG> color_backward(const std::vector<T>& net, const ColorState<T>& s, c
   return input_gradient;
 }
 
+/// How far, in bands, a sample's distance is from what the depth measured on its ray implies, and the derivative. Zero
+/// outside of the band.
+template <class T> struct DistanceResidual { T value = 0, by_distance = 0; };
+template <class T> DistanceResidual<T> distance_residual(T distance, const RaySample& sample, const RayTarget& target) {
+  if (!target.own || !(target.depth > 0)) return {};
+  const T measured = (T(target.depth) - T(sample.depth)) * T(target.inverse_band);
+  if (std::abs(measured) > T(1)) return {};
+  const T per_distance = T(target.inverse_band) / T(target.lengths_per_depth);
+  return {distance * per_distance - measured, per_distance};
+}
+
 /// Loss of one ray (see LossWeights); adds scale · its gradient to `gradient` if that is given.
 template <class T>
 T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const Parameters<T>& p,
@@ -215,6 +248,7 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
     }
   }
 
+  const bool has_distances = config.geometry == Geometry::kSignedDistance;
   T loss = 0;
   T opacity_gradient = 0;
   array<T, kG> feature_gradient{};
@@ -231,7 +265,12 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
       color_gradient[c] = scale * T(2) * T(weights.color) * difference;
     }
     loss += T(weights.opacity) * (T(1) - opacity) * (T(1) - opacity);
-    for (std::size_t i = 0; i < n; ++i) loss += T(weights.depth) * weight[i] * depth_term[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      loss += T(weights.depth) * weight[i] * depth_term[i];
+      if (!has_distances) continue;
+      const T residual = distance_residual(points[i].distance, samples[i], target).value;
+      loss += T(weights.distance) * residual * residual;
+    }
     if (gradient) {
       const array<T, kG> input_gradient = color_backward<T>(p.color_net, color, color_gradient, gradient->color_net);
       opacity_gradient = -scale * T(2) * T(weights.opacity) * (T(1) - opacity);
@@ -256,7 +295,13 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
       geometry_gradient[f] = weight[i] * feature_gradient[f - 1];
     }
     const T density_gradient = T(samples[i].length) * (transmittance[i + 1] * weight_gradient - behind);
-    geometry_gradient[0] = density_gradient * density(g[0]);
+    const T raw_gradient = density_gradient * density(g[0]);
+    geometry_gradient[0] = raw_gradient * points[i].by_distance;
+    gradient->sharpness += raw_gradient * points[i].by_sharpness;
+    if (has_distances) {
+      const auto residual = distance_residual(points[i].distance, samples[i], target);
+      geometry_gradient[0] += scale * 2 * T(weights.distance) * residual.value * residual.by_distance;
+    }
     behind += weight[i] * weight_gradient;
     point_backward<T>(config, levels, p, positions[i], points[i], geometry_gradient, *gradient);
   }

@@ -14,9 +14,13 @@
 namespace kinora::fields {
 namespace {
 
+/// Of a field of signed distances: density falls by half within 0.15 density_length(). It becomes sharper in training.
+constexpr float kFirstSharpness = 1.5F;
+
 // Hash entries uniform in ±1e-4 (Müller et al. 2022), nets by Glorot & Bengio 2010.
 void initialise(Field& field, std::uint64_t seed) {
   Random random(seed, 0xF1E1D);
+  field.sharpness = kFirstSharpness;
   const auto fill = [&random](float* values, std::size_t count, float bound) {
     for (std::size_t i = 0; i < count; ++i) values[i] = bound * (2 * random.uniform() - 1);
   };

@@ -81,6 +81,23 @@ TEST(FieldCodec, EncodesWhatItDecodedToTheSameBytes) {
   }
 }
 
+TEST(FieldCodec, KeepsGeometryAndSharpness) {
+  EXPECT_EQ(decode(encode_field(random_field(2))).config.geometry, fields::Geometry::kDensity);
+  const Field field = random_field(3);
+  const Field back = decode(encode_field(field));
+  EXPECT_EQ(back.config.geometry, fields::Geometry::kSignedDistance);
+  EXPECT_NEAR(back.sharpness, field.sharpness, field.sharpness * 0x1p-11);
+}
+
+TEST(FieldCodec, RejectsASharpnessOutsideItsLimits) {
+  Bytes payload = encode_field(random_field(1));
+  for (const int high_byte : {0x4A, 0xCA, 0x7C, 0x7E}) { // 12, −12, infinity, not a number
+    payload[14] = std::byte{0};
+    payload[15] = static_cast<std::byte>(high_byte);
+    expect_corrupt(payload);
+  }
+}
+
 TEST(FieldCodec, StoresAnEmptyFieldInAFewKilobytes) {
   const Field field(testing::small_config());
   const Bytes payload = encode_field(field);
@@ -109,7 +126,7 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
     for (const int v : values) bad[i++] = static_cast<std::byte>(v);
     return bad;
   };
-  expect_corrupt(with(0, {2}));           // version
+  expect_corrupt(with(0, {3}));           // version
   expect_corrupt(with(1, {0}));           // levels
   expect_corrupt(with(1, {255}));         // levels
   expect_corrupt(with(2, {31}));          // table size

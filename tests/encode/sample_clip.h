@@ -24,9 +24,14 @@ inline fields::FieldConfig small_config() {
   return config;
 }
 
+/// Of densities for even seeds, of signed distances for odd ones.
 inline fields::Field random_field(std::uint64_t seed, const fields::FieldConfig& config = small_config()) {
   Random random(seed);
   fields::Field field(config);
+  if (seed % 2 == 1) {
+    field.config.geometry = fields::Geometry::kSignedDistance;
+    field.sharpness = 2.5F;
+  }
   const auto draw = [&random](double scale) {
     const double outlier = random.below(500) == 0 ? 20 : 1;
     return static_cast<float>(random.normal() * scale * outlier);

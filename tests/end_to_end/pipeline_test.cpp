@@ -184,6 +184,28 @@ TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   EXPECT_TRUE(listener.warnings.empty());
 }
 
+TEST(Encoder, TriesBothGeometriesForEachLayerAndSaysWhichDrewItBetter) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.frames = 8;
+  write_box_capture(folder, scene);
+  Listener listener;
+  auto options = quick_options();
+  options.rays_per_pixel = 0.8;
+  options.try_geometries = true;
+  const encode::EncodeResult result = encode_folder(folder, options, listener);
+  ASSERT_FALSE(result.clip.layers.empty());
+  for (std::size_t i = 0; i < result.clip.layers.size(); ++i) {
+    const Json& geometry = result.report.at("layers")[i].at("geometry");
+    EXPECT_EQ(geometry.at("chosen"), fields::name_of(result.clip.layers[i].field.config.geometry));
+    EXPECT_EQ(geometry.at("frames"), 3);
+    for (const char* name : {"density", "signed_distance"}) {
+      EXPECT_GT(geometry.at(name).at("color_rms"), 0) << name;
+      EXPECT_GT(geometry.at(name).at("depth_median_m"), 0) << name;
+    }
+  }
+}
+
 TEST(Encoder, DamagedFrameIsSkippedAndCounted) {
   const TemporaryFolder folder;
   BoxScene scene;

@@ -9,8 +9,11 @@ namespace {
 
 using reference::Parameters;
 
+constexpr Geometry kGeometries[] = {Geometry::kDensity, Geometry::kSignedDistance};
+
 struct RandomRays {
-  Field field = testing::random_field(7);
+  Geometry geometry = Geometry::kDensity;
+  Field field = testing::random_field(7, 0.5F, geometry);
   std::vector<GridLevel> levels = grid_levels(field.config);
   RayBatch rays = testing::random_rays(11, 24);
   LossWeights weights{1.0F, 0.4F, 0.3F, 0.6F, 4.0F};
@@ -55,22 +58,42 @@ struct RandomRays {
 };
 
 TEST(ReferenceGradient, OfHashTableMatchesDifferences) {
-  EXPECT_LT(RandomRays().worst_error(&Parameters<double>::table, 120), 1e-6);
+  for (const Geometry geometry : kGeometries) {
+    EXPECT_LT(RandomRays{geometry}.worst_error(&Parameters<double>::table, 120), 1e-6);
+  }
 }
 
 TEST(ReferenceGradient, OfDensityNetMatchesDifferences) {
-  EXPECT_LT(RandomRays().worst_error(&Parameters<double>::density_net, 120), 1e-6);
+  for (const Geometry geometry : kGeometries) {
+    EXPECT_LT(RandomRays{geometry}.worst_error(&Parameters<double>::density_net, 120), 1e-6);
+  }
 }
 
 TEST(ReferenceGradient, OfColorNetMatchesDifferences) {
-  EXPECT_LT(RandomRays().worst_error(&Parameters<double>::color_net, 120), 1e-6);
+  for (const Geometry geometry : kGeometries) {
+    EXPECT_LT(RandomRays{geometry}.worst_error(&Parameters<double>::color_net, 120), 1e-6);
+  }
+}
+
+TEST(ReferenceGradient, OfSharpnessMatchesDifferences) {
+  const RandomRays given{Geometry::kSignedDistance};
+  Parameters<double> gradient = given.parameters.zeros();
+  given.loss(given.parameters, &gradient);
+  constexpr double kStep = 1e-6;
+  Parameters<double> up = given.parameters;
+  Parameters<double> down = given.parameters;
+  up.sharpness += kStep;
+  down.sharpness -= kStep;
+  EXPECT_GT(std::abs(gradient.sharpness), 1e-3);
+  EXPECT_NEAR((given.loss(up, nullptr) - given.loss(down, nullptr)) / (2 * kStep), gradient.sharpness, 1e-6);
 }
 
 TEST(ReferenceGradient, OfEveryLossTermAloneMatchesDifferences) {
-  for (int term = 0; term < 4; ++term) {
-    RandomRays given;
-    given.weights = {term == 0 ? 1.0F : 0.0F, term == 1 ? 1.0F : 0.0F, term == 2 ? 1.0F : 0.0F, term == 3 ? 1.0F : 0.0F,
-                     4.0F};
+  for (int term = 0; term < 5; ++term) {
+    RandomRays given{Geometry::kSignedDistance};
+    given.weights = {
+        term == 0 ? 1.0F : 0.0F, term == 1 ? 1.0F : 0.0F, term == 2 ? 1.0F : 0.0F, term == 3 ? 1.0F : 0.0F, 4.0F,
+        term == 4 ? 1.0F : 0.0F};
     EXPECT_LT(given.worst_error(&Parameters<double>::table, 40), 1e-6) << "term " << term;
   }
 }

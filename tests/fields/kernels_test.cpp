@@ -33,8 +33,8 @@ protected:
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };
 
-TEST_P(EveryInstructionSet, StepGradientEqualsReference) {
-  Field field = testing::random_field(5);
+void expect_step_gradient_of_reference(Geometry geometry) {
+  Field field = testing::random_field(5, 0.5F, geometry);
   const std::vector<GridLevel> levels = grid_levels(field.config);
   const LossWeights weights{1.0F, 0.4F, 0.3F, 0.6F, 4.0F};
 
@@ -58,6 +58,13 @@ TEST_P(EveryInstructionSet, StepGradientEqualsReference) {
   EXPECT_LT(relative_difference(gradient.table, expected.table), 2e-5);
   EXPECT_LT(relative_difference(gradient.density_net, expected.density_net), 2e-5);
   EXPECT_LT(relative_difference(gradient.color_net, expected.color_net), 2e-5);
+  EXPECT_NEAR(gradient.sharpness, expected.sharpness, 2e-5 * std::abs(expected.sharpness));
+}
+
+TEST_P(EveryInstructionSet, StepGradientEqualsReference) { expect_step_gradient_of_reference(Geometry::kDensity); }
+
+TEST_P(EveryInstructionSet, StepGradientOfSignedDistancesEqualsReference) {
+  expect_step_gradient_of_reference(Geometry::kSignedDistance);
 }
 
 // Against Kingma & Ba's algorithm 1 in double. An odd number of rows from an odd row on: lines of memory and rows of

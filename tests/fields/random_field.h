@@ -17,8 +17,11 @@ inline FieldConfig small_config() {
   return config;
 }
 
-inline Field random_field(std::uint64_t seed, float table_scale = 0.5F) {
-  Field field(small_config());
+inline Field random_field(std::uint64_t seed, float table_scale = 0.5F, Geometry geometry = Geometry::kDensity) {
+  FieldConfig config = small_config();
+  config.geometry = geometry;
+  Field field(config);
+  if (geometry == Geometry::kSignedDistance) field.sharpness = 0.8F;
   Random random(seed);
   for (float& v : field.table) v = table_scale * static_cast<float>(random.normal());
   for (float& v : field.density_net) v = 0.3F * static_cast<float>(random.normal());
@@ -47,6 +50,7 @@ inline RayBatch random_rays(std::uint64_t seed, std::size_t count) {
     if (random.below(4) != 0) {
       target.depth = 1.1F;
       target.inverse_band = 1 / 0.07F;
+      target.lengths_per_depth = 9;
     }
     for (float& c : target.color) c = random.uniform();
     batch.targets.push_back(target);

@@ -7,10 +7,16 @@
 namespace kinora::fields {
 namespace {
 
-TEST(Training, GivesTheSameBitsOnAnyNumberOfThreads) {
+class EitherGeometry : public ::testing::TestWithParam<Geometry> {};
+
+INSTANTIATE_TEST_SUITE_P(Training, EitherGeometry, ::testing::Values(Geometry::kDensity, Geometry::kSignedDistance),
+                         [](const auto& geometry) { return name_of(geometry.param); });
+
+TEST_P(EitherGeometry, GivesTheSameBitsOnAnyNumberOfThreads) {
   const PixelStore store = store_of(Scene{});
   const auto still = tracking::Motion::still();
-  const FieldConfig config = choose_field_config(store, 2, still);
+  FieldConfig config = choose_field_config(store, 2, still);
+  config.geometry = GetParam();
   TrainerConfig trainer = short_training();
   trainer.rays = 40'000;
   Progress progress;
@@ -23,6 +29,7 @@ TEST(Training, GivesTheSameBitsOnAnyNumberOfThreads) {
   for (const std::size_t other : {1, 2}) {
     EXPECT_EQ(fields[0].table, fields[other].table);
     EXPECT_EQ(fields[0].color_net, fields[other].color_net);
+    EXPECT_EQ(fields[0].sharpness, fields[other].sharpness);
     EXPECT_EQ(fields[0].occupancy.words(), fields[other].occupancy.words());
   }
 }

@@ -10,15 +10,21 @@
 namespace kinora::fields {
 namespace {
 
-TEST(Training, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
+class EitherGeometry : public ::testing::TestWithParam<Geometry> {};
+
+INSTANTIATE_TEST_SUITE_P(Training, EitherGeometry, ::testing::Values(Geometry::kDensity, Geometry::kSignedDistance),
+                         [](const auto& geometry) { return name_of(geometry.param); });
+
+TEST_P(EitherGeometry, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
   const Scene scene;
   const PixelStore store = store_of(scene);
   const auto still = tracking::Motion::still();
   Progress progress;
   std::vector<DrawableField> fields;
   for (const int label : {0, 2}) {
-    fields.emplace_back(
-        train_field(store, label, still, choose_field_config(store, label, still), short_training(), progress));
+    FieldConfig config = choose_field_config(store, label, still);
+    config.geometry = GetParam();
+    fields.emplace_back(train_field(store, label, still, config, short_training(), progress));
   }
   const ingest::Frame held_out = scene.frame(0, 0.125);
   const std::vector<PosedField> layers = {{&fields[0], SE3::Identity(), nullptr},

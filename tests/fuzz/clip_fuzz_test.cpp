@@ -1,4 +1,6 @@
 // Mutated payloads and attachments under checksums that are right: what a hostile writer would make.
+#include <array>
+
 #include <gtest/gtest.h>
 
 #include "container/ebml_builder.h"
@@ -58,9 +60,10 @@ TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
 }
 
 TEST(ClipFuzz, FieldDecoderRefusesOrDecodesMutatedPayloads) {
-  const Bytes payload = encode_field(testing::random_field(2));
-  for (std::uint64_t i = 0; i < 1500; ++i) {
+  const std::array payloads{encode_field(testing::random_field(2)), encode_field(testing::random_field(3))};
+  for (std::uint64_t i = 0; i < 2000; ++i) {
     Random random(8, i);
+    const Bytes& payload = payloads[i % 2];
     Bytes mutated = payload;
     // Most damage goes to the header, where the numbers are that decide about memory.
     Bytes header(mutated.begin(), mutated.begin() + 72);
