@@ -49,7 +49,7 @@ public:
     for (const std::size_t f : frames) {
       const StoredFrame& frame = pixels_.frames()[f];
       const PosedField posed = pose(drawable, motion_.warp(frame.frame));
-      const Picture picture = render({&posed, 1}, frame.camera, DrawQuality::kFast);
+      const Picture picture = render({&posed, 1}, frame.camera);
       for (std::size_t i = frame.begin; i < frame.end; ++i) compare(picture, pixels_.pixels()[i]);
     }
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);

@@ -88,14 +88,20 @@ std::int32_t BulkWarp::node_near(const std::array<float, 3>& world) const {
 void BulkWarp::to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const {
   const kernels::NodeMotion motion{&table_->cells(), transforms_.data()};
   const float nothing = std::numeric_limits<float>::quiet_NaN();
+  // First from the node that is nearest to the cell of the point, then from those that are nearest to itself.
+  constexpr std::size_t kStarts = 4;
+  const auto nearest_node = [&](const Ray& ray, std::size_t number) {
+    const Eigen::Vector3d world = Eigen::Vector3f(ray.point.data()).cast<double>() + world_origin_;
+    std::array<NearestPoints::Neighbour, kStarts> nearest{};
+    return number < warp_.nearest_nodes(world, nearest) ? nearest[number].index : -1;
+  };
   std::vector<std::size_t> open; // rays without an answer that are worth a try
   for (std::size_t i = 0; i < rays.size(); ++i) {
     canonical[i] = {{nothing, nothing, nothing}, {}, {}};
     rays[i].start = node_near(rays[i].point);
-    open.push_back(i);
+    if (rays[i].start < 0) rays[i].start = nearest_node(rays[i], 0);
+    if (rays[i].start >= 0) open.push_back(i);
   }
-  // First from the node that is nearest to the cell of the point, then from those that are nearest to itself.
-  constexpr std::size_t kStarts = 4;
   std::vector<Ray> tried;
   std::vector<CanonicalRay> found;
   for (std::size_t attempt = 0; attempt <= kStarts && !open.empty(); ++attempt) {
@@ -107,12 +113,9 @@ void BulkWarp::to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const 
     for (std::size_t k = 0; k < open.size(); ++k) {
       const std::size_t i = open[k];
       canonical[i] = found[k];
-      if (!std::isnan(found[k].point[0])) continue;
-      const Eigen::Vector3d world = Eigen::Vector3f(rays[i].point.data()).cast<double>() + world_origin_;
-      std::array<NearestPoints::Neighbour, kStarts> nearest{};
-      if (attempt >= warp_.nearest_nodes(world, nearest)) continue;
-      rays[i].start = nearest[attempt].index;
-      open[still++] = i;
+      if (!std::isnan(found[k].point[0]) || attempt >= kStarts) continue;
+      rays[i].start = nearest_node(rays[i], attempt);
+      if (rays[i].start >= 0) open[still++] = i;
     }
     open.resize(still);
   }

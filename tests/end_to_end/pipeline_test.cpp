@@ -242,7 +242,7 @@ TEST(Encoder, SameBytesForOneThreadAndTwo) {
   }
   set_thread_count(0);
   EXPECT_FALSE(files[0].empty());
-  EXPECT_EQ(files[0], files[1]);
+  EXPECT_TRUE(files[0] == files[1]); // they are too long to be printed
 }
 
 TEST(Encoder, StopsWhenCancelledWhileReadingAndWhileTraining) {
