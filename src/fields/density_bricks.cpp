@@ -6,7 +6,6 @@
 
 #include "core/parallel.h"
 #include "fields/field_batch.h"
-#include "fields/occupancy.h"
 #include "fields/ray_batch.h"
 
 namespace kinora::fields {

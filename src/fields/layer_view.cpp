@@ -12,13 +12,11 @@ constexpr std::size_t kChunk = 1024; // corners
 
 } // namespace
 
-LayerView::LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality)
-    : layer_(&posed.field->derived()), quality_(quality) {
+LayerView::LayerView(const PosedField& posed, const Camera& camera) : layer_(&posed.field->derived()) {
   const FieldConfig& config = layer_->field.config;
   lattice_per_metre_ = layer_->bricks.resolution() / config.box.side;
   // As far apart as in training, or as the lattice can tell.
-  const double sample = std::max(config.cell_size(), 1 / lattice_per_metre_);
-  step_ = static_cast<float>(quality == DrawQuality::kFull ? sample : 2 * sample);
+  step_ = static_cast<float>(std::max(config.cell_size(), 1 / lattice_per_metre_));
   optical_length_ = static_cast<float>(step_ / config.density_length());
   const SE3 camera_from_world = camera.camera_to_world.inverse();
   if (posed.hull == nullptr) {
@@ -119,10 +117,10 @@ bool LayerView::motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const 
 }
 
 Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const {
-  const int iterations = quality_ == DrawQuality::kFull ? 2 : 1;
+  constexpr int kIterations = 2;
   constexpr float kSide = BrickHull::kCellSide;
   constexpr float kClose = 0.1F; // of a lattice step: another iteration would find nothing
-  for (int k = 0; k < iterations; ++k) {
+  for (int k = 0; k < kIterations; ++k) {
     LocalMotion motion;
     if (!motion_at(at, motion)) return at;
     const Eigen::Vector3f step = motion.jacobian.inverse() * (point - motion.value);

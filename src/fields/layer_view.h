@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kInside = 0xFFFFFFFF;
 /// Lattice coordinates are those of the layer's bricks. Immutable, thread-safe; what it was made from must outlive it.
 class LayerView {
 public:
-  LayerView(const PosedField& posed, const Camera& camera, DrawQuality quality);
+  LayerView(const PosedField& posed, const Camera& camera);
 
   const DrawableField::Derived& layer() const { return *layer_; }
   float step() const { return step_; }                                              ///< metres between samples
@@ -73,7 +73,6 @@ private:
   }
 
   const DrawableField::Derived* layer_;
-  DrawQuality quality_;
   double lattice_per_metre_;
   float step_;
   float optical_length_;

@@ -53,8 +53,8 @@ struct Picture {
 
 /// What a picture costs and how close it comes to the field.
 enum class DrawQuality {
-  kFull, ///< a sample of density in every lattice step, two of the features in each surface
-  kFast  ///< half as many of each
+  kFull,
+  kFast ///< half as many samples along each side of the picture: where there is one for each pixel, one for each four
 };
 
 /// What is drawn beside colour and depth costs only those who ask for it.

@@ -9,9 +9,9 @@ constexpr std::size_t kG = FieldConfig::kGeometry;
 
 } // namespace
 
-void TileShader::shade(const DrawableField::Derived& layer) {
+void TileShader::shade() {
   if (pixels_.empty()) return;
-  evaluate_points(layer.field, layer.levels, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
+  evaluate_points(layer_->field, layer_->levels, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
   color_.input.assign(pixels_.size() * kG, 0.0F);
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const float* g = points_.geometry.data() + i * kG;
@@ -20,7 +20,7 @@ void TileShader::shade(const DrawableField::Derived& layer) {
     for (std::size_t f = 0; f + 1 < kG; ++f) input[f] += share * g[f + 1];
     input[kG - 1] = 1;
   }
-  evaluate_colors(layer.field, pixels_.size(), color_);
+  evaluate_colors(layer_->field, pixels_.size(), color_);
 }
 
 } // namespace kinora::fields

@@ -14,23 +14,28 @@ namespace kinora::fields {
 /// Colours of the surfaces of one layer in a tile that are seen.
 class TileShader {
 public:
+  /// `layer` must outlive this.
+  explicit TileShader(const DrawableField::Derived& layer)
+      : layer_(&layer), near_(kNear / static_cast<float>(layer.field.config.finest_resolution)) {}
   void clear() {
     for (std::vector<float>* values : {&x_, &y_, &z_, &weights_, &opacities_}) values->clear();
     rows_.clear();
     pixels_.clear();
   }
   /// Pixels in ascending order.
-  void add(std::uint32_t pixel, const Surface& surface, float weight, DrawQuality quality) {
+  void add(std::uint32_t pixel, const Surface& surface, float weight) {
     if (pixels_.empty() || pixels_.back() != pixel) {
       pixels_.push_back(pixel);
       opacities_.push_back(0);
     }
     opacities_.back() += weight;
-    if (quality == DrawQuality::kFast) return add_point(surface, 0, weight);
+    // Features hardly change there.
+    const auto& s = surface.spread;
+    if (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] < near_ * near_) return add_point(surface, 0, weight);
     add_point(surface, -1, 0.5F * weight);
     add_point(surface, 1, 0.5F * weight);
   }
-  void shade(const DrawableField::Derived& layer);
+  void shade();
 
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
   float opacity(std::size_t row) const { return opacities_[row]; }
@@ -50,6 +55,9 @@ private:
     rows_.push_back(static_cast<std::uint32_t>(pixels_.size() - 1));
   }
 
+  const DrawableField::Derived* layer_;
+  static constexpr float kNear = 0.75F;    // cells of the finest level
+  float near_;                             // relative to the field's box
   std::vector<float> x_, y_, z_, weights_; // per point
   std::vector<std::uint32_t> rows_;        // per point
   std::vector<std::uint32_t> pixels_;      // per row
