@@ -1,4 +1,8 @@
 #include "fields/march.h"
+
+#include <algorithm>
+#include <cmath>
+
 #include "fields/ray_batch.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -19,11 +23,77 @@ using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 constexpr std::size_t kMostLanes = 16;
 
-/// The lanes' rays, apart by axis; lanes beyond the last ray stand outside.
+/// One ray per lane, from the beginning of its run.
 struct Lanes {
   HWY_ALIGN float origin[3][kMostLanes];
   HWY_ALIGN float direction[3][kMostLanes];
   HWY_ALIGN float begin[kMostLanes];
+  HWY_ALIGN float step[kMostLanes];
+  HWY_ALIGN float transmittance[kMostLanes];
+  HWY_ALIGN float median[kMostLanes];   // step at which half of the light is gone; negative before
+  HWY_ALIGN float weighted[kMostLanes]; // steps from the beginning, by the light that is taken away there …
+  HWY_ALIGN float squared[kMostLanes];  // … and their squares
+  HWY_ALIGN std::int32_t reason[kMostLanes];
+  HWY_ALIGN std::int32_t active[kMostLanes]; // −1 or 0
+  std::size_t ray[kMostLanes];
+  bool taken[kMostLanes] = {};
+
+  void start(std::size_t lane, std::size_t number, const MarchRay& from, float at) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      origin[a][lane] = from.origin[a];
+      direction[a][lane] = from.direction[a];
+    }
+    begin[lane] = step[lane] = at;
+    transmittance[lane] = 1;
+    median[lane] = -1;
+    weighted[lane] = squared[lane] = 0;
+    reason[lane] = 0;
+    active[lane] = -1;
+    ray[lane] = number;
+    taken[lane] = true;
+  }
+  MarchRun run(std::size_t lane) const {
+    const float opacity = 1 - transmittance[lane];
+    const float normaliser = 1 / std::max(opacity, 1e-12F);
+    const float mean = weighted[lane] * normaliser;
+    const float variance = squared[lane] * normaliser - mean * mean;
+    return {opacity,
+            begin[lane] + mean,
+            median[lane] < 0 ? begin[lane] + mean : median[lane],
+            std::sqrt(std::max(variance, 0.0F)),
+            step[lane],
+            static_cast<RunEnd>(reason[lane])};
+  }
+};
+
+/// The rays that are still to be followed: lanes that have ended are given the next ones.
+class Queue {
+public:
+  Queue(const MarchRay* rays, const float* begin, std::size_t n, MarchRun* runs)
+      : rays_(rays), begin_(begin), n_(n), runs_(runs) {}
+  bool empty() const { return next_ == n_; }
+  /// False once all have ended.
+  bool refill(Lanes& lanes, std::size_t count) {
+    bool any = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (lanes.active[i] == 0) {
+        if (lanes.taken[i]) runs_[lanes.ray[i]] = lanes.run(i);
+        lanes.taken[i] = false;
+        if (empty()) continue;
+        lanes.start(i, next_, rays_[next_], begin_[next_]);
+        ++next_;
+      }
+      any = true;
+    }
+    return any;
+  }
+
+private:
+  const MarchRay* rays_;
+  const float* begin_;
+  std::size_t n_;
+  MarchRun* runs_;
+  std::size_t next_ = 0;
 };
 
 /// Bilinear interpolation among the four samples of two pairs, side by side in x.
@@ -66,34 +136,43 @@ HWY_INLINE VF level_at(const std::uint16_t* pairs, VI brick, const Position& at)
   return hn::MulAdd(at.fraction[2], hn::Sub(far, near), near);
 }
 
-void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_length, std::size_t count,
-                 MarchRun* runs) {
+void march(const DensityBricks& bricks, const MarchRay* rays, const float* begins, std::size_t n, float optical_length,
+           MarchRun* runs) {
+  if (bricks.count() == 0) {
+    for (std::size_t i = 0; i < n; ++i) runs[i] = {0, 0, 0, 0, begins[i], RunEnd::kLeft};
+    return;
+  }
   const DF df;
   const DI di;
   static_assert(DensityBricks::kSide == 8);
   const auto zero = hn::Zero(df);
   const auto one = hn::Set(df, 1.0F);
+  const auto half = hn::Set(df, 0.5F);
   const auto limit = hn::Set(df, static_cast<float>(bricks.bricks_per_side() * DensityBricks::kSide));
   const auto per_side = hn::Set(di, bricks.bricks_per_side());
   const auto scale = hn::Set(df, DensityBricks::kStep);
   const auto lowest = hn::Set(df, DensityBricks::kLowest);
   const auto length = hn::Set(df, -optical_length);
-  for (std::size_t first = 0; first < count; first += hn::Lanes(df)) {
-    const auto begin = hn::Load(df, lanes.begin + first);
-    auto step = begin;
-    auto transmittance = one;
-    auto median = hn::Set(df, -1.0F);
-    auto weighted = zero; // by what is taken away there: steps from the begin …
-    auto squared = zero;  // … and their squares
-    auto reason = hn::Zero(di);
-    auto active = hn::Lt(hn::Iota(df, 0), hn::Set(df, static_cast<float>(count - first)));
-    while (!hn::AllFalse(df, active)) {
-      const auto middle = hn::Add(step, hn::Set(df, 0.5F));
+  const std::size_t lane_count = hn::Lanes(df);
+  Lanes lanes{};
+  Queue queue(rays, begins, n, runs);
+  while (queue.refill(lanes, lane_count)) {
+    // As long as there are others to follow, at most a quarter of the lanes may stand idle.
+    const std::size_t enough = queue.empty() ? 0 : lane_count - std::max<std::size_t>(1, lane_count / 4);
+    const auto begin = hn::Load(df, lanes.begin);
+    auto step = hn::Load(df, lanes.step);
+    auto transmittance = hn::Load(df, lanes.transmittance);
+    auto median = hn::Load(df, lanes.median);
+    auto weighted = hn::Load(df, lanes.weighted);
+    auto squared = hn::Load(df, lanes.squared);
+    auto reason = hn::Load(di, lanes.reason);
+    auto active = hn::RebindMask(df, hn::Lt(hn::Load(di, lanes.active), hn::Zero(di)));
+    do {
+      const auto middle = hn::Add(step, half);
       Position at;
       auto inside = active;
       for (int a = 0; a < 3; ++a) {
-        const auto q =
-            hn::MulAdd(middle, hn::Load(df, lanes.direction[a] + first), hn::Load(df, lanes.origin[a] + first));
+        const auto q = hn::MulAdd(middle, hn::Load(df, lanes.direction[a]), hn::Load(df, lanes.origin[a]));
         inside = hn::And(inside, hn::And(hn::Ge(q, zero), hn::Lt(q, limit)));
         at.low[a] = hn::ConvertTo(di, hn::IfThenElseZero(inside, q));
         at.fraction[a] = hn::Sub(q, hn::ConvertTo(df, at.low[a]));
@@ -109,7 +188,6 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
       weighted = hn::Add(weighted, moment);
       squared = hn::MulAdd(moment, hn::Sub(middle, begin), squared);
       const auto behind = hn::Sub(transmittance, weight);
-      const auto half = hn::Set(df, 0.5F);
       median = hn::IfThenElse(hn::And(hn::Gt(transmittance, half), hn::Le(behind, half)), middle, median);
       transmittance = behind;
       step = hn::IfThenElse(inside, hn::Add(step, one), step);
@@ -120,44 +198,14 @@ void march_lanes(const DensityBricks& bricks, const Lanes& lanes, float optical_
       reason = hn::IfThenElse(hn::RebindMask(di, opaque), hn::Set(di, static_cast<int>(RunEnd::kOpaque)), reason);
       reason = hn::IfThenElse(hn::RebindMask(di, left), hn::Set(di, static_cast<int>(RunEnd::kLeft)), reason);
       active = hn::AndNot(hn::Or(gap, opaque), inside);
-    }
-    HWY_ALIGN float opacities[kMostLanes], means[kMostLanes], medians[kMostLanes], spreads[kMostLanes],
-        ends[kMostLanes];
-    HWY_ALIGN std::int32_t reasons[kMostLanes];
-    const auto opacity = hn::Sub(one, transmittance);
-    const auto normaliser = hn::Div(one, hn::Max(opacity, hn::Set(df, 1e-12F)));
-    const auto mean = hn::Mul(weighted, normaliser);
-    const auto variance = hn::NegMulAdd(mean, mean, hn::Mul(squared, normaliser));
-    hn::Store(opacity, df, opacities);
-    const auto mean_step = hn::Add(begin, mean);
-    hn::Store(mean_step, df, means);
-    hn::Store(hn::IfThenElse(hn::Lt(median, zero), mean_step, median), df, medians);
-    hn::Store(hn::Sqrt(hn::Max(variance, zero)), df, spreads);
-    hn::Store(step, df, ends);
-    hn::Store(reason, di, reasons);
-    for (std::size_t i = 0; i < std::min<std::size_t>(hn::Lanes(df), count - first); ++i) {
-      runs[first + i] = {opacities[i], means[i], medians[i], spreads[i], ends[i], static_cast<RunEnd>(reasons[i])};
-    }
-  }
-}
-
-void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin, std::size_t n, float optical_length,
-           MarchRun* runs) {
-  if (bricks.count() == 0) {
-    for (std::size_t i = 0; i < n; ++i) runs[i] = {0, 0, 0, 0, begin[i], RunEnd::kLeft};
-    return;
-  }
-  Lanes lanes{};
-  for (std::size_t first = 0; first < n; first += kMostLanes) {
-    const std::size_t count = std::min(kMostLanes, n - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        lanes.origin[a][i] = rays[first + i].origin[a];
-        lanes.direction[a][i] = rays[first + i].direction[a];
-      }
-      lanes.begin[i] = begin[first + i];
-    }
-    march_lanes(bricks, lanes, optical_length, count, runs + first);
+    } while (hn::CountTrue(df, active) > enough);
+    hn::Store(step, df, lanes.step);
+    hn::Store(transmittance, df, lanes.transmittance);
+    hn::Store(median, df, lanes.median);
+    hn::Store(weighted, df, lanes.weighted);
+    hn::Store(squared, df, lanes.squared);
+    hn::Store(reason, di, lanes.reason);
+    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, active)), di, lanes.active);
   }
 }
 
