@@ -218,7 +218,8 @@ struct WayBack {
 /// Newton's method from `start`. Nodes are looked for again once the point has gone farther than changes them.
 HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const Vec3& direction, const Vec3& start) {
   constexpr int kSteps = 12;
-  constexpr float kTolerance = 2e-5F;     // metres
+  constexpr float kTolerance = 2e-5F;     // metres that may be left
+  constexpr float kQuadratic = 8e-4F;     // metres that one more step brings below that where the warp is regular
   constexpr float kSmallestVolume = 0.1F; // of what the warp makes of a unit: below, it folds
   const float radius_squared = 1 / motion.cells->inverse_squared_weight_radius;
   const F stale = constant(4e-4F * radius_squared);   // squared: a fiftieth of the weights' radius
@@ -234,8 +235,6 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
     const Vec3 miss = sub(world, moved.point);
     const Vec3 gone = sub(back.point, found_at);
     const Mask fresh = hn::Le(dot(gone, gone), stale);
-    const Mask close = hn::And(nodes.present[0], hn::Le(dot(miss, miss), constant(kTolerance * kTolerance)));
-    back.found = hn::And(fresh, close);
     // Cofactors of the derivative.
     const Vec3 c0 = cross(moved.columns[1], moved.columns[2]);
     const Vec3 c1 = cross(moved.columns[2], moved.columns[0]);
@@ -249,13 +248,15 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
       return choose(regular, solved, rotated_back(blend, v));
     };
     back.direction = pull_back(direction);
+    const F tolerance = hn::IfThenElse(regular, constant(kQuadratic * kQuadratic), constant(kTolerance * kTolerance));
+    const Mask close = hn::And(nodes.present[0], hn::Le(dot(miss, miss), tolerance));
+    back.found = hn::And(fresh, close);
     const Mask finished = hn::Or(back.found, hn::Not(nodes.present[0]));
-    if (hn::AllTrue(Floats(), finished)) break;
-    const Mask moving = hn::AndNot(close, hn::Not(finished));
     Vec3 by = pull_back(miss);
     const F length = dot(by, by);
     by = mul(hn::Min(constant(1), hn::Sqrt(hn::Div(longest, hn::Max(length, constant(1e-30F))))), by);
-    back.point = choose(moving, add(back.point, by), back.point);
+    back.point = choose(nodes.present[0], add(back.point, by), back.point);
+    if (hn::AllTrue(Floats(), finished)) break;
     const Vec3 now_gone = sub(back.point, found_at);
     if (!hn::AllTrue(Floats(), hn::Or(finished, hn::Le(dot(now_gone, now_gone), stale)))) {
       find_nodes(motion, back.point, nodes);
