@@ -139,8 +139,10 @@ private:
 } // namespace
 
 DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.finest_resolution) {
-  while (4 * resolution_ <= kMostResolution) resolution_ *= 2;
-  while (resolution_ > kMostResolution) resolution_ = (resolution_ + 1) / 2;
+  constexpr int kFine = 512;
+  while (4 * resolution_ <= kFine) resolution_ *= 2; // what nets bend within the cells of small fields
+  // Large fields are trained with samples as far apart as the sensor's noise asks for, some cells.
+  for (int most = kFine; resolution_ > most; most = kMostResolution) resolution_ = (resolution_ + 1) / 2;
   const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);
   constexpr std::size_t kChunk = 64;
   struct Part {

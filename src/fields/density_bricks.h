@@ -14,16 +14,16 @@
 
 namespace kinora::fields {
 
-/// Lattice coordinates: relative position (FieldBox) times resolution(), which is the field's finest, or that halved. A
-/// brick holds the samples
-/// 8b … 8b + 8 along each axis, so that interpolation between them needs no other brick. Immutable, thread-safe.
+/// Lattice coordinates: relative position (FieldBox) times resolution(), which is the field's finest, doubled or
+/// halved. A brick holds the samples 8b … 8b + 8 along each axis, so that interpolation between them needs no other
+/// brick. Immutable, thread-safe.
 class DensityBricks {
 public:
   static constexpr int kSide = 8; ///< lattice steps per side of a brick
   static constexpr int kLevels = kSide + 1;
   /// Pairs per brick: x, then y, then z fastest to slowest; y from 0 to 7, x and z from 0 to 8.
   static constexpr int kPairs = kLevels * kSide * kLevels;
-  static constexpr int kMostResolution = 512;
+  static constexpr int kMostResolution = 1024;
   /// A byte b stands for the raw density kLowest + b · kStep; 0 for what is empty.
   static constexpr float kLowest = -8.0F;
   static constexpr float kStep = 19.0F / 255.0F; ///< the largest is kMaxRawDensity
