@@ -153,35 +153,43 @@ private:
   // One pixel out of the samples from (left, top) in the tile: colours are averaged by their opacity, in sRGB as
   // pictures are compared; depth is that of the samples in the middle of all from near to far.
   void write(int left, int top) {
+    const int first = top * kTile + left;
+    if (per_side_ == 1) {
+      const Sample& sample = samples_[static_cast<std::size_t>(first)];
+      if (sample.opacity > 0) put(left_ + left, top_ + top, sample, sample.color, sample.opacity, shown(sample));
+      return;
+    }
     order_.clear();
     std::array<float, 3> color{};
     float opacity = 0, drawn = 0;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    for (int v = top; v < top + per_side_; ++v) {
-      for (int u = left; u < left + per_side_; ++u) {
-        const int number = v * kTile + u;
+    for (int v = 0; v < per_side_; ++v) {
+      for (int u = 0; u < per_side_; ++u) {
+        const int number = first + v * kTile + u;
         const Sample& sample = samples_[static_cast<std::size_t>(number)];
-        if (per_side_ > 1) order_.push_back(&sample);
+        order_.push_back(&sample);
         for (std::size_t c = 0; c < 3; ++c) color[c] += sample.color[c];
         opacity += sample.opacity;
-        drawn += sample.opacity > 1 - 2 * kOpaque ? 1.0F : sample.opacity;
-        if (options_.normals) normal += sample.normal;
+        drawn += shown(sample);
+        normal += sample.normal;
       }
     }
     if (opacity <= 0) return;
-    const int u = (left_ + left) / per_side_;
-    const int v = (top_ + top) / per_side_;
+    Sample middle = middle_sample();
+    if (const float length = normal.norm(); length > 1e-6F) middle.normal = normal / length;
+    put((left_ + left) / per_side_, (top_ + top) / per_side_, middle, color, opacity,
+        drawn / static_cast<float>(per_side_ * per_side_));
+  }
+  static float shown(const Sample& sample) { return sample.opacity > 1 - 2 * kOpaque ? 1.0F : sample.opacity; }
+
+  // `color`: times `opacity`, of all the pixel's samples.
+  void put(int u, int v, const Sample& middle, const std::array<float, 3>& color, float opacity, float alpha) {
     std::uint8_t* pixel = picture_.color.pixel(u, v);
     for (std::size_t c = 0; c < 3; ++c) pixel[c] = to_byte(color[c] / opacity);
-    pixel[3] = to_byte(drawn / static_cast<float>(per_side_ * per_side_));
-    const Sample& middle = per_side_ > 1 ? middle_sample() : samples_[static_cast<std::size_t>(top * kTile + left)];
+    pixel[3] = to_byte(alpha);
     picture_.depth.at(u, v) = middle.depth;
     picture_.front.at(u, v) = middle.front;
-    if (options_.normals && middle.depth > 0) {
-      const float length = normal.norm();
-      normal = length > 1e-6F ? Eigen::Vector3f(normal / length) : middle.normal;
-      std::copy_n(normal.data(), 3, picture_.normal.pixel(u, v));
-    }
+    if (options_.normals && middle.depth > 0) std::copy_n(middle.normal.data(), 3, picture_.normal.pixel(u, v));
   }
   // Of order_, from near to far.
   const Sample& middle_sample() {
