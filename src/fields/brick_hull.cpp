@@ -23,6 +23,10 @@ HullFace face_of(const std::array<std::uint32_t, 8>& corners, std::size_t direct
   return face;
 }
 
+PosedHull::Corner carried(const SE3& transform, const Eigen::Vector3d& canonical) {
+  return {transform * canonical, transform.linear().transpose().cast<float>()};
+}
+
 } // namespace
 
 BrickHull::BrickHull(const DensityBricks& bricks, const FieldBox& box)
@@ -54,6 +58,7 @@ BrickHull::BrickHull(const DensityBricks& bricks, const FieldBox& box)
       if (is_new) {
         const Eigen::Vector3d lattice = Eigen::Vector3d(at[0], at[1], at[2]) * kCellSide;
         corners_.emplace_back(box.origin + lattice * (box.side / bricks.resolution()));
+        places_.emplace_back(lattice.cast<float>());
       }
       cell.corners[static_cast<std::size_t>(c)] = found->second;
     }
@@ -100,7 +105,8 @@ void BrickHull::follow(const tracking::DeformationGraph& graph) {
   });
 }
 
-PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp) : corners_(hull.corners().size()) {
+PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp)
+    : corners_(hull.corners().size()), places_(hull.places()) {
   carry_corners(hull, warp);
   std::vector<std::uint8_t> whole(hull.cells().size());
   cells_.resize(whole.size());
@@ -121,12 +127,10 @@ PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp) : corner
 void PosedHull::carry_corners(const BrickHull& hull, const tracking::Warp& warp) {
   parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const Eigen::Vector3d& canonical = hull.corners()[i];
       if (hull.influences()[i].count == 0) {
-        corners_[i] = {canonical, Eigen::Vector3d::Constant(std::nan("")), Eigen::Matrix3d::Identity()};
+        corners_[i] = {Eigen::Vector3d::Constant(std::nan("")), Eigen::Matrix3f::Identity()};
       } else {
-        const SE3 transform = warp.at(hull.influences()[i]);
-        corners_[i] = {canonical, transform * canonical, transform.linear().transpose()};
+        corners_[i] = carried(warp.at(hull.influences()[i]), hull.corners()[i]);
       }
     }
   });
@@ -146,15 +150,16 @@ void PosedHull::carry_rigidly(const BrickHull& hull, std::span<const std::size_t
   const std::size_t first_corner = corners_.size();
   const std::size_t first_face = faces_.size();
   corners_.resize(first_corner + 8 * cells.size());
+  places_.resize(corners_.size());
   faces_.resize(first_face + kFaces.size() * cells.size());
   parallel_for(cells.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
       std::array<std::uint32_t, 8>& cell = cells_[cells[k]];
       const SE3 transform = warp.at(hull.middle_influences()[cells[k]]);
       for (std::size_t i = 0; i < 8; ++i) {
-        const Eigen::Vector3d& canonical = hull.corners()[cell[i]];
         const std::size_t corner = first_corner + 8 * k + i;
-        corners_[corner] = {canonical, transform * canonical, transform.linear().transpose()};
+        corners_[corner] = carried(transform, hull.corners()[cell[i]]);
+        places_[corner] = hull.places()[cell[i]];
         cell[i] = static_cast<std::uint32_t>(corner);
       }
       for (std::size_t d = 0; d < kFaces.size(); ++d) {

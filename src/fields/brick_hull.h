@@ -30,6 +30,7 @@ public:
     std::array<std::int32_t, 6> neighbours; ///< −x, +x, −y, +y, −z, +z; −1: none
   };
   const std::vector<Eigen::Vector3d>& corners() const { return corners_; } ///< canonical, metres
+  const std::vector<Eigen::Vector3f>& places() const { return places_; }   ///< of the corners, lattice steps
   const std::vector<Cell>& cells() const { return cells_; }
   /// Number of a cell by its coordinates, in cells; −1: none.
   std::int32_t cell_at(const DensityBricks& bricks, int x, int y, int z) const;
@@ -50,6 +51,7 @@ public:
 private:
   double cell_side_ = 0;
   std::vector<Eigen::Vector3d> corners_;
+  std::vector<Eigen::Vector3f> places_;
   std::vector<Cell> cells_;
   std::vector<std::array<std::int32_t, 8>> cells_of_brick_; // −1: none
   std::vector<HullFace> faces_;
@@ -65,11 +67,11 @@ public:
   PosedHull(const BrickHull& hull, const tracking::Warp& warp);
 
   struct Corner {
-    Eigen::Vector3d canonical;            ///< metres
     Eigen::Vector3d world;                ///< metres; NaN where the motion is not known
-    Eigen::Matrix3d canonical_from_world; ///< rotation
+    Eigen::Matrix3f canonical_from_world; ///< rotation
   };
   const std::vector<Corner>& corners() const { return corners_; }
+  const std::vector<Eigen::Vector3f>& places() const { return places_; } ///< of the corners, canonical, lattice steps
   /// By the cells' numbers, as BrickHull::Cell::corners.
   const std::vector<std::array<std::uint32_t, 8>>& cells() const { return cells_; }
   const std::vector<HullFace>& faces() const { return faces_; }
@@ -80,6 +82,7 @@ private:
   void carry_rigidly(const BrickHull& hull, std::span<const std::size_t> cells, const tracking::Warp& warp);
 
   std::vector<Corner> corners_;
+  std::vector<Eigen::Vector3f> places_;
   std::vector<std::array<std::uint32_t, 8>> cells_;
   std::vector<HullFace> faces_;
 };

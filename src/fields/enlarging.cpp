@@ -65,8 +65,8 @@ private:
       for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * static_cast<float>(corners[k][c]);
     }
     if (alpha < 0.5F) return;
-    for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(sum[c] / alpha + 0.5F);
-    out[3] = static_cast<std::uint8_t>(alpha + 0.5F);
+    for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::lrint(sum[c] / alpha));
+    out[3] = static_cast<std::uint8_t>(std::lrint(alpha));
   }
 
   float depth_at(const Between& x, const Between& y) const {

@@ -39,32 +39,33 @@ void LayerView::look(const SE3& canonical_from_camera, const SE3& camera_from_ca
   stand(canonical_from_camera);
   const BrickHull& hull = layer_->hull;
   corners_.resize(hull.corners().size());
-  places_.resize(hull.corners().size());
   ways_.resize(hull.corners().size());
   parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       corners_[i] = (camera_from_canonical * hull.corners()[i]).cast<float>();
-      places_[i] = to_lattice(hull.corners()[i]);
-      ways_[i] = places_[i] - camera_place_;
+      ways_[i] = hull.places()[i] - camera_place_;
     }
   });
+  places_ = &hull.places();
   faces_ = &hull.faces();
 }
 
 // A deforming one.
 void LayerView::look(const PosedHull& hull, const SE3& camera_from_world) {
   const Eigen::Vector3d centre = camera_from_world.inverse().translation();
+  const Eigen::Matrix3f turn = camera_from_world.linear().cast<float>();
+  const auto per_metre = static_cast<float>(lattice_per_metre_);
   corners_.resize(hull.corners().size());
-  places_.resize(hull.corners().size());
   ways_.resize(hull.corners().size());
   parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const PosedHull::Corner& corner = hull.corners()[i];
-      corners_[i] = (camera_from_world * corner.world).cast<float>();
-      places_[i] = to_lattice(corner.canonical);
-      ways_[i] = (corner.canonical_from_world * (corner.world - centre) * lattice_per_metre_).cast<float>();
+      const Eigen::Vector3f from_camera = (corner.world - centre).cast<float>();
+      corners_[i] = turn * from_camera;
+      ways_[i] = per_metre * (corner.canonical_from_world * from_camera);
     }
   });
+  places_ = &hull.places();
   faces_ = &hull.faces();
   cells_ = &hull.cells();
 }
@@ -88,7 +89,7 @@ LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bin
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& row = triangle.rows[i];
     const float share = (row[0] * ray.x() + row[1] * ray.y() + row[2]) * entry.depth;
-    place.at += share * places_[triangle.corners[i]];
+    place.at += share * (*places_)[triangle.corners[i]];
     place.way += share * ways_[triangle.corners[i]];
   }
   return place;

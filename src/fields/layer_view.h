@@ -77,8 +77,8 @@ private:
   float step_;
   float optical_length_;
   std::vector<Eigen::Vector3f> corners_;
-  std::vector<Eigen::Vector3f> places_; // of the corners, lattice
-  std::vector<Eigen::Vector3f> ways_;   // from the camera to the corners, turned into canonical space, lattice
+  const std::vector<Eigen::Vector3f>* places_ = nullptr; // of the corners, lattice
+  std::vector<Eigen::Vector3f> ways_; // from the camera to the corners, turned into canonical space, lattice
   const std::vector<HullFace>* faces_ = nullptr;
   const std::vector<std::array<std::uint32_t, 8>>* cells_ = nullptr; // of a layer that deforms
   bool holds_camera_ = false;

@@ -205,7 +205,7 @@ private:
 
   bool in_picture(std::size_t p) const { return u_of(p) < intrinsics_.width && v_of(p) < intrinsics_.height; }
   static std::uint8_t to_byte(float value) {
-    return static_cast<std::uint8_t>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);
+    return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(value, 0.0F, 1.0F)));
   }
 
   std::span<const LayerView> views_;

@@ -51,12 +51,14 @@ void SmoothCells::judge(float tolerance) {
 
 std::optional<Surface> SmoothCells::at(std::uint32_t pixel) const {
   constexpr std::uint32_t kTile = TriangleBins::kTile;
-  const std::uint32_t x = std::min<std::uint32_t>(pixel % kTile / kStep, kAnchors - 2);
-  const std::uint32_t y = std::min<std::uint32_t>(pixel / kTile / kStep, kAnchors - 2);
+  const std::uint32_t u = pixel % kTile;
+  const std::uint32_t v = pixel / kTile;
+  const std::uint32_t x = std::min<std::uint32_t>(u / kStep, kAnchors - 2);
+  const std::uint32_t y = std::min<std::uint32_t>(v / kStep, kAnchors - 2);
   const std::size_t i = y * kAnchors + x;
   if (!smooth_[i]) return std::nullopt;
-  const float along = static_cast<float>(pixel % kTile - kStep * x) / kStep;
-  const float down = static_cast<float>(pixel / kTile - kStep * y) / kStep;
+  const float along = static_cast<float>(u - kStep * x) / kStep;
+  const float down = static_cast<float>(v - kStep * y) / kStep;
   return between(between(surfaces_[i], surfaces_[i + 1], along),
                  between(surfaces_[i + kAnchors], surfaces_[i + kAnchors + 1], along), down);
 }

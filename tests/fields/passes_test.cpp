@@ -57,7 +57,7 @@ TEST(Normals, OfALayerThatDeformsFollowTheInverseTransposeOfItsMotion) {
   const NormalError error = normal_error(with_normals(pose(field, warp), camera), camera, [&](const auto& point) {
     const auto found = warp.to_canonical(point);
     if (!found) return Eigen::Vector3d(0, 0, 0);
-    const Eigen::Vector3d canonical = *found;
+    const Eigen::Vector3d& canonical = *found;
     Eigen::Matrix3d jacobian;
     for (int a = 0; a < 3; ++a) {
       const Eigen::Vector3d step = 1e-3 * Eigen::Vector3d::Unit(a);

@@ -19,7 +19,8 @@ SmoothCells cells_of(
   for (std::uint32_t p = 0; p < kTile * kTile; ++p) {
     if (!SmoothCells::is_anchor(p) || !has(p)) continue;
     const auto x = static_cast<float>(p % kTile);
-    const auto y = static_cast<float>(p / kTile);
+    const std::uint32_t row = p / kTile;
+    const auto y = static_cast<float>(row);
     const float z = depth(x, y);
     cells.set(p, {z, 1, 0, {0.001F * x, 0.001F * y, z}, {0, 0, 0.001F}});
   }
@@ -34,7 +35,8 @@ TEST(SmoothCells, APlaneIsFilledExactly) {
     const auto surface = cells.at(p);
     ASSERT_TRUE(surface.has_value()) << p;
     const auto x = static_cast<float>(p % kTile);
-    const auto y = static_cast<float>(p / kTile);
+    const std::uint32_t row = p / kTile;
+    const auto y = static_cast<float>(row);
     EXPECT_NEAR(surface->depth, plane(x, y), 1e-6);
     EXPECT_NEAR(surface->position[0], 0.001F * x, 1e-6);
     EXPECT_NEAR(surface->position[1], 0.001F * y, 1e-6);
