@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "encode/motion_refinement.h"
 #include "encode/scene_tracker.h"
 #include "encode/size_report.h"
 #include "encode/stage_times.h"
@@ -201,6 +202,12 @@ Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   return out;
 }
 
+Json refinement_json(const MotionRefinement& refinement) {
+  return {{"frames", refinement.frames},
+          {"color_difference_before", round4(refinement.color_before)},
+          {"color_difference_after", round4(refinement.color_after)}};
+}
+
 std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion) {
   if (label.plan.motion == tracking::MotionKind::kRigid && motion.kind() == tracking::MotionKind::kStill) {
     return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
@@ -216,6 +223,26 @@ std::string unique_name(const std::string& wanted, const Clip& clip) {
   };
   for (int i = 2; taken(); ++i) name = fmt::format("{}{}", wanted, i);
   return name;
+}
+
+// A short training with the tracker's motion, and that motion aligned through what was learnt.
+MotionRefinement refine_layer(const TrackedLabel& tracked, const fields::FieldConfig& config,
+                              const fields::TrainerConfig& trainer, Pass& pass, Layer& layer, Progress& progress) {
+  constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
+  fields::TrainerConfig shorter = trainer;
+  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
+  shorter.largest_log2_table_size = 0;
+  progress.stage("training a draft of " + layer.name, shorter.rays);
+  const fields::Field draft = pass.times.measure("train a draft of " + layer.name, [&] {
+    return fields::train_field(pass.pixels, tracked.plan.label, layer.motion, config, shorter, progress);
+  });
+  MotionRefinement refinement;
+  progress.stage("refining the motion of " + layer.name, pass.pixels.frames().size());
+  layer.motion = pass.times.measure("refine the motion of " + layer.name, [&] {
+    return refine_motion(draft, pass.pixels, tracked.plan.label, layer.motion, tracked.bending->edges(),
+                         tracked.bending->node_spacing(), progress, &refinement);
+  });
+  return refinement;
 }
 
 void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, Json& report, Progress& progress) {
@@ -237,6 +264,10 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
     });
   }
   config.geometry = trial.chosen;
+  MotionRefinement refinement;
+  if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
+    refinement = refine_layer(tracked, config, trainer, pass, layer, progress);
+  }
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
@@ -263,6 +294,9 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                                 {"bytes", training.bytes},
                                 {"final_loss", training.final_loss},
                                 {"restarts", training.restarts}}}});
+  if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
+    report["layers"].back()["refinement"] = refinement_json(refinement);
+  }
   pass.clip.layers.push_back(std::move(layer));
 }
 

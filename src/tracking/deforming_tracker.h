@@ -61,6 +61,8 @@ public:
   /// Canonical model; nullptr before the layer's first frame.
   const TsdfVolume* model() const { return volume_.get(); }
   double node_spacing() const { return spacing_; }
+  /// Which nodes of the motion's graph hold each other.
+  const std::vector<GraphEdge>& edges() const { return edges_; }
 
 private:
   struct Past;

@@ -1,0 +1,355 @@
+#include "encode/motion_refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/parallel.h"
+#include "fields/ray_response.h"
+#include "fields/rim_pixels.h"
+#include "fields/surface_band.h"
+#include "tracking/bulk_warp.h"
+#include "tracking/deforming_problem.h"
+#include "tracking/statistics.h"
+
+namespace kinora::encode {
+namespace {
+
+using fields::RayResponse;
+using tracking::BulkWarp;
+using tracking::NodeStates;
+
+constexpr std::size_t kPixels = 4000;    // of a frame
+constexpr std::size_t kRimPixels = 3000; // besides, on either side of the rim
+constexpr std::size_t kFewest = 100;     // pixels with colour that a frame must have
+constexpr int kRounds = 2;               // Gauss–Newton steps, each with the field looked at anew
+constexpr std::size_t kRaysPerChunk = 128;
+// Neighbouring pixels are not independent: what a row weighs.
+constexpr double kShare = 0.3;
+constexpr double kOpacitySigma = 0.3;
+constexpr double kLeastColorSigma = 0.01;
+constexpr double kRigidity = 0.1;     // standard deviation of a neighbour's place, in units of the nodes' spacing
+constexpr double kPriorSigma = 0.01;  // metres from where the tracker had a node
+constexpr double kHuber = 1.5;        // standard deviations
+constexpr double kMostDeviations = 3; // a residual costs no more than so many
+
+/// A pixel and the depth about which its ray is looked at.
+struct Probe {
+  std::uint32_t pixel;
+  float depth;
+  bool own;
+};
+
+std::array<float, 3> to_array(const Eigen::Vector3d& v) {
+  const Eigen::Vector3f single = v.cast<float>();
+  return {single.x(), single.y(), single.z()};
+}
+
+Eigen::Vector3d to_vector(const std::array<float, 3>& v) { return Eigen::Vector3f(v.data()).cast<double>(); }
+
+std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields::StoredFrame& frame, int label,
+                                 const fields::FieldConfig& config) {
+  std::vector<Probe> own;
+  for (std::size_t i = frame.begin; i < frame.end; ++i) {
+    const fields::StoredPixel& pixel = pixels.pixels()[i];
+    if (pixel.label == label && pixel.depth != 0) {
+      own.push_back({static_cast<std::uint32_t>(i), std::abs(pixel.depth), true});
+    }
+  }
+  std::vector<Probe> probes;
+  const auto spread = [&](std::size_t count, std::size_t most, const auto& probe_of) {
+    const std::size_t stride = (count + most - 1) / most;
+    for (std::size_t i = stride / 2; i < count; i += stride) probes.push_back(probe_of(i));
+  };
+  const fields::RimPixels rim = fields::rim_pixels(pixels, frame, label, config);
+  const auto of_rim = [](const fields::RimPixel& pixel, bool is_own) {
+    return Probe{pixel.pixel, pixel.depth, is_own};
+  };
+  spread(own.size(), kPixels, [&](std::size_t i) { return own[i]; });
+  spread(rim.inside.size(), kRimPixels, [&](std::size_t i) { return of_rim(rim.inside[i], true); });
+  spread(rim.outside.size(), kRimPixels, [&](std::size_t i) { return of_rim(rim.outside[i], false); });
+  return probes;
+}
+
+/// What a field shows where one frame's pixels look, for any states of the nodes.
+class FrameView {
+public:
+  FrameView(const fields::Field& field, const fields::PixelStore& pixels, const fields::StoredFrame& frame, int label)
+      : field_(field), levels_(fields::grid_levels(field.config)), pixels_(pixels), frame_(frame),
+        probes_(choose_probes(pixels, frame, label, field.config)), responses_(probes_.size()),
+        places_(probes_.size()) {}
+
+  void look(const BulkWarp& warp) {
+    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { look(warp, chunk); });
+  }
+
+  std::size_t size() const { return probes_.size(); }
+  /// Of the surface that the pixel shows, canonical, relative to the warp's origin; not a number if there is none.
+  const Eigen::Vector3d& place(std::size_t i) const { return places_[i]; }
+  const Eigen::Vector3d& slope(std::size_t i, std::size_t value) const { return responses_[i].by_place[value]; }
+  bool is_own(std::size_t i) const { return probes_[i].own; }
+  bool has_color(std::size_t i) const { return probes_[i].own && places_[i].allFinite() && responses_[i].is_opaque; }
+
+  /// What the field shows less what the pixel does; nothing where one of them shows nothing.
+  std::optional<double> residual(std::size_t i, std::size_t value) const {
+    const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
+    const RayResponse& response = responses_[i];
+    if (!places_[i].allFinite()) return std::nullopt;
+    if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].own ? 1.0 : 0.0);
+    if (!has_color(i)) return std::nullopt;
+    if (value == RayResponse::kDepth) return pixel.depth > 0 ? std::optional(response.value[value]) : std::nullopt;
+    return response.value[value] - pixel.color[value] / 255.0;
+  }
+  double depth_sigma(std::size_t i) const { return ingest::depth_sigma(probes_[i].depth); }
+
+  /// Typical difference of colour, robustly; nothing with too few pixels.
+  std::optional<double> color_sigma() const {
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (!has_color(i)) continue;
+      for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
+    }
+    if (sizes.size() < RayResponse::kColors * kFewest) return std::nullopt;
+    return std::max(kLeastColorSigma, 1.4826 * tracking::median(sizes));
+  }
+
+private:
+  void look(const BulkWarp& warp, const Chunk& chunk) {
+    const SE3& to_world = frame_.camera.camera_to_world;
+    const Eigen::Vector3d eye = to_world.translation() - warp.world_origin();
+    std::vector<BulkWarp::Ray> rays;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
+      const Eigen::Vector3d direction = to_world.linear() * frame_.camera.intrinsics.unproject(pixel.u, pixel.v, 1.0);
+      rays.push_back({to_array(eye + probes_[i].depth * direction), to_array(direction),
+                      fields::surface_band(field_.config, probes_[i].depth), 0});
+    }
+    std::vector<BulkWarp::CanonicalRay> back(rays.size());
+    warp.to_canonical(rays, back.data());
+    std::vector<fields::CanonicalRay> canonical;
+    canonical.reserve(rays.size());
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      canonical.push_back({to_vector(back[k].point) + warp.canonical_origin(),
+                           to_vector(back[k].direction),
+                           {to_vector(back[k].bends[0]), to_vector(back[k].bends[1])},
+                           static_cast<double>(rays[k].reach),
+                           to_vector(rays[k].direction).norm()});
+    }
+    respond(field_, levels_, canonical, responses_.data() + chunk.begin);
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      const double depth = responses_[chunk.begin + k].value[RayResponse::kDepth];
+      places_[chunk.begin + k] = to_vector(back[k].point) + depth * canonical[k].direction;
+    }
+  }
+
+  const fields::Field& field_;
+  std::vector<fields::GridLevel> levels_;
+  const fields::PixelStore& pixels_;
+  const fields::StoredFrame& frame_;
+  std::vector<Probe> probes_;
+  std::vector<RayResponse> responses_;
+  std::vector<Eigen::Vector3d> places_;
+};
+
+double weight_of(const FrameView& view, std::size_t i, std::size_t value, double color_sigma) {
+  const double sigma = value == RayResponse::kOpacity ? kOpacitySigma
+                       : value == RayResponse::kDepth ? view.depth_sigma(i)
+                                                      : color_sigma;
+  return std::sqrt(kShare) / sigma;
+}
+
+// Of all rows, each bounded: a pixel that shows the layer where the field shows nothing costs the most.
+double cost(const FrameView& view, double color_sigma) {
+  double sum = 0;
+  for (std::size_t i = 0; i < view.size(); ++i) {
+    for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
+      if (v == RayResponse::kDepth) continue;
+      const auto residual = view.residual(i, v);
+      if (!residual && !view.is_own(i)) continue;
+      const double most = kShare * kMostDeviations * kMostDeviations;
+      const double deviations = residual ? *residual * weight_of(view, i, v, color_sigma) : most;
+      sum += std::min(deviations * deviations, most);
+    }
+  }
+  return sum;
+}
+
+/// Refines one frame after the other.
+class Refiner {
+public:
+  Refiner(const fields::Field& field, const fields::PixelStore& pixels, int label, const tracking::Motion& motion,
+          std::span<const tracking::GraphEdge> edges, double node_spacing)
+      : field_(field), pixels_(pixels), label_(label), graph_(motion.graph()),
+        table_(std::make_shared<const tracking::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing) {
+    for (const Eigen::Vector3d& node : graph_->nodes()) nodes_.emplace_back(node - table_->origin());
+  }
+
+  /// Whether nodes were moved.
+  bool refine(const fields::StoredFrame& frame, std::vector<DualQuaternion>& nodes, MotionRefinement& report) const {
+    FrameView view(field_, pixels_, frame, label_);
+    std::vector<DualQuaternion> best = nodes;
+    double best_cost = 0;
+    double first_sigma = 0;
+    double best_sigma = 0;
+    bool moved = false;
+    for (int round = 0; round <= kRounds; ++round) {
+      const BulkWarp warp(table_, tracking::Warp(graph_, nodes));
+      view.look(warp);
+      const auto sigma = view.color_sigma();
+      if (!sigma) break;
+      if (round == 0) first_sigma = *sigma;
+      const double now = cost(view, first_sigma);
+      if (round > 0 && !(now < best_cost)) break;
+      moved = round > 0;
+      best = nodes;
+      best_cost = now;
+      best_sigma = *sigma;
+      if (round < kRounds && !step(view, warp, *sigma, nodes)) break;
+    }
+    nodes = std::move(best);
+    if (!moved) return false;
+    ++report.frames;
+    report.color_before += first_sigma;
+    report.color_after += best_sigma;
+    return true;
+  }
+
+private:
+  // The nodes' transforms between coordinates relative to the warp's origins.
+  NodeStates states_of(const std::vector<DualQuaternion>& nodes, const BulkWarp& warp) const {
+    NodeStates states;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const SE3 relative(Eigen::Translation3d(-warp.world_origin()) * nodes[n].to_se3() *
+                         Eigen::Translation3d(table_->origin()));
+      states.push_back(DualQuaternion::from(relative), nodes_[n]);
+    }
+    return states;
+  }
+
+  // Where a layer moves, its canonical space moves the other way beneath the ray: each residual is linear in the place
+  // of the surface point, as that of a plane.
+  void add_rows(const FrameView& view, const NodeStates& states, double color_sigma,
+                std::vector<tracking::SkinnedPoint>& points, std::vector<tracking::PointTerms>& terms) const {
+    for (std::size_t i = 0; i < view.size(); ++i) {
+      if (!view.place(i).allFinite()) continue;
+      const tracking::Influence influence = graph_->influence(view.place(i) + table_->origin());
+      if (influence.count == 0) continue;
+      const tracking::BlendedMotion blended = tracking::blend_motion(states, influence);
+      const Eigen::Vector3d place = blended.apply(view.place(i));
+      for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
+        const auto residual = view.residual(i, v);
+        const Eigen::Vector3d gradient = -blended.rotate(view.slope(i, v));
+        const double length = gradient.norm();
+        if (!residual || !(length > 1e-6)) continue;
+        tracking::PointTerms term;
+        term.plane_normal = gradient / length;
+        term.plane_offset = *residual / length - term.plane_normal.dot(place);
+        term.plane_scale = length * weight_of(view, i, v, color_sigma);
+        points.push_back({view.place(i), Eigen::Vector3d::UnitZ(), influence});
+        terms.push_back(term);
+      }
+    }
+  }
+
+  // One damped Gauss–Newton step; false if none lowers the energy.
+  bool step(const FrameView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
+    constexpr int kIterations = 60;
+    constexpr double kTolerance = 1e-2;
+    const NodeStates states = states_of(nodes, warp);
+    std::vector<tracking::SkinnedPoint> points;
+    std::vector<tracking::PointTerms> terms;
+    add_rows(view, states, color_sigma, points, terms);
+    const tracking::ObjectView no_textures;
+    tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures,
+                                       {kRigidity * spacing_, kPriorSigma, kHuber});
+    problem.terms() = std::move(terms);
+    problem.set_prior(states);
+    const double before = problem.energy(states);
+    const tracking::BlockSystem system = problem.linearise(states);
+    for (double damping = 1e-3; damping < 1e3; damping *= 30) {
+      const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
+      const auto solved = tracking::solve_pcg(problem.pattern(), system, added, kIterations, kTolerance);
+      const NodeStates candidate = tracking::stepped(states, solved.step);
+      if (!(problem.energy(candidate) < before)) continue;
+      for (std::size_t n = 0; n < nodes.size(); ++n) {
+        nodes[n] =
+            DualQuaternion::from(SE3(Eigen::Translation3d(warp.world_origin()) * candidate.transforms[n].to_se3() *
+                                     Eigen::Translation3d(-table_->origin())));
+      }
+      return true;
+    }
+    return false;
+  }
+
+  const fields::Field& field_;
+  const fields::PixelStore& pixels_;
+  int label_;
+  std::shared_ptr<const tracking::DeformationGraph> graph_;
+  std::shared_ptr<const tracking::InfluenceTable> table_;
+  std::span<const tracking::GraphEdge> edges_;
+  double spacing_;
+  std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the table's origin
+};
+
+// How a node was corrected, as a twist about its own place in canonical space.
+Twist correction_of(const Eigen::Vector3d& node, const DualQuaternion& before, const DualQuaternion& after) {
+  return log_se3(
+      SE3(Eigen::Translation3d(-node) * before.to_se3().inverse() * after.to_se3() * Eigen::Translation3d(node)));
+}
+
+DualQuaternion corrected(const Eigen::Vector3d& node, const DualQuaternion& before, const Twist& correction) {
+  return DualQuaternion::from(
+      SE3(before.to_se3() * Eigen::Translation3d(node) * exp_se3(correction) * Eigen::Translation3d(-node)));
+}
+
+// Frames that were not refined, next to ones that were, are corrected as these are in the mean.
+void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_refined,
+                    std::vector<tracking::Motion::Deformation>& refined) {
+  const std::vector<Eigen::Vector3d>& nodes = motion.graph()->nodes();
+  for (std::size_t f = 0; f < refined.size(); ++f) {
+    if (is_refined[f] || refined[f].health != tracking::Health::kTracked) continue;
+    std::vector<std::size_t> neighbours;
+    if (f > 0 && is_refined[f - 1]) neighbours.push_back(f - 1);
+    if (f + 1 < refined.size() && is_refined[f + 1]) neighbours.push_back(f + 1);
+    if (neighbours.empty()) continue;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      Twist mean = Twist::Zero();
+      for (const std::size_t g : neighbours) {
+        mean += correction_of(nodes[n], motion.deformations()[g].node_to_world[n], refined[g].node_to_world[n]) /
+                static_cast<double>(neighbours.size());
+      }
+      refined[f].node_to_world[n] = corrected(nodes[n], motion.deformations()[f].node_to_world[n], mean);
+    }
+  }
+}
+
+} // namespace
+
+tracking::Motion refine_motion(const fields::Field& field, const fields::PixelStore& pixels, int label,
+                               const tracking::Motion& motion, std::span<const tracking::GraphEdge> edges,
+                               double node_spacing, Progress& progress, MotionRefinement* report) {
+  const Refiner refiner(field, pixels, label, motion, edges, node_spacing);
+  std::vector<tracking::Motion::Deformation> refined = motion.deformations();
+  std::vector<bool> is_refined(refined.size(), false);
+  MotionRefinement result;
+  for (std::size_t k = 0; k < pixels.frames().size(); ++k) {
+    progress.check();
+    const auto f = static_cast<std::size_t>(pixels.frames()[k].frame);
+    if (refined[f].health == tracking::Health::kTracked) {
+      is_refined[f] = refiner.refine(pixels.frames()[k], refined[f].node_to_world, result);
+    }
+    progress.advance(k + 1, "");
+  }
+  correct_others(motion, is_refined, refined);
+  if (result.frames > 0) {
+    result.color_before /= static_cast<double>(result.frames);
+    result.color_after /= static_cast<double>(result.frames);
+  }
+  if (report != nullptr) *report = result;
+  return tracking::Motion::deforming(motion.graph(), std::move(refined));
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,33 @@
+// Brings the motion of a deforming layer nearer to what its field shows: colour, silhouette and depth of each frame's
+// pixels, aligned through a field that was trained with the motion so far. The tracker's model is a voxel wide; a field
+// is sharper, and knows all frames.
+// Sources: direct alignment as in Engel et al., "Direct Sparse Odometry", TPAMI 40(3), 2018; poses refined through a
+// radiance field as in Lin et al., "BARF", ICCV 2021, here for the nodes of a deformation graph and by Gauss–Newton.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/progress.h"
+#include "fields/field.h"
+#include "fields/pixel_store.h"
+#include "tracking/motion.h"
+#include "tracking/surface_graph.h"
+
+namespace kinora::encode {
+
+struct MotionRefinement {
+  std::size_t frames = 0;  ///< in which nodes were moved
+  double color_before = 0; ///< typical difference (robust deviation, of 1) of field and pixels, mean over these frames
+  double color_after = 0;
+};
+
+/// The motion with the nodes of each stored, tracked frame moved so that the field explains its pixels better; frames
+/// that are not stored move as their neighbours do. A frame that would be explained worse keeps its nodes. `edges` and
+/// `node_spacing` (metres) are those of the motion's graph. Same input, same bits, for any number of threads. Throws
+/// Error(kInterrupted) when cancelled.
+tracking::Motion refine_motion(const fields::Field& field, const fields::PixelStore& pixels, int label,
+                               const tracking::Motion& motion, std::span<const tracking::GraphEdge> edges,
+                               double node_spacing, Progress& progress, MotionRefinement* report = nullptr);
+
+} // namespace kinora::encode

@@ -1,0 +1,177 @@
+// Motion aligned through a field: a bending sheet whose nodes were tracked a little beside their true places.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../fields/bending_sheet.h"
+#include "core/parallel.h"
+#include "encode/motion_refinement.h"
+#include "fields/rim_pixels.h"
+#include "fields/trainer.h"
+
+namespace kinora::encode {
+namespace {
+
+using fields::Performance;
+using tracking::Motion;
+
+constexpr double kSpacing = 0.06;
+
+std::vector<tracking::GraphEdge> edges_of(const tracking::DeformationGraph& graph) {
+  std::vector<tracking::GraphEdge> edges;
+  const auto& nodes = graph.nodes();
+  for (int a = 0; a < static_cast<int>(nodes.size()); ++a) {
+    for (int b = a + 1; b < static_cast<int>(nodes.size()); ++b) {
+      const double distance = (nodes[static_cast<std::size_t>(a)] - nodes[static_cast<std::size_t>(b)]).norm();
+      if (distance < 1.5 * kSpacing) edges.push_back({a, b});
+    }
+  }
+  return edges;
+}
+
+// Each frame beside the truth, another way every time: what all frames share would be the canonical space's own place.
+Motion astray(const Motion& truth, double metres) {
+  std::vector<Motion::Deformation> deformations = truth.deformations();
+  for (std::size_t f = 0; f < deformations.size(); ++f) {
+    const double angle = 2.4 * static_cast<double>(f);
+    const Eigen::Translation3d aside(metres * std::cos(angle), metres * std::sin(angle), 0);
+    for (DualQuaternion& node : deformations[f].node_to_world) node = DualQuaternion::from(SE3(aside * node.to_se3()));
+  }
+  return Motion::deforming(truth.graph(), std::move(deformations));
+}
+
+// Root mean square distance of a frame's nodes from their true places, metres.
+double error_of(const Motion& motion, const Motion& truth, std::size_t frame) {
+  const auto& nodes = truth.graph()->nodes();
+  double sum = 0;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    sum += (motion.deformations()[frame].node_to_world[n].to_se3() * nodes[n] -
+            truth.deformations()[frame].node_to_world[n].to_se3() * nodes[n])
+               .squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(nodes.size()));
+}
+
+fields::Field draft_of(const Performance& performance, const Motion& motion) {
+  fields::TrainerConfig trainer;
+  trainer.rays = 300'000;
+  trainer.rays_per_step = 1024;
+  Progress progress;
+  return fields::train_field(performance.store, 1, motion, fields::choose_field_config(performance.store, 1, motion),
+                             trainer, progress);
+}
+
+Motion refine(const Performance& performance, const fields::Field& field, const Motion& motion,
+              MotionRefinement* report = nullptr) {
+  Progress progress;
+  return refine_motion(field, performance.store, 1, motion, edges_of(*motion.graph()), kSpacing, progress, report);
+}
+
+TEST(MotionRefinement, BringsNodesNearerToTheTruth) {
+  const Performance performance;
+  const Motion tracked = astray(performance.motion, 0.01); // half a pixel
+  MotionRefinement report;
+  const Motion refined = refine(performance, draft_of(performance, tracked), tracked, &report);
+  EXPECT_EQ(report.frames, performance.store.frames().size());
+  EXPECT_LT(report.color_after, 0.9 * report.color_before);
+  double before = 0;
+  double after = 0;
+  for (const fields::StoredFrame& frame : performance.store.frames()) {
+    before += error_of(tracked, performance.motion, static_cast<std::size_t>(frame.frame));
+    after += error_of(refined, performance.motion, static_cast<std::size_t>(frame.frame));
+  }
+  EXPECT_LT(after, 0.6 * before) << "mean " << before / 7 << " and " << after / 7 << " m";
+}
+
+TEST(MotionRefinement, LeavesARightMotionAlone) {
+  const Performance performance;
+  const Motion refined = refine(performance, draft_of(performance, performance.motion), performance.motion);
+  for (std::size_t f = 0; f < 9; ++f) EXPECT_LT(error_of(refined, performance.motion, f), 0.004) << f;
+}
+
+TEST(MotionRefinement, FramesThatAreNotStoredMoveAsTheirNeighbours) {
+  const Performance performance;
+  const Motion tracked = astray(performance.motion, 0.01);
+  const Motion refined = refine(performance, draft_of(performance, tracked), tracked);
+  for (const std::size_t f : {3U, 7U}) {
+    const auto moved = [&](std::size_t frame, std::size_t n) -> Eigen::Vector3d {
+      const Eigen::Vector3d& node = tracked.graph()->nodes()[n];
+      const SE3 before = tracked.deformations()[frame].node_to_world[n].to_se3();
+      return before.linear().transpose() *
+             (refined.deformations()[frame].node_to_world[n].to_se3() * node - before * node);
+    };
+    for (std::size_t n = 0; n < tracked.graph()->nodes().size(); n += 7) {
+      const Eigen::Vector3d mean = 0.5 * (moved(f - 1, n) + moved(f + 1, n));
+      EXPECT_LT((moved(f, n) - mean).norm(), 1e-3) << "frame " << f << " node " << n;
+    }
+  }
+}
+
+TEST(MotionRefinement, LostFramesAndUnseenLayersKeepTheirNodes) {
+  const Performance performance;
+  std::vector<Motion::Deformation> deformations = astray(performance.motion, 0.01).deformations();
+  for (Motion::Deformation& deformation : deformations) deformation.health = tracking::Health::kLost;
+  const Motion lost = Motion::deforming(performance.motion.graph(), std::move(deformations));
+  MotionRefinement report;
+  const fields::Field field = draft_of(performance, performance.motion);
+  const Motion refined = refine(performance, field, lost, &report);
+  EXPECT_EQ(report.frames, 0U);
+  for (std::size_t f = 0; f < 9; ++f) EXPECT_EQ(error_of(refined, lost, f), 0.0);
+  Progress progress;
+  const Motion nobody = refine_motion(field, performance.store, 5, performance.motion,
+                                      edges_of(*performance.motion.graph()), kSpacing, progress);
+  for (std::size_t f = 0; f < 9; ++f) EXPECT_EQ(error_of(nobody, performance.motion, f), 0.0);
+}
+
+TEST(MotionRefinement, SameBitsForAnyNumberOfThreads) {
+  const Performance performance;
+  const Motion tracked = astray(performance.motion, 0.01);
+  const fields::Field field = draft_of(performance, tracked);
+  set_thread_count(1);
+  const Motion one = refine(performance, field, tracked);
+  for (const int threads : {2, 7}) {
+    set_thread_count(threads);
+    const Motion several = refine(performance, field, tracked);
+    for (std::size_t f = 0; f < 9; ++f) {
+      for (std::size_t n = 0; n < one.graph()->nodes().size(); ++n) {
+        const DualQuaternion& a = one.deformations()[f].node_to_world[n];
+        const DualQuaternion& b = several.deformations()[f].node_to_world[n];
+        EXPECT_EQ(a.real.coeffs(), b.real.coeffs());
+        EXPECT_EQ(a.dual.coeffs(), b.dual.coeffs());
+      }
+    }
+  }
+  set_thread_count(0);
+}
+
+TEST(RimPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
+  const Performance performance;
+  const fields::PixelStore& store = performance.store;
+  const fields::FieldConfig config = fields::choose_field_config(store, 1, performance.motion);
+  const fields::StoredFrame& frame = store.frames().front();
+  const ingest::Frame truth = fields::sheet_frame(0, 0);
+  const auto nearest_of = [&](const fields::StoredPixel& pixel, int label) { // pixels along a row or column
+    int nearest = 100;
+    for (int k = -4; k <= 4; ++k) {
+      for (const auto& [u, v] : {std::pair(pixel.u + k, +pixel.v), std::pair(+pixel.u, pixel.v + k)}) {
+        if (truth.labels.contains(u, v) && truth.labels.at(u, v) == label) nearest = std::min(nearest, std::abs(k));
+      }
+    }
+    return nearest;
+  };
+  const fields::RimPixels rim = fields::rim_pixels(store, frame, 1, config);
+  ASSERT_GT(rim.inside.size(), 100U);
+  ASSERT_GT(rim.outside.size(), 100U);
+  for (const fields::RimPixel& pixel : rim.inside) {
+    EXPECT_EQ(store.pixels()[pixel.pixel].label, 1);
+    EXPECT_LE(nearest_of(store.pixels()[pixel.pixel], 0), 2);
+  }
+  for (const fields::RimPixel& pixel : rim.outside) {
+    EXPECT_EQ(store.pixels()[pixel.pixel].label, 0);
+    EXPECT_LE(nearest_of(store.pixels()[pixel.pixel], 1), 2);
+    EXPECT_NEAR(pixel.depth, fields::kDistance, 1e-3);
+  }
+}
+
+} // namespace
+} // namespace kinora::encode
