@@ -147,7 +147,8 @@ TEST_P(Hull, FacesSeenFromOutsideAreEnteredWhereTheirPlaneIs) {
     for (const std::size_t second : {std::size_t{1}, std::size_t{2}}) {
       const PlainTriangle plain(corners, {face[0], face[second], face[second + 1]});
       for (int p = 0; plain.is_seen() && p < intrinsics.width * intrinsics.height; ++p) {
-        const auto depth = plain.depth_of(intrinsics.unproject(p % intrinsics.width, p / intrinsics.width, 1));
+        const int v = p / intrinsics.width;
+        const auto depth = plain.depth_of(intrinsics.unproject(p % intrinsics.width, v, 1));
         met += depth && *depth > 0 ? 1 : 0;
       }
     }
