@@ -14,8 +14,8 @@ constexpr std::array<std::array<int, 4>, 6> kFaces{
 constexpr std::array<std::array<int, 2>, 12> kEdges{
     {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
 /// Edges of a cell that are longer or shorter by this factor tell that it is torn.
-constexpr double kTorn = 1.7;
-constexpr std::size_t kChunk = 256;
+constexpr float kTorn = 1.7F;
+constexpr std::size_t kChunk = 1024;
 
 HullFace face_of(const std::array<std::uint32_t, 8>& corners, std::size_t direction) {
   HullFace face{};
@@ -23,14 +23,10 @@ HullFace face_of(const std::array<std::uint32_t, 8>& corners, std::size_t direct
   return face;
 }
 
-PosedHull::Corner carried(const SE3& transform, const Eigen::Vector3d& canonical) {
-  return {transform * canonical, transform.linear().transpose().cast<float>()};
-}
-
 } // namespace
 
 BrickHull::BrickHull(const DensityBricks& bricks, const FieldBox& box)
-    : cell_side_(box.side * kCellSide / bricks.resolution()) {
+    : origin_(box.origin), lattice_step_(box.side / bricks.resolution()) {
   std::vector<std::array<int, 3>> places;
   cells_of_brick_.assign(bricks.count(), {-1, -1, -1, -1, -1, -1, -1, -1});
   for (std::size_t b = 0; b < bricks.count(); ++b) {
@@ -54,19 +50,23 @@ BrickHull::BrickHull(const DensityBricks& bricks, const FieldBox& box)
           (static_cast<std::uint64_t>(at[2]) * corners_per_side + static_cast<std::uint64_t>(at[1])) *
               corners_per_side +
           static_cast<std::uint64_t>(at[0]);
-      const auto [found, is_new] = numbers.try_emplace(key, static_cast<std::uint32_t>(corners_.size()));
-      if (is_new) {
-        const Eigen::Vector3d lattice = Eigen::Vector3d(at[0], at[1], at[2]) * kCellSide;
-        corners_.emplace_back(box.origin + lattice * (box.side / bricks.resolution()));
-        places_.emplace_back(lattice.cast<float>());
-      }
+      const auto [found, is_new] = numbers.try_emplace(key, static_cast<std::uint32_t>(places_.size()));
+      if (is_new) places_.emplace_back((Eigen::Vector3i(at[0], at[1], at[2]) * kCellSide).cast<float>());
       cell.corners[static_cast<std::size_t>(c)] = found->second;
     }
     cell.neighbours = {cell_at(bricks, x - 1, y, z), cell_at(bricks, x + 1, y, z), cell_at(bricks, x, y - 1, z),
                        cell_at(bricks, x, y + 1, z), cell_at(bricks, x, y, z - 1), cell_at(bricks, x, y, z + 1)};
     cells_.push_back(cell);
   }
-  faces_ = faces_of(std::vector<std::uint8_t>(cells_.size(), 1));
+  corner_count_ = places_.size();
+  places_.resize(corner_count_ + kernels::kPadding, Eigen::Vector3f::Zero());
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    for (std::size_t d = 0; d < kFaces.size(); ++d) {
+      if (cells_[c].neighbours[d] >= 0) continue;
+      faces_.push_back(face_of(cells_[c].corners, d));
+      cell_of_face_.push_back(static_cast<std::uint32_t>(c));
+    }
+  }
 }
 
 std::int32_t BrickHull::cell_at(const DensityBricks& bricks, int x, int y, int z) const {
@@ -78,95 +78,120 @@ std::int32_t BrickHull::cell_at(const DensityBricks& bricks, int x, int y, int z
 }
 
 std::vector<HullFace> BrickHull::faces_of(const std::vector<std::uint8_t>& kept) const {
-  std::vector<std::vector<HullFace>> parts(chunk_count(cells_.size(), kChunk));
-  parallel_for(cells_.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
-      if (kept[c] == 0) continue;
-      for (std::size_t d = 0; d < 6; ++d) {
-        const std::int32_t neighbour = cells_[c].neighbours[d];
-        if (neighbour < 0 || kept[static_cast<std::size_t>(neighbour)] == 0)
-          parts[chunk.index].push_back(face_of(cells_[c].corners, d));
-      }
-    }
-  });
   std::vector<HullFace> faces;
-  for (const auto& part : parts) faces.insert(faces.end(), part.begin(), part.end());
+  faces.reserve(faces_.size());
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (kept[cell_of_face_[f]] != 0) faces.push_back(faces_[f]);
+  }
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    if (kept[c] != 0) continue;
+    for (std::size_t d = 0; d < kFaces.size(); ++d) {
+      const std::int32_t neighbour = cells_[c].neighbours[d];
+      if (neighbour < 0 || kept[static_cast<std::size_t>(neighbour)] == 0) continue;
+      faces.push_back(face_of(cells_[static_cast<std::size_t>(neighbour)].corners, d ^ 1U)); // as that cell sees it
+    }
+  }
   return faces;
 }
 
 void BrickHull::follow(const tracking::DeformationGraph& graph) {
-  influences_.resize(corners_.size());
-  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) influences_[i] = graph.influence(corners_[i]);
+  influences_ = kernels::Influences(corner_count_);
+  parallel_for(corner_count_, kChunk, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      influences_.set(i, graph.influence(to_canonical(places_[i])));
+    }
   });
   middle_influences_.resize(cells_.size());
   parallel_for(cells_.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t c = chunk.begin; c < chunk.end; ++c) middle_influences_[c] = graph.influence(middle(c));
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
+      middle_influences_[c] = graph.influence(to_canonical(middle(c)));
+    }
   });
 }
 
 PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp)
-    : corners_(hull.corners().size()), places_(hull.places()) {
-  carry_corners(hull, warp);
+    : hull_(&hull), origin_(Eigen::Vector3d::Zero()), places_(hull.places()), own_corners_(hull.cells().size(), -1) {
+  for (const Eigen::Vector3d& node : warp.node_positions()) {
+    origin_ += node / static_cast<double>(warp.node_positions().size());
+  }
+  const std::vector<float> transforms = transforms_of(warp);
+  corners_.world.resize(places_.size());
+  corners_.rotation.resize(places_.size());
+  parallel_for(hull.corner_count(), kChunk, [&](const Chunk& chunk) {
+    kernels::carry(hull.influences(), transforms.data(), places_.data(), static_cast<float>(hull.lattice_step()),
+                   chunk.begin, chunk.end, corners_);
+  });
   std::vector<std::uint8_t> whole(hull.cells().size());
-  cells_.resize(whole.size());
   parallel_for(whole.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
-      cells_[c] = hull.cells()[c].corners;
-      whole[c] = is_whole(cells_[c], hull.cell_side()) ? 1 : 0;
-    }
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) whole[c] = is_whole(hull.cells()[c].corners) ? 1 : 0;
   });
   faces_ = hull.faces_of(whole);
-  std::vector<std::size_t> torn;
-  for (std::size_t c = 0; c < whole.size(); ++c) {
+  std::vector<std::uint32_t> torn;
+  for (std::uint32_t c = 0; c < whole.size(); ++c) {
     if (whole[c] == 0 && hull.middle_influences()[c].count > 0) torn.push_back(c);
   }
-  carry_rigidly(hull, torn, warp);
+  carry_rigidly(torn, transforms);
 }
 
-void PosedHull::carry_corners(const BrickHull& hull, const tracking::Warp& warp) {
-  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (hull.influences()[i].count == 0) {
-        corners_[i] = {Eigen::Vector3d::Constant(std::nan("")), Eigen::Matrix3f::Identity()};
-      } else {
-        corners_[i] = carried(warp.at(hull.influences()[i]), hull.corners()[i]);
-      }
+// From places in metres to the world relative to origin_.
+std::vector<float> PosedHull::transforms_of(const tracking::Warp& warp) const {
+  std::vector<float> transforms;
+  transforms.reserve(8 * warp.node_to_world().size());
+  for (const DualQuaternion& transform : warp.node_to_world()) {
+    SE3 relative = transform.to_se3();
+    relative.translation() += relative.linear() * hull_->origin() - origin_;
+    const DualQuaternion q = DualQuaternion::from(relative);
+    for (const Eigen::Quaterniond& part : {q.real, q.dual}) {
+      for (int c = 0; c < 4; ++c) transforms.push_back(static_cast<float>(part.coeffs()[c])); // x y z w
     }
-  });
+  }
+  return transforms;
 }
 
-bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell, double side) const {
+bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell) const {
+  const auto side = static_cast<float>(BrickHull::kCellSide * hull_->lattice_step());
+  const float longest = kTorn * side * kTorn * side;
+  const float shortest = side / kTorn * side / kTorn;
   for (const auto& [a, b] : kEdges) {
-    const double length =
-        (corners_[cell[static_cast<std::size_t>(a)]].world - corners_[cell[static_cast<std::size_t>(b)]].world).norm();
-    if (!(length < kTorn * side && length > side / kTorn)) return false; // also of NaN
+    const Eigen::Vector3f edge =
+        corners_.world[cell[static_cast<std::size_t>(a)]] - corners_.world[cell[static_cast<std::size_t>(b)]];
+    const float squared = edge.squaredNorm();
+    if (!(squared < longest && squared > shortest)) return false; // also of NaN
   }
   return true;
 }
 
 // Each of these cells for itself, with corners and faces of its own.
-void PosedHull::carry_rigidly(const BrickHull& hull, std::span<const std::size_t> cells, const tracking::Warp& warp) {
-  const std::size_t first_corner = corners_.size();
-  const std::size_t first_face = faces_.size();
-  corners_.resize(first_corner + 8 * cells.size());
-  places_.resize(corners_.size());
-  faces_.resize(first_face + kFaces.size() * cells.size());
-  parallel_for(cells.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
-      std::array<std::uint32_t, 8>& cell = cells_[cells[k]];
-      const SE3 transform = warp.at(hull.middle_influences()[cells[k]]);
-      for (std::size_t i = 0; i < 8; ++i) {
-        const std::size_t corner = first_corner + 8 * k + i;
-        corners_[corner] = carried(transform, hull.corners()[cell[i]]);
-        places_[corner] = hull.places()[cell[i]];
-        cell[i] = static_cast<std::uint32_t>(corner);
-      }
-      for (std::size_t d = 0; d < kFaces.size(); ++d) {
-        faces_[first_face + kFaces.size() * k + d] = face_of(cell, d);
-      }
+void PosedHull::carry_rigidly(std::span<const std::uint32_t> cells, const std::vector<float>& transforms) {
+  const auto scale = static_cast<float>(hull_->lattice_step());
+  const std::size_t padded = cells.size() + kernels::kPadding;
+  kernels::Influences influences(cells.size());
+  std::vector<Eigen::Vector3f> middles(padded, Eigen::Vector3f::Zero());
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    influences.set(k, hull_->middle_influences()[cells[k]]);
+    middles[k] = hull_->middle(cells[k]);
+  }
+  kernels::CarriedPoints carried{std::vector<Eigen::Vector3f>(padded), std::vector<Eigen::Vector4f>(padded)};
+  kernels::carry(influences, transforms.data(), middles.data(), scale, 0, cells.size(), carried);
+  const std::size_t first_corner = hull_->corner_count();
+  const std::size_t corners = first_corner + 8 * cells.size() + kernels::kPadding;
+  corners_.world.resize(corners);
+  corners_.rotation.resize(corners);
+  places_.resize(corners, Eigen::Vector3f::Zero());
+  faces_.reserve(faces_.size() + kFaces.size() * cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const Eigen::Matrix3f turn = scale * Eigen::Quaternionf(carried.rotation[k]).toRotationMatrix();
+    std::array<std::uint32_t, 8> own{};
+    for (std::size_t i = 0; i < 8; ++i) {
+      const std::size_t corner = first_corner + 8 * k + i;
+      own[i] = static_cast<std::uint32_t>(corner);
+      places_[corner] = hull_->places()[hull_->cells()[cells[k]].corners[i]];
+      corners_.world[corner] = carried.world[k] + turn * (places_[corner] - middles[k]);
+      corners_.rotation[corner] = carried.rotation[k];
     }
-  });
+    own_corners_[cells[k]] = static_cast<std::int32_t>(own[0]);
+    for (std::size_t d = 0; d < kFaces.size(); ++d) faces_.push_back(face_of(own, d));
+  }
 }
 
 } // namespace kinora::fields

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "fields/density_bricks.h"
+#include "fields/hull_kernels.h"
 #include "tracking/warp.h"
 
 namespace kinora::fields {
@@ -29,33 +30,43 @@ public:
     std::array<std::uint32_t, 8> corners;   ///< x fastest
     std::array<std::int32_t, 6> neighbours; ///< −x, +x, −y, +y, −z, +z; −1: none
   };
-  const std::vector<Eigen::Vector3d>& corners() const { return corners_; } ///< canonical, metres
-  const std::vector<Eigen::Vector3f>& places() const { return places_; }   ///< of the corners, lattice steps
+  std::size_t corner_count() const { return corner_count_; }
+  /// Of the corners, lattice steps; padded (kernels::kPadding).
+  const std::vector<Eigen::Vector3f>& places() const { return places_; }
   const std::vector<Cell>& cells() const { return cells_; }
   /// Number of a cell by its coordinates, in cells; −1: none.
   std::int32_t cell_at(const DensityBricks& bricks, int x, int y, int z) const;
+  /// Per brick the numbers of its cells, x fastest; −1: none.
+  const std::vector<std::array<std::int32_t, 8>>& cells_of_brick() const { return cells_of_brick_; }
   /// Faces between a cell and none.
   const std::vector<HullFace>& faces() const { return faces_; }
-  Eigen::Vector3d middle(std::size_t cell) const {
-    return 0.5 * (corners_[cells_[cell].corners[0]] + corners_[cells_[cell].corners[7]]);
+  Eigen::Vector3f middle(std::size_t cell) const { ///< lattice steps
+    return 0.5F * (places_[cells_[cell].corners[0]] + places_[cells_[cell].corners[7]]);
   }
-  /// Faces between a cell that is kept (≠ 0) and one that is not, or none. Uses all threads.
+  /// Faces between a cell that is kept (≠ 0) and one that is not, or none.
   std::vector<HullFace> faces_of(const std::vector<std::uint8_t>& kept) const;
   /// What moves the corners, and the middles of the cells; empty unless follow() was called.
-  const std::vector<tracking::Influence>& influences() const { return influences_; }
+  const kernels::Influences& influences() const { return influences_; }
   const std::vector<tracking::Influence>& middle_influences() const { return middle_influences_; }
   /// Prepares for being posed by this graph. Uses all threads.
   void follow(const tracking::DeformationGraph& graph);
-  double cell_side() const { return cell_side_; } ///< metres
+  const Eigen::Vector3d& origin() const { return origin_; } ///< canonical place of the lattice's zero, metres
+  double lattice_step() const { return lattice_step_; }     ///< metres
+  Eigen::Vector3d to_canonical(const Eigen::Vector3f& place) const {
+    return origin_ + lattice_step_ * place.cast<double>();
+  }
 
 private:
-  double cell_side_ = 0;
-  std::vector<Eigen::Vector3d> corners_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
+  double lattice_step_ = 0;
+  std::size_t corner_count_ = 0;
   std::vector<Eigen::Vector3f> places_;
   std::vector<Cell> cells_;
   std::vector<std::array<std::int32_t, 8>> cells_of_brick_; // −1: none
   std::vector<HullFace> faces_;
-  std::vector<tracking::Influence> influences_, middle_influences_;
+  std::vector<std::uint32_t> cell_of_face_;
+  kernels::Influences influences_;
+  std::vector<tracking::Influence> middle_influences_;
 };
 
 /// The hull of a deforming layer at one instant. Immutable, thread-safe. A cell that the motion would tear, because
@@ -63,27 +74,33 @@ private:
 /// it.
 class PosedHull {
 public:
-  /// `hull` follows the graph of `warp`.
+  /// `hull` follows the graph of `warp` and must outlive this.
   PosedHull(const BrickHull& hull, const tracking::Warp& warp);
 
-  struct Corner {
-    Eigen::Vector3d world;                ///< metres; NaN where the motion is not known
-    Eigen::Matrix3f canonical_from_world; ///< rotation
-  };
-  const std::vector<Corner>& corners() const { return corners_; }
-  const std::vector<Eigen::Vector3f>& places() const { return places_; } ///< of the corners, canonical, lattice steps
-  /// By the cells' numbers, as BrickHull::Cell::corners.
-  const std::vector<std::array<std::uint32_t, 8>>& cells() const { return cells_; }
+  std::size_t corner_count() const { return places_.size() - kernels::kPadding; }
+  /// Of the corners, in the world relative to origin(): not a number where the motion is not known.
+  const kernels::CarriedPoints& corners() const { return corners_; }
+  const Eigen::Vector3d& origin() const { return origin_; }              ///< metres
+  const std::vector<Eigen::Vector3f>& places() const { return places_; } ///< of the corners, as BrickHull::places
+  /// A corner of a cell, as BrickHull::Cell::corners.
+  std::uint32_t corner(std::size_t cell, std::size_t number) const {
+    const std::int32_t own = own_corners_[cell];
+    return own < 0 ? hull_->cells()[cell].corners[number] : static_cast<std::uint32_t>(own) + number;
+  }
+  /// Per cell the first of eight corners of its own, in that order; −1: it has those of the hull.
+  const std::vector<std::int32_t>& own_corners() const { return own_corners_; }
   const std::vector<HullFace>& faces() const { return faces_; }
 
 private:
-  bool is_whole(const std::array<std::uint32_t, 8>& cell, double side) const;
-  void carry_corners(const BrickHull& hull, const tracking::Warp& warp);
-  void carry_rigidly(const BrickHull& hull, std::span<const std::size_t> cells, const tracking::Warp& warp);
+  std::vector<float> transforms_of(const tracking::Warp& warp) const;
+  bool is_whole(const std::array<std::uint32_t, 8>& cell) const;
+  void carry_rigidly(std::span<const std::uint32_t> cells, const std::vector<float>& transforms);
 
-  std::vector<Corner> corners_;
+  const BrickHull* hull_;
+  Eigen::Vector3d origin_;
+  kernels::CarriedPoints corners_;
   std::vector<Eigen::Vector3f> places_;
-  std::vector<std::array<std::uint32_t, 8>> cells_;
+  std::vector<std::int32_t> own_corners_;
   std::vector<HullFace> faces_;
 };
 

@@ -31,6 +31,19 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
                      PointBatch& batch);
 void evaluate_colors(const Field& field, std::size_t n, ColorBatch& batch);
 
+/// Nothing bends what the density net's last matrix makes of its hidden layer before the colour net's first takes it:
+/// for drawing, where surfaces are known, the two are one. Input of colours is then a composited hidden row, and the
+/// constant 1.
+inline constexpr int kSurfaceInputs = FieldConfig::kHidden + 1;
+/// That matrix: kSurfaceInputs × kColorHidden.
+std::vector<float> surface_matrix(const Field& field);
+/// Fills hidden alone.
+void evaluate_hidden(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
+                     PointBatch& batch);
+/// As evaluate_colors(), of inputs n × kSurfaceInputs.
+void evaluate_surface_colors(const Field& field, const std::vector<float>& surface_matrix, std::size_t n,
+                             ColorBatch& batch);
+
 /// Rows and columns exchanged; appended to `out`.
 void append_transposed(const float* weights, int rows, int columns, std::vector<float>& out);
 

@@ -38,11 +38,13 @@ LayerView::LayerView(const PosedField& posed, const Camera& camera) : layer_(&po
 void LayerView::look(const SE3& canonical_from_camera, const SE3& camera_from_canonical) {
   stand(canonical_from_camera);
   const BrickHull& hull = layer_->hull;
-  corners_.resize(hull.corners().size());
-  ways_.resize(hull.corners().size());
+  const Eigen::Matrix3f turn = (camera_from_canonical.linear() * hull.lattice_step()).cast<float>();
+  const Eigen::Vector3f origin = (camera_from_canonical * hull.origin()).cast<float>();
+  corners_.resize(hull.corner_count());
+  ways_.resize(hull.corner_count());
   parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      corners_[i] = (camera_from_canonical * hull.corners()[i]).cast<float>();
+      corners_[i] = turn * hull.places()[i] + origin;
       ways_[i] = hull.places()[i] - camera_place_;
     }
   });
@@ -53,21 +55,16 @@ void LayerView::look(const SE3& canonical_from_camera, const SE3& camera_from_ca
 // A deforming one.
 void LayerView::look(const PosedHull& hull, const SE3& camera_from_world) {
   const Eigen::Vector3d centre = camera_from_world.inverse().translation();
-  const Eigen::Matrix3f turn = camera_from_world.linear().cast<float>();
-  const auto per_metre = static_cast<float>(lattice_per_metre_);
-  corners_.resize(hull.corners().size());
-  ways_.resize(hull.corners().size());
-  parallel_for(corners_.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const PosedHull::Corner& corner = hull.corners()[i];
-      const Eigen::Vector3f from_camera = (corner.world - centre).cast<float>();
-      corners_[i] = turn * from_camera;
-      ways_[i] = per_metre * (corner.canonical_from_world * from_camera);
-    }
+  const kernels::Viewpoint viewpoint{camera_from_world.linear().cast<float>(), (centre - hull.origin()).cast<float>(),
+                                     static_cast<float>(lattice_per_metre_)};
+  corners_.resize(hull.places().size());
+  ways_.resize(hull.places().size());
+  parallel_for(hull.corner_count(), kChunk, [&](const Chunk& chunk) {
+    kernels::look(viewpoint, hull.corners(), chunk.begin, chunk.end, corners_.data(), ways_.data());
   });
   places_ = &hull.places();
   faces_ = &hull.faces();
-  cells_ = &hull.cells();
+  posed_ = &hull;
 }
 
 void LayerView::stand(const SE3& canonical_from_camera) {
@@ -84,7 +81,7 @@ LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bin
     const Eigen::Vector3f way = camera_turn_ * ray * entry.depth;
     return {camera_place_ + way, way};
   }
-  const HullTriangle& triangle = bins.triangles()[entry.triangle];
+  const HullTriangle& triangle = bins.triangle(entry.triangle);
   Place place{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& row = triangle.rows[i];
@@ -102,11 +99,11 @@ bool LayerView::motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const 
   const int number = layer_->hull.cell_at(layer_->bricks, static_cast<int>(low.x()), static_cast<int>(low.y()),
                                           static_cast<int>(low.z()));
   if (number < 0) return false;
-  const auto& corners = (*cells_)[static_cast<std::size_t>(number)];
   const Eigen::Vector3f f = in_cells - low;
   motion = {Eigen::Vector3f::Zero(), Eigen::Matrix3f::Zero()};
   for (int c = 0; c < 8; ++c) {
-    const Eigen::Vector3f& corner = corners_[corners[static_cast<std::size_t>(c)]];
+    const Eigen::Vector3f& corner =
+        corners_[posed_->corner(static_cast<std::size_t>(number), static_cast<std::size_t>(c))];
     const float wx = (c & 1) ? f.x() : 1 - f.x(), wy = (c & 2) ? f.y() : 1 - f.y(), wz = (c & 4) ? f.z() : 1 - f.z();
     motion.value += wx * wy * wz * corner;
     motion.jacobian.col(0) += ((c & 1) ? 1 : -1) * wy * wz * corner;
@@ -117,19 +114,14 @@ bool LayerView::motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const 
   return true;
 }
 
-Eigen::Vector3f LayerView::refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const {
-  constexpr int kIterations = 2;
-  constexpr float kSide = BrickHull::kCellSide;
-  constexpr float kClose = 0.1F; // of a lattice step: another iteration would find nothing
-  for (int k = 0; k < kIterations; ++k) {
-    LocalMotion motion;
-    if (!motion_at(at, motion)) return at;
-    const Eigen::Vector3f step = motion.jacobian.inverse() * (point - motion.value);
-    if (!(step.squaredNorm() < kSide * kSide)) return at;
-    at += step;
-    if (step.squaredNorm() < kClose * kClose) break;
-  }
-  return at;
+void LayerView::refine(std::size_t n, const kernels::PointLanes& points, kernels::PointLanes& places) const {
+  const BrickHull& hull = layer_->hull;
+  if (n == 0 || hull.cells().empty()) return;
+  static_assert(sizeof(BrickHull::Cell) % sizeof(std::int32_t) == 0);
+  kernels::refine({layer_->bricks.index(), layer_->bricks.bricks_per_side(), hull.cells_of_brick().front().data(),
+                   reinterpret_cast<const std::int32_t*>(hull.cells().front().corners.data()),
+                   sizeof(BrickHull::Cell) / sizeof(std::int32_t), posed_->own_corners().data(), corners_.data()},
+                  n, points, places);
 }
 
 Eigen::Vector3f LayerView::normal_at(const Eigen::Vector3f& at) const {

@@ -14,6 +14,7 @@ namespace kinora::fields {
 struct DrawableField::Derived {
   Field field;
   std::vector<GridLevel> levels;
+  std::vector<float> surface_matrix; ///< fields/field_batch.h
   DensityBricks bricks;
   BrickHull hull;
 };
@@ -41,10 +42,10 @@ public:
     Eigen::Vector3f way;
   };
   Place place_of(const Entry& entry, const TriangleBins& bins, const Eigen::Vector3f& ray) const;
-  /// `at` moved to where the layer's motion, interpolated among the corners of the brick, carries it to `point` in the
-  /// camera's frame. Only for layers that deform.
-  Eigen::Vector3f refined(Eigen::Vector3f at, const Eigen::Vector3f& point) const;
-  bool deforms() const { return cells_ != nullptr; }
+  /// Moves n places to where the layer's motion, interpolated among the corners of their cell, carries them to `points`
+  /// in the camera's frame (kernels::refine). Only for layers that deform.
+  void refine(std::size_t n, const kernels::PointLanes& points, kernels::PointLanes& places) const;
+  bool deforms() const { return posed_ != nullptr; }
   /// Unit normal, in the camera's frame, of the surface of equal density at a place, out of what is dense; zero where
   /// none can be told. From 27 places up to two samples' distance away on each axis, as trained density is rough.
   /// Source: Zucker, Hummel, "A Three-Dimensional Edge Operator", IEEE PAMI 3(3), 1981.
@@ -80,7 +81,7 @@ private:
   const std::vector<Eigen::Vector3f>* places_ = nullptr; // of the corners, lattice
   std::vector<Eigen::Vector3f> ways_; // from the camera to the corners, turned into canonical space, lattice
   const std::vector<HullFace>* faces_ = nullptr;
-  const std::vector<std::array<std::uint32_t, 8>>* cells_ = nullptr; // of a layer that deforms
+  const PosedHull* posed_ = nullptr; // of a layer that deforms
   bool holds_camera_ = false;
   Eigen::Vector3f camera_place_ = Eigen::Vector3f::Zero();    // lattice
   Eigen::Matrix3f camera_turn_ = Eigen::Matrix3f::Identity(); // camera's frame to lattice

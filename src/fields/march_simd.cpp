@@ -143,8 +143,10 @@ HWY_INLINE VF level_at(const std::uint16_t* pairs, VI brick, const Position& at)
   constexpr std::size_t kLayer = std::size_t{kSide} * DensityBricks::kLevels;
   const auto* near_base = reinterpret_cast<const std::int32_t*>(pairs);
   const auto* far_base = reinterpret_cast<const std::int32_t*>(pairs + kLayer);
-  const auto near = interpolate(hn::GatherOffset(di, near_base, offset), at.fraction[0], at.fraction[1]);
-  const auto far = interpolate(hn::GatherOffset(di, far_base, offset), at.fraction[0], at.fraction[1]);
+  const auto near_square = hn::GatherOffset(di, near_base, offset);
+  const auto far_square = hn::GatherOffset(di, far_base, offset);
+  const auto near = interpolate(near_square, at.fraction[0], at.fraction[1]);
+  const auto far = interpolate(far_square, at.fraction[0], at.fraction[1]);
   return hn::MulAdd(at.fraction[2], hn::Sub(far, near), near);
 }
 
@@ -174,6 +176,7 @@ void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin
     const std::size_t enough = queue.empty() ? 0 : lane_count - std::max<std::size_t>(1, lane_count / 4);
     const auto begin = hn::Load(df, lanes.begin);
     auto step = hn::Load(df, lanes.step);
+    auto end = step;
     auto transmittance = hn::Load(df, lanes.transmittance);
     auto median = hn::Load(df, lanes.median);
     auto weighted = hn::Load(df, lanes.weighted);
@@ -186,8 +189,9 @@ void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin
       auto inside = active;
       for (int a = 0; a < 3; ++a) {
         const auto q = hn::MulAdd(middle, hn::Load(df, lanes.direction[a]), hn::Load(df, lanes.origin[a]));
-        inside = hn::And(inside, hn::And(hn::Ge(q, zero), hn::Lt(q, limit)));
-        at.low[a] = hn::ConvertTo(di, hn::IfThenElseZero(inside, q));
+        const auto is_inside = hn::And(hn::Ge(q, zero), hn::Lt(q, limit));
+        inside = hn::And(inside, is_inside);
+        at.low[a] = hn::ConvertTo(di, hn::IfThenElseZero(is_inside, q));
         at.fraction[a] = hn::Sub(q, hn::ConvertTo(df, at.low[a]));
       }
       const auto row = hn::Add(hn::Mul(hn::ShiftRight<3>(at.low[2]), per_side), hn::ShiftRight<3>(at.low[1]));
@@ -203,7 +207,9 @@ void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin
       const auto behind = hn::Sub(transmittance, weight);
       median = hn::IfThenElse(hn::And(hn::Gt(transmittance, half), hn::Le(behind, half)), middle, median);
       transmittance = behind;
-      step = hn::IfThenElse(inside, hn::Add(step, one), step);
+      // Lanes that have ended go on, unseen: where the next sample lies must not wait for what this one finds.
+      step = hn::Add(step, one);
+      end = hn::IfThenElse(inside, step, end);
       const auto left = hn::AndNot(inside, active);
       const auto opaque = hn::And(inside, hn::Le(transmittance, hn::Set(df, kOpaque)));
       const auto gap = hn::And(hn::And(inside, hn::Gt(passing, hn::Set(df, 1 - kRunEnds))),
@@ -212,7 +218,7 @@ void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin
       reason = hn::IfThenElse(hn::RebindMask(di, left), hn::Set(di, static_cast<int>(RunEnd::kLeft)), reason);
       active = hn::AndNot(hn::Or(gap, opaque), inside);
     } while (hn::CountTrue(df, active) > enough);
-    hn::Store(step, df, lanes.step);
+    hn::Store(end, df, lanes.step);
     hn::Store(transmittance, df, lanes.transmittance);
     hn::Store(median, df, lanes.median);
     hn::Store(weighted, df, lanes.weighted);

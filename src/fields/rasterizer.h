@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -38,44 +39,48 @@ public:
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  const std::vector<HullTriangle>& triangles() const { return triangles_; }
+  const HullTriangle& triangle(std::uint32_t index) const { return parts_[index / kPart][index % kPart]; }
   /// Indices of the tile's triangles, in the order in which they were added.
   std::span<const std::uint32_t> of_tile(int column, int row) const;
 
 private:
-  bool make(const std::array<const Eigen::Vector3f*, 3>& corners, HullTriangle& triangle) const;
+  static constexpr std::uint32_t kPart = 2048; // triangles at most
+  template <class Visit> void for_triangles_and_tiles(const Visit& visit) const;
 
   Intrinsics intrinsics_;
   int columns_;
   int rows_;
-  std::vector<HullTriangle> triangles_;
+  std::vector<std::vector<HullTriangle>> parts_;
   std::vector<std::uint32_t> begin_; // per tile, into members_; one more at the end
   std::vector<std::uint32_t> members_;
 };
 
-/// Up to kMost values for each pixel of a tile, nearest first; of more the farthest are dropped.
+/// Up to kMost values for each pixel of a tile, nearest first; of more the farthest are dropped. The nearest of all
+/// pixels lie together, as most have few.
 template <class T, int kMost> class PixelLists {
 public:
   static constexpr std::size_t kPixels = TriangleBins::kTile * TriangleBins::kTile;
 
   void clear() { counts_.fill(0); }
-  std::span<const T> of(std::size_t pixel) const { return {&values_[pixel * kMost], counts_[pixel]}; }
+  std::size_t count(std::size_t pixel) const { return counts_[pixel]; }
+  const T& at(std::size_t pixel, std::size_t number) const { return values_[number * kPixels + pixel]; }
   /// T has a member `depth`.
   void insert(std::size_t pixel, const T& value) {
-    T* list = &values_[pixel * kMost];
-    std::size_t at = counts_[pixel];
-    if (at == kMost) {
-      if (!(value.depth < list[at - 1].depth)) return;
-      --at;
+    std::size_t number = counts_[pixel];
+    if (number == kMost) {
+      if (!(value.depth < at(pixel, number - 1).depth)) return;
+      --number;
     } else {
       ++counts_[pixel];
     }
-    for (; at > 0 && value.depth < list[at - 1].depth; --at) list[at] = list[at - 1];
-    list[at] = value;
+    for (; number > 0 && value.depth < at(pixel, number - 1).depth; --number) {
+      values_[number * kPixels + pixel] = at(pixel, number - 1);
+    }
+    values_[number * kPixels + pixel] = value;
   }
 
 private:
-  std::vector<T> values_ = std::vector<T>(kPixels * kMost);
+  std::unique_ptr<T[]> values_ = std::make_unique_for_overwrite<T[]>(kPixels * kMost);
   std::array<std::uint8_t, kPixels> counts_{};
 };
 
@@ -86,8 +91,19 @@ struct Entry {
 };
 using Entries = PixelLists<Entry, 8>;
 
-/// Adds the entries of one triangle into the pixels of a tile whose first pixel is (left, top).
-void rasterize(const HullTriangle& triangle, std::uint32_t index, const Intrinsics& intrinsics, int left, int top,
-               Entries& entries);
+/// Appends the front faces among `faces`, two triangles each.
+void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
+               std::uint8_t layer, std::vector<HullTriangle>& out);
+
+/// The rays of a tile's pixels, (x, y, 1) in the camera's frame.
+struct TileRays {
+  int left, top; ///< its first pixel
+  float x, y;    ///< of that
+  float dx, dy;  ///< from one pixel to the next
+};
+TileRays tile_rays(const Intrinsics& intrinsics, int left, int top);
+
+/// Adds the entries of one triangle into the pixels of a tile.
+void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries);
 
 } // namespace kinora::fields

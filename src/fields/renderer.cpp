@@ -15,6 +15,7 @@ namespace kinora::fields {
 DrawableField::DrawableField(Field field, const tracking::DeformationGraph* graph) {
   auto derived = std::make_shared<Derived>();
   derived->levels = grid_levels(field.config);
+  derived->surface_matrix = surface_matrix(field);
   derived->bricks = DensityBricks(field);
   derived->hull = BrickHull(derived->bricks, field.config.box);
   if (graph != nullptr) derived->hull.follow(*graph);
@@ -26,7 +27,7 @@ const Field& DrawableField::field() const { return derived_->field; }
 PosedField pose(const DrawableField& field, const tracking::Warp& warp) {
   if (warp.is_rigid()) return {&field, warp.rigid()};
   const BrickHull& hull = field.derived().hull;
-  if (hull.influences().size() != hull.corners().size()) {
+  if (hull.influences().count != hull.corner_count()) {
     throw Error(ErrorCode::kFailure, "a field that was not made to deform cannot be drawn deformed");
   }
   return {&field, SE3::Identity(), std::make_shared<const PosedHull>(hull, warp),
@@ -75,15 +76,13 @@ private:
   int u_of(std::size_t p) const { return left_ + static_cast<int>(p) % kTile; }
   int v_of(std::size_t p) const { return top_ + static_cast<int>(p) / kTile; }
 
-  void find_rays() {
-    rays_.resize(Entries::kPixels);
-    const Eigen::Vector3f first = intrinsics_.unproject(left_, top_, 1.0).cast<float>();
-    const auto dx = static_cast<float>(1 / intrinsics_.fx);
-    const auto dy = static_cast<float>(1 / intrinsics_.fy);
-    for (std::size_t p = 0; p < rays_.size(); ++p) {
-      const std::size_t column = p % kTile;
-      const std::size_t row = p / kTile;
-      rays_[p] = {first.x() + static_cast<float>(column) * dx, first.y() + static_cast<float>(row) * dy, 1};
+  void find_rays(const TileRays& tile) {
+    rays_.clear();
+    for (int row = 0; row < kTile; ++row) {
+      for (int column = 0; column < kTile; ++column) {
+        rays_.emplace_back(tile.x + static_cast<float>(column) * tile.dx, tile.y + static_cast<float>(row) * tile.dy,
+                           1);
+      }
     }
   }
 
@@ -91,7 +90,8 @@ private:
   bool find_surfaces(std::span<const std::uint32_t> triangles) {
     const auto holds_camera = [](const LayerView& view) { return view.holds_camera(); };
     if (triangles.empty() && std::none_of(views_.begin(), views_.end(), holds_camera)) return false;
-    find_rays();
+    const TileRays tile = tile_rays(intrinsics_, left_, top_);
+    find_rays(tile);
     surfaces_.clear();
     std::size_t next = 0;
     for (std::uint32_t l = 0; l < views_.size(); ++l) {
@@ -100,8 +100,8 @@ private:
       if (any) {
         for (std::size_t p = 0; p < Entries::kPixels; ++p) entries_.insert(p, {kNearDepth, kInside});
       }
-      for (; next < triangles.size() && bins_.triangles()[triangles[next]].layer == l; ++next) {
-        rasterize(bins_.triangles()[triangles[next]], triangles[next], intrinsics_, left_, top_, entries_);
+      for (; next < triangles.size() && bins_.triangle(triangles[next]).layer == l; ++next) {
+        rasterize(bins_.triangle(triangles[next]), triangles[next], tile, entries_);
         any = true;
       }
       if (any) marcher_.march(views_[l], l, bins_, rays_, entries_, surfaces_);
@@ -115,7 +115,8 @@ private:
     float transmittance = 1;
     float median_depth = 0;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    for (const Surface& surface : surfaces_.of(p)) {
+    for (std::size_t i = 0; i < surfaces_.count(p); ++i) {
+      const Surface& surface = surfaces_.at(p, i);
       const float weight = transmittance * surface.opacity;
       const LayerView& view = views_[surface.layer];
       if (weight > kNegligible) {

@@ -14,9 +14,9 @@ constexpr float kHullReach = 16; // lattice steps between a hull and its surface
 } // namespace
 
 bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
-                        std::span<const Entry> entries, float until_depth, Ray& ray, float& begin) {
-  while (ray.next < entries.size()) {
-    Entry entry = entries[ray.next];
+                        const Entries& entries, float until_depth, Ray& ray, float& begin) {
+  while (ray.next < entries.count(ray.pixel)) {
+    Entry entry = entries.at(ray.pixel, ray.next);
     if (entry.depth < kTouching) entry = {kTouching, kInside};
     const LayerView::Place place = view.place_of(entry, bins, pixel_ray);
     if (ray.next++ > 0 && entry.depth < until_depth) {
@@ -42,7 +42,7 @@ void TileMarcher::begin(const LayerView& view, const TriangleBins& bins, const s
                         const Entries& entries, std::uint32_t pixel) {
   Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
   float begin = 0;
-  if (!enter(view, bins, pixel_rays[pixel], entries.of(pixel), 0, ray, begin)) return;
+  if (!enter(view, bins, pixel_rays[pixel], entries, 0, ray, begin)) return;
   rays_.push_back(ray);
   begin_.push_back(begin);
 }
@@ -51,16 +51,16 @@ void TileMarcher::march(const LayerView& view, std::uint32_t layer, const Triang
                         const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
   cells_.clear();
   for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
-    if (SmoothCells::is_anchor(p) && !entries.of(p).empty()) begin(view, bins, pixel_rays, entries, p);
+    if (SmoothCells::is_anchor(p) && entries.count(p) > 0) begin(view, bins, pixel_rays, entries, p);
   }
   follow(view, layer, bins, pixel_rays, entries, surfaces);
   const float in_box = view.step() / static_cast<float>(view.layer().field.config.box.side);
   cells_.judge(in_box);
   const float reach = kHullReach * view.lattice_step();
   for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
-    if (SmoothCells::is_anchor(p) || entries.of(p).empty()) continue;
+    if (SmoothCells::is_anchor(p) || entries.count(p) == 0) continue;
     const auto surface = cells_.at(p);
-    if (surface && surface->depth - entries.of(p).front().depth < reach) {
+    if (surface && surface->depth - entries.at(p, 0).depth < reach) {
       surfaces.insert(p, *surface);
     } else {
       begin(view, bins, pixel_rays, entries, p);
@@ -82,16 +82,21 @@ void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const Trian
                         {ray.direction.x(), ray.direction.y(), ray.direction.z()}};
     }
     fields::march(view.layer().bricks, march_rays_.data(), begin_.data(), n, view.optical_length(), runs_.data());
+    points_.resize(n);
+    places_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Ray& ray = rays_[i];
+      places_.set(i, ray.origin + runs_[i].mean * ray.direction);
+      points_.set(i, (ray.entry_depth + runs_[i].mean * ray.depth_step) * pixel_rays[ray.pixel]);
+    }
+    if (view.deforms()) view.refine(n, points_, places_);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < n; ++i) {
       Ray ray = rays_[i];
       const MarchRun& run = runs_[i];
       if (run.opacity > kNegligible) {
-        const float depth = ray.entry_depth + run.mean * ray.depth_step;
-        Eigen::Vector3f at = ray.origin + run.mean * ray.direction;
-        if (view.deforms()) at = view.refined(at, depth * pixel_rays[ray.pixel]);
-        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer, view.to_box(at),
-                              view.to_box(run.spread * ray.direction)};
+        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer,
+                              view.to_box(places_.at(i)), view.to_box(run.spread * ray.direction)};
         surfaces.insert(ray.pixel, surface);
         if (ray.alone && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
           cells_.set(ray.pixel, surface);
@@ -100,8 +105,8 @@ void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const Trian
       }
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;
-      if (run.reason == RunEnd::kLeft && !enter(view, bins, pixel_rays[ray.pixel], entries.of(ray.pixel),
-                                                ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
+      if (run.reason == RunEnd::kLeft &&
+          !enter(view, bins, pixel_rays[ray.pixel], entries, ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
         continue;
       }
       rays_[kept] = ray;

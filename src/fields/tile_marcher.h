@@ -35,7 +35,7 @@ private:
   };
   // Stands the ray at its next entry that is not one of where it comes from; false if there is none.
   static bool enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
-                    std::span<const Entry> entries, float until_depth, Ray& ray, float& begin);
+                    const Entries& entries, float until_depth, Ray& ray, float& begin);
 
   void begin(const LayerView& view, const TriangleBins& bins, const std::vector<Eigen::Vector3f>& pixel_rays,
              const Entries& entries, std::uint32_t pixel);
@@ -47,6 +47,7 @@ private:
   std::vector<MarchRay> march_rays_;
   std::vector<float> begin_;
   std::vector<MarchRun> runs_;
+  kernels::PointLanes points_, places_; // of what the rays have met
 };
 
 } // namespace kinora::fields
