@@ -95,6 +95,7 @@ LossWeights weights_for(const ViewAgreement& agreement) {
   LossWeights weights;
   weights.opacity *= static_cast<float>(1 + trust);
   weights.depth *= static_cast<float>(1 + trust);
+  weights.empty_rays /= static_cast<float>(1 + trust);
   return weights;
 }
 
