@@ -59,8 +59,9 @@ void train_and_judge(const Setting& setting) {
   Progress progress;
   fields::TrainingReport report;
   const std::clock_t cpu_begin = std::clock();
-  const fields::DrawableField field(fields::train_field(store, 1, motion, config, trainer, progress, &report));
+  fields::Field trained = fields::train_field(store, 1, motion, config, trainer, progress, &report);
   const double cpu_seconds = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+  const fields::DrawableField field(std::move(trained));
   double psnr = 0;
   std::vector<float> depth_errors;
   double drawing = 0;

@@ -160,6 +160,7 @@ Json config_json(const fields::TrainerConfig& config) {
             {"opacity", config.loss.opacity},
             {"depth", config.loss.depth},
             {"emptiness", config.loss.emptiness},
+            {"empty_rays", config.loss.empty_rays},
             {"depth_clamp", config.loss.depth_clamp},
             {"distance", config.loss.distance}}},
           {"sampling",

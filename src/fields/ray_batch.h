@@ -29,6 +29,11 @@ struct RayBatch {
   std::vector<RayTarget> targets;
 
   std::size_t ray_count() const { return targets.size(); }
+  /// The samples appended since the last ray are those of one with this target.
+  void end_ray(const RayTarget& target) {
+    targets.push_back(target);
+    first_sample.push_back(static_cast<std::uint32_t>(samples.size()));
+  }
   void clear() {
     samples.clear();
     first_sample.assign(1, 0);
@@ -39,12 +44,13 @@ struct RayBatch {
 /// The loss of an own ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)², depth_clamp), of
 /// any other emptiness·A, with wᵢ the compositing weights and A their sum. A field of signed distances sᵢ adds to an
 /// own ray's distance·Σᵢ ((sᵢ − (z* − zᵢ))/band)², over the samples in the band and in metres of depth along the ray.
-/// The loss of a step is the mean over its rays.
+/// The loss of a step is the mean over its rays, of which `empty_rays` are a share.
 struct LossWeights {
   float color = 1.0F;
   float opacity = 0.1F;
   float depth = 0.03F;
   float emptiness = 0.5F;
+  float empty_rays = 0.25F; ///< that are not the layer's own, where there are any
   float depth_clamp = 4.0F;
   float distance = 0.1F;
 };

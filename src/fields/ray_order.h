@@ -15,19 +15,27 @@ namespace kinora::fields {
 /// Cells per side of the box in which order is kept; within a cell it is the list's.
 inline constexpr std::uint32_t kOrderCells = 64;
 
+/// The lower six bits of a number, each two bits farther from the one before.
+constexpr std::uint32_t apart(std::uint32_t bits) {
+  bits = (bits | (bits << 8)) & 0x300F;
+  bits = (bits | (bits << 4)) & 0x030C3;
+  return (bits | (bits << 2)) & 0x9249;
+}
+
 /// Morton code (Morton 1966) of a position relative to the box; positions outside count as on its rim.
 inline std::uint32_t place_code(const std::array<float, 3>& position) {
   std::uint32_t code = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const float inside = position[a] > 0 ? std::min(position[a], 1.0F) : 0; // also of what is not a number
     const auto cell = std::min(static_cast<std::uint32_t>(inside * static_cast<float>(kOrderCells)), kOrderCells - 1);
-    for (std::uint32_t bit = 0; bit < 6; ++bit) code |= ((cell >> bit) & 1) << (3 * bit + a);
+    code |= apart(cell) << a;
   }
   return code;
 }
 
-/// Sorts by place_code(place(ray)), keeping the order of equals. `place` is called on any thread.
-template <class Rays, class Place> void order_by_place(Rays& rays, const Place& place) {
+/// Sorts by place_code(place(ray)), keeping the order of equals. `place` is called on any thread. Returns where the
+/// rays of each place end, by code.
+template <class Rays, class Place> std::vector<std::size_t> order_by_place(Rays& rays, const Place& place) {
   std::vector<std::uint32_t> codes(rays.size());
   parallel_for(rays.size(), 16384, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) codes[i] = place_code(place(rays[i]));
@@ -38,6 +46,8 @@ template <class Rays, class Place> void order_by_place(Rays& rays, const Place& 
   Rays ordered(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) ordered[next[codes[i]]++] = rays[i];
   rays = std::move(ordered);
+  next.pop_back();
+  return next;
 }
 
 } // namespace kinora::fields

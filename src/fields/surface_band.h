@@ -15,11 +15,15 @@ inline constexpr float kFarthest = 1e6F;
 /// Metres: three standard deviations of the sensor at a depth.
 inline float three_sigma(float depth) { return static_cast<float>(3.0 * ingest::depth_sigma(depth)); }
 
-/// Half width in metres of the band around a measured depth: three standard deviations of the sensor, at least four
-/// cells of the finest level, and room for a few centimetres of pose error where the layer is large.
+/// Metres: the least half width of the band around a measured depth: four cells of the finest level, and room for a few
+/// centimetres of pose error where the layer is large.
+inline float least_band(const FieldConfig& config) {
+  return static_cast<float>(std::max(4 * config.cell_size(), std::min(0.02, 0.02 * config.box.side)));
+}
+
+/// Metres: half width of the band around a measured depth, three standard deviations of the sensor or the least.
 inline float surface_band(const FieldConfig& config, float depth) {
-  const double pose_error = std::min(0.02, 0.02 * config.box.side);
-  return std::max({three_sigma(depth), static_cast<float>(4 * config.cell_size()), static_cast<float>(pose_error)});
+  return std::max(three_sigma(depth), least_band(config));
 }
 
 /// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the

@@ -1,5 +1,7 @@
 #include "fields/trainer.h"
 
+#include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -39,8 +41,9 @@ void initialise(Field& field, std::uint64_t seed) {
 }
 
 LearningRates scheduled(const TrainerConfig& config, double progress, float restart_factor) {
-  const double decay = progress < 0.5 ? 1.0 : std::pow(config.final_learning_rate, 2 * (progress - 0.5));
-  const float factor = static_cast<float>(decay) * restart_factor;
+  const double falling = std::clamp(2 * progress - 1, 0.0, 1.0);
+  const double share = 1 - (1 - config.final_learning_rate) * falling;
+  const float factor = static_cast<float>(share) * restart_factor;
   return {config.learning_rates.table * factor, config.learning_rates.nets * factor};
 }
 
@@ -71,43 +74,53 @@ private:
   double unexplained_ = 0; // mean of the last steps
 };
 
-// Keeps the cells in which the field absorbs anything worth drawing.
+// Keeps the cells in which the field absorbs anything worth drawing at one of eight random points. Most do at one of
+// the first two.
 void prune(Field& field) {
-  constexpr int kProbes = 8;
   constexpr float kVisible = 0.02F; // opacity of a cell's side
-  const int resolution = field.config.occupancy_resolution;
-  const float cell = static_cast<float>(field.config.box.side / resolution / field.config.density_length());
+  const auto r = static_cast<std::size_t>(field.config.occupancy_resolution);
+  const auto cells_per_side = static_cast<float>(r);
+  const auto cell = static_cast<float>(field.config.box.side / field.config.density_length()) / cells_per_side;
   const std::vector<GridLevel> levels = grid_levels(field.config);
   std::vector<std::uint64_t>& words = field.occupancy.words();
   parallel_for(words.size(), 256, [&](const Chunk& chunk) {
+    std::vector<std::size_t> doubtful;
+    for (std::size_t w = chunk.begin; w < chunk.end; ++w) {
+      for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1) {
+        doubtful.push_back(w * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+      }
+      words[w] = 0;
+    }
     std::vector<float> x, y, z;
-    std::vector<std::size_t> bits;
     PointBatch batch;
     Random random(0x9A11, chunk.index);
-    for (std::size_t w = chunk.begin; w < chunk.end; ++w) {
-      for (int b = 0; b < 64; ++b) {
-        if (((words[w] >> b) & 1) == 0) continue;
-        const std::size_t index = w * 64 + static_cast<std::size_t>(b);
-        const std::size_t r = static_cast<std::size_t>(resolution);
+    for (const std::size_t probes : {2, 6}) {
+      for (std::vector<float>* values : {&x, &y, &z}) values->clear();
+      for (const std::size_t index : doubtful) {
         const std::size_t cell_x = index % r;
         const std::size_t cell_y = index / r % r;
         const std::size_t cell_z = index / (r * r);
-        for (int k = 0; k < kProbes; ++k) {
-          x.push_back((static_cast<float>(cell_x) + random.uniform()) / static_cast<float>(resolution));
-          y.push_back((static_cast<float>(cell_y) + random.uniform()) / static_cast<float>(resolution));
-          z.push_back((static_cast<float>(cell_z) + random.uniform()) / static_cast<float>(resolution));
+        for (std::size_t k = 0; k < probes; ++k) {
+          x.push_back((static_cast<float>(cell_x) + random.uniform()) / cells_per_side);
+          y.push_back((static_cast<float>(cell_y) + random.uniform()) / cells_per_side);
+          z.push_back((static_cast<float>(cell_z) + random.uniform()) / cells_per_side);
         }
-        bits.push_back(index);
       }
-    }
-    evaluate_points(field, levels, {x.data(), y.data(), z.data(), x.size()}, batch);
-    for (std::size_t i = 0; i < bits.size(); ++i) {
-      float densest = 0;
-      for (std::size_t k = 0; k < kProbes; ++k) {
-        const float raw = batch.geometry[(i * kProbes + k) * FieldConfig::kGeometry];
-        densest = std::max(densest, std::exp(std::min(raw, kMaxRawDensity)));
+      evaluate_points(field, levels, {x.data(), y.data(), z.data(), x.size()}, batch);
+      std::size_t left = 0;
+      for (std::size_t i = 0; i < doubtful.size(); ++i) {
+        float densest = 0;
+        for (std::size_t k = 0; k < probes; ++k) {
+          const float raw = batch.geometry[(i * probes + k) * FieldConfig::kGeometry];
+          densest = std::max(densest, std::exp(std::min(raw, kMaxRawDensity)));
+        }
+        if (1 - std::exp(-densest * cell) < kVisible) {
+          doubtful[left++] = doubtful[i];
+        } else {
+          words[doubtful[i] >> 6] |= std::uint64_t{1} << (doubtful[i] & 63);
+        }
       }
-      if (1 - std::exp(-densest * cell) < kVisible) words[bits[i] >> 6] &= ~(std::uint64_t{1} << (bits[i] & 63));
+      doubtful.resize(left);
     }
   });
 }
@@ -196,7 +209,7 @@ private:
     const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
     return {chunks, [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
-              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, batch);
+              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, batch);
             }};
   }
 
@@ -266,8 +279,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   const Clock::time_point begin = Clock::now();
   RaySampler sampler(pixels, label, motion, config, trainer.sampling);
   Field untrained(config);
-  untrained.occupancy = sampler.seed_occupancy();
-  sampler.set_occupancy(untrained.occupancy);
+  untrained.occupancy = sampler.occupancy();
   if (sampler.own_ray_count() == 0) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }

@@ -20,7 +20,8 @@ struct TrainerConfig {
   std::size_t rays = 20'000'000; ///< rays in the whole training of the layer
   int rays_per_step = 4096;      ///< of the later steps, a multiple of kRaysPerChunk; the first ones take a quarter
   LearningRates learning_rates;
-  float final_learning_rate = 0.05F; ///< share that is left at the end; constant for the first half, then falling
+  float final_learning_rate =
+      0.02F; ///< share that is left at the end; constant for the first half, then falling evenly
   LossWeights loss;
   SamplingConfig sampling;
   float negligible_gradient = 1e-4F; ///< FieldOptimizer

@@ -90,11 +90,15 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
 }
 
 LossWeights weights_for(const ViewAgreement& agreement) {
-  constexpr double kRough = 0.005; // from so many looks on, silhouettes would grow
-  const double trust = agreement.looks == 0 ? 0 : std::max(0.0, 1 - agreement.seen_through / kRough);
+  constexpr double kRough = 0.005; // from so many looks on, opaque silhouettes would grow
+  constexpr double kDoubt = 0.001; // from so many on, space about them would not be emptied
+  const auto trust = [&](double bound) {
+    return static_cast<float>(agreement.looks == 0 ? 0 : std::max(0.0, 1 - agreement.seen_through / bound));
+  };
   LossWeights weights;
-  weights.opacity *= static_cast<float>(1 + trust);
-  weights.depth *= static_cast<float>(1 + trust);
+  weights.opacity *= 1 + trust(kRough);
+  weights.depth *= 1 + trust(kRough);
+  weights.empty_rays /= 1 + trust(kDoubt);
   return weights;
 }
 

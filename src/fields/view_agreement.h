@@ -18,9 +18,10 @@ struct ViewAgreement {
 /// A spread of measured points of the layer, carried into a spread of other frames. Takes some ten milliseconds.
 ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion);
 
-/// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, so that surfaces are
-/// found with fewer rays; where masks or motion contradict each other that would make silhouettes grow. In between the
-/// weights fall in proportion to what is seen through (docs/fields.md).
+/// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, and half as many rays
+/// tell of emptiness, so that surfaces are found with fewer rays; where masks or motion contradict each other that
+/// would make silhouettes grow. In between all follow in proportion to what is seen through, emptiness sooner
+/// (docs/fields.md).
 LossWeights weights_for(const ViewAgreement& agreement);
 
 } // namespace kinora::fields

@@ -29,6 +29,7 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
   EXPECT_FLOAT_EQ(weights.opacity, 2 * LossWeights{}.opacity);
   EXPECT_FLOAT_EQ(weights.depth, 2 * LossWeights{}.depth);
   EXPECT_FLOAT_EQ(weights.emptiness, LossWeights{}.emptiness);
+  EXPECT_FLOAT_EQ(weights.empty_rays, LossWeights{}.empty_rays / 2);
 }
 
 TEST(ViewAgreement, IsLostWithWrongPoses) {

@@ -8,6 +8,7 @@
 #include "bending_sheet.h"
 #include "core/parallel.h"
 #include "fields/ray_sampler.h"
+#include "fields/seen_space.h"
 #include "fields/surface_band.h"
 #include "fields/trainer.h"
 #include "fields/warped_pixels.h"
@@ -15,8 +16,8 @@
 namespace kinora::fields {
 namespace {
 
-Eigen::Vector3d canonical_point(const FieldBox& box, const WarpedPixel& pixel, double depth) {
-  const std::array<float, 3> p = point_at(pixel.ray, static_cast<float>(depth));
+Eigen::Vector3d canonical_point(const FieldBox& box, const FieldRay& ray, double depth) {
+  const std::array<float, 3> p = point_at(ray, static_cast<float>(depth));
   return box.origin + box.side * Eigen::Vector3f(p.data()).cast<double>();
 }
 
@@ -42,10 +43,10 @@ struct Sheet {
 
   Sheet() {
     config = choose_field_config(performance.store, 1, performance.motion);
-    occupancy = RaySampler(performance.store, 1, performance.motion, config, {}).seed_occupancy();
+    occupancy = RaySampler(performance.store, 1, performance.motion, config, {}).occupancy();
   }
-  WarpedSpace space() const {
-    return warp_occupied_space(performance.store, 1, performance.motion, config, occupancy, 0.05F);
+  SeenSpace space() const {
+    return see_occupied_space(performance.store, 1, performance.motion, config, occupancy, 0.05F);
   }
 };
 
@@ -61,7 +62,7 @@ TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
     const tracking::Warp warp = sheet.performance.motion.warp(frame_of(store, own[i].pixel).frame);
     const double band = surface_band(sheet.config, pixel.depth);
     for (const double behind : {-band, -0.5 * band, 0.0, band}) {
-      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i], pixel.depth + behind);
+      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i].ray, pixel.depth + behind);
       const auto& bend = own[i].bends[behind > 0 ? 1 : 0];
       place += behind * behind * sheet.config.box.side * Eigen::Vector3f(bend.data()).cast<double>();
       const auto world = warp.to_world(place);
@@ -74,16 +75,16 @@ TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
 TEST(WarpedPixels, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
   const Sheet sheet;
   const PixelStore& store = sheet.performance.store;
-  const WarpedSpace space = sheet.space();
-  ASSERT_GT(space.before.size(), 1000U); // the wall is seen past the sheet's rim
-  for (std::size_t i = 0; i < space.before.size(); i += 17) {
-    const WarpedPixel& piece = space.before[i];
+  const SeenSpace space = sheet.space();
+  ASSERT_GT(space.empty.size(), 1000U); // the wall is seen past the sheet's rim
+  for (std::size_t i = 0; i < space.empty.size(); i += 17) {
+    const SeenPiece& piece = space.empty[i];
     const StoredPixel& pixel = store.pixels()[piece.pixel];
     EXPECT_LT(piece.piece.begin, piece.piece.end);
     EXPECT_LE(piece.piece.end, pixel.label == 1 ? pixel.depth : empty_until(pixel));
     const double middle = 0.5 * (static_cast<double>(piece.piece.begin) + static_cast<double>(piece.piece.end));
     const auto world = sheet.performance.motion.warp(frame_of(store, piece.pixel).frame)
-                           .to_world(canonical_point(sheet.config.box, piece, middle));
+                           .to_world(canonical_point(sheet.config.box, piece.ray, middle));
     ASSERT_TRUE(world);
     EXPECT_LT((*world - world_point(store, piece.pixel, middle)).norm(), 2e-3);
   }
@@ -102,10 +103,9 @@ TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
   }
   PixelStore store(1'000'000, 1);
   store.add(blind, 4);
-  const WarpedSpace space =
-      warp_occupied_space(store, 1, sheet.performance.motion, sheet.config, sheet.occupancy, 0.05F);
+  const SeenSpace space = see_occupied_space(store, 1, sheet.performance.motion, sheet.config, sheet.occupancy, 0.05F);
   EXPECT_GT(space.unmeasured.size(), sheet_pixels * 9 / 10);
-  for (const WarpedPixel& found : space.unmeasured) {
+  for (const SeenPiece& found : space.unmeasured) {
     const StoredPixel& pixel = store.pixels()[found.pixel];
     EXPECT_EQ(pixel.label, 1);
     const float depth = truth.depth.at(pixel.u, pixel.v);
@@ -117,17 +117,17 @@ TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
 
 TEST(WarpedPixels, AreTheSameForAnyNumberOfThreads) {
   const Sheet sheet;
-  const auto bytes_equal = [](const LargeBuffer<WarpedPixel>& a, const LargeBuffer<WarpedPixel>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(WarpedPixel)) == 0;
+  const auto bytes_equal = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
   };
   set_thread_count(1);
   const auto own = warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config);
-  const WarpedSpace space = sheet.space();
+  const SeenSpace space = sheet.space();
   for (const int threads : {2, 7}) {
     set_thread_count(threads);
     EXPECT_TRUE(
         bytes_equal(own, warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config)));
-    EXPECT_TRUE(bytes_equal(space.before, sheet.space().before));
+    EXPECT_TRUE(bytes_equal(space.empty, sheet.space().empty));
   }
   set_thread_count(0);
 }
