@@ -74,9 +74,6 @@ Interval in_box(const FieldRay& ray, Interval interval);
 /// Whether a position relative to the box lies in an occupied cell; outside the box nothing does.
 bool is_occupied(const Occupancy& occupancy, const std::array<float, 3>& position);
 
-/// Cells of `factor`³ cells, occupied where any of them is. The resolution must be a multiple of the factor.
-Occupancy coarsened(const Occupancy& occupancy, int factor);
-
 /// Marks every cell that the points origin + z · direction of a ray touch for z in the interval. Thread-safe.
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval);
 
