@@ -24,7 +24,7 @@ bool contains(const Passes& passes, std::string_view pass) {
 }
 
 host::Picture picture_for(const fields::Picture& drawn, const std::string& name, double seconds, const Passes& beside) {
-  host::Picture picture{name, seconds, drawn.color, {}, drawn.normal};
+  host::Picture picture{name, seconds, drawn.color, {}, drawn.normal, drawn.confidence};
   if (!contains(beside, "depth")) return picture;
   picture.depth = DepthImage16(drawn.depth.width(), drawn.depth.height());
   for (std::size_t i = 0; i < drawn.depth.pixel_count(); ++i) {

@@ -27,6 +27,7 @@ struct Options {
   std::string frames;
   std::string size;
   fields::DrawQuality quality = fields::DrawQuality::kFull;
+  fields::Unseen unseen = fields::Unseen::kKeep;
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
@@ -51,7 +52,7 @@ std::pair<int, int> parse_size(const std::string& text) {
 
 /// The passes to write beside colour, each once.
 std::vector<std::string> passes_beside_color(const std::vector<std::string>& passes) {
-  constexpr std::array<std::string_view, 2> kBeside{"depth", "normal"};
+  constexpr std::array<std::string_view, 3> kBeside{"depth", "normal", "confidence"};
   std::vector<std::string> beside;
   bool rgb = false;
   for (const std::string& pass : passes) {
@@ -97,6 +98,19 @@ std::vector<double> show_times(const std::vector<player::View>& views, const enc
   return times;
 }
 
+// Clips of earlier versions do not hold it.
+void require_confidence(const encode::Clip& clip, const player::LayerChoice& layers,
+                        const std::filesystem::path& file) {
+  for (const std::size_t i : layers) {
+    if (clip.layers[i].confidence) continue;
+    throw Error(ErrorCode::kFailure,
+                fmt::format("{} does not say how well layer {} was seen: an earlier Kinora made "
+                            "it; encode its capture again, or draw without the pass confidence and without "
+                            "--unseen fade",
+                            file.string(), clip.layers[i].name));
+  }
+}
+
 void run(const Options& options, Context& context) {
   const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
@@ -112,6 +126,12 @@ void run(const Options& options, Context& context) {
   const player::Player player(open_clip(options.clip));
   const player::LayerChoice layers =
       options.layers.empty() ? player.all_layers() : player.choose_layers(options.layers, context.progress);
+  const auto has = [&beside](std::string_view pass) {
+    return std::find(beside.begin(), beside.end(), pass) != beside.end();
+  };
+  if (has("confidence") || options.unseen == fields::Unseen::kFade) {
+    require_confidence(player.clip(), layers, options.clip);
+  }
   std::vector<player::View> views = views_of(options, player, context);
   if (kind == OutputKind::kPicture) views.resize(1);
   if (!options.size.empty()) {
@@ -123,10 +143,7 @@ void run(const Options& options, Context& context) {
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip());
 
-  const auto has = [&beside](std::string_view pass) {
-    return std::find(beside.begin(), beside.end(), pass) != beside.end();
-  };
-  const fields::DrawOptions draw{options.quality, has("normal")};
+  const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -190,13 +207,23 @@ void add_render(CLI::App& app, Context& context) {
                                                                              {"fast", fields::DrawQuality::kFast}},
                                   CLI::ignore_case))
       ->type_name("full|fast");
+  command
+      .add_option("--unseen", options->unseen,
+                  "What to do with surfaces that no camera ever saw from the side that is shown: keep, drawn with the "
+                  "colours nearest to them; or fade, left out")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, fields::Unseen>{{"keep", fields::Unseen::kKeep}, {"fade", fields::Unseen::kFade}},
+          CLI::ignore_case))
+      ->type_name("keep|fade");
   command.add_option("--layers", options->layers, "Only these layers, such as person,object")
       ->delimiter(',')
       ->type_name("NAMES");
   command
-      .add_option("--passes", options->passes,
-                  "What to write: rgb, and beside it .depth.png (16-bit millimetres), .normal.png (of the camera: "
-                  "x right, y up, z back, as colours)")
+      .add_option(
+          "--passes", options->passes,
+          "What to write: rgb, and beside it .depth.png (16-bit millimetres), .normal.png (of the camera: "
+          "x right, y up, z back, as colours), .confidence.png (8 bits: 255 where the capture's cameras saw well "
+          "what is shown, 0 where they never saw that side)")
       ->delimiter(',')
       ->type_name("NAMES");
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")

@@ -1,12 +1,14 @@
 // A volumetric video in memory: layers, timeline, camera path and metadata.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/camera.h"
+#include "fields/confidence.h"
 #include "fields/field.h"
 #include "tracking/motion.h"
 
@@ -17,6 +19,7 @@ struct Layer {
   int label = 0;    ///< of the capture's masks
   fields::Field field;
   tracking::Motion motion = tracking::Motion::still();
+  std::optional<fields::Confidence> confidence = std::nullopt; ///< of the field; files of earlier versions have none
 };
 
 struct Clip {

@@ -95,6 +95,7 @@ LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken,
   }
   layer.kind = *known;
   if (layer.kind != MotionKind::kStill) layer.motion_track = track(object, "motion_track", taken, place);
+  if (object.contains("confidence_track")) layer.confidence_track = track(object, "confidence_track", taken, place);
   return layer;
 }
 
@@ -134,6 +135,7 @@ Bytes to_json(const ClipDescription& clip) {
                   {"kind", tracking::name_of(layer.kind)},
                   {"field_track", layer.field_track}};
     if (layer.kind != tracking::MotionKind::kStill) entry["motion_track"] = layer.motion_track;
+    if (layer.confidence_track != 0) entry["confidence_track"] = layer.confidence_track;
     layers.push_back(std::move(entry));
   }
   return text_of({{"version", kVersion},

@@ -26,7 +26,8 @@ struct LayerDescription {
   int label = 0;
   tracking::MotionKind kind = tracking::MotionKind::kStill;
   std::uint16_t field_track = 0;
-  std::uint16_t motion_track = 0; ///< only if the layer moves
+  std::uint16_t motion_track = 0;     ///< only if the layer moves
+  std::uint16_t confidence_track = 0; ///< 0: the file does not say
 };
 
 struct ClipDescription {

@@ -11,6 +11,7 @@
 #include "encode/clip_description.h"
 #include "encode/clip_io.h"
 #include "encode/codec_ids.h"
+#include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
@@ -31,6 +32,7 @@ struct Destination {
   std::vector<bool> seen;
   std::vector<tracking::Motion::Pose> poses;               // of a camera or a rigid layer
   std::shared_ptr<const tracking::DeformationGraph> graph; // of a deforming layer, as the rest
+  Bytes confidence;                                        // not decoded before the layer's field is known
   std::optional<DeformationDecoder> decoder;
   std::vector<tracking::Motion::Deformation> deformations;
 };
@@ -122,6 +124,7 @@ private:
       const LayerDescription& layer = description_.layers[l];
       add_destination(layer.field_track, kFieldCodec, l, false);
       if (layer.motion_track != 0) add_destination(layer.motion_track, kMotionCodec, l, true);
+      if (layer.confidence_track != 0) add_destination(layer.confidence_track, kConfidenceCodec, l, false);
     }
   }
 
@@ -140,7 +143,7 @@ private:
       destination.graph = decode_graph(track->track.private_data, fmt::format("{}: track {}", reader_.name(), id));
       budget_.take(decoding_memory(*destination.graph, destination.seen.size()), reader_.name());
       destination.decoder.emplace(*destination.graph);
-    } else if (codec != kFieldCodec) {
+    } else if (codec == kCameraCodec || codec == kMotionCodec) {
       budget_.take(destination.seen.size() * 2 * sizeof(tracking::Motion::Pose), reader_.name());
       destination.poses.resize(destination.seen.size());
     }
@@ -165,6 +168,8 @@ private:
     destination.seen[frame] = true;
     if (destination.codec == kFieldCodec) {
       clip_.layers[destination.layer].field = decode_field(payload.bytes, place, budget_);
+    } else if (destination.codec == kConfidenceCodec) {
+      destination.confidence = payload.bytes;
     } else if (destination.decoder) {
       if (frame != destination.deformations.size()) {
         throw Error(ErrorCode::kCorruptInput,
@@ -192,9 +197,19 @@ private:
           clip_.camera_to_world.push_back(pose.canonical_to_world);
       }
     }
+    decode_confidences();
     for (std::size_t l = 0; l < clip_.layers.size(); ++l) {
       clip_.layers[l].name = description_.layers[l].name;
       clip_.layers[l].label = description_.layers[l].label;
+    }
+  }
+
+  void decode_confidences() {
+    for (const auto& [id, destination] : destinations_) {
+      if (destination.codec != kConfidenceCodec) continue;
+      Layer& layer = clip_.layers[destination.layer];
+      layer.confidence = decode_confidence(destination.confidence, layer.field.occupancy,
+                                           fmt::format("{}: track {}", reader_.name(), id), budget_);
     }
   }
 

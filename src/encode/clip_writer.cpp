@@ -11,6 +11,7 @@
 #include "encode/clip_description.h"
 #include "encode/clip_io.h"
 #include "encode/codec_ids.h"
+#include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
@@ -63,6 +64,10 @@ void check(const Clip& clip) {
     if (layer.motion.kind() != tracking::MotionKind::kStill && moved != frames) {
       refuse(fmt::format("layer {} moves in {} of {} frames", layer.name, moved, frames));
     }
+    if (layer.confidence &&
+        layer.confidence->blocks().words() != fields::Confidence(layer.field.occupancy).blocks().words()) {
+      refuse(fmt::format("the confidence of layer {} is of another field", layer.name));
+    }
   }
 }
 
@@ -77,6 +82,7 @@ ClipDescription describe(const Clip& clip) {
   for (const Layer& layer : clip.layers) {
     LayerDescription entry{layer.name, layer.label, layer.motion.kind(), next_track++, 0};
     if (entry.kind != tracking::MotionKind::kStill) entry.motion_track = next_track++;
+    if (layer.confidence) entry.confidence_track = next_track++;
     description.layers.push_back(std::move(entry));
   }
   return description;
@@ -99,10 +105,14 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
     const LayerDescription& layer = description.layers[l];
     head.tracks.push_back({layer.field_track, std::string(kFieldCodec), "field " + layer.name, {}});
-    if (layer.motion_track == 0) continue;
-    const auto& graph = clip.layers[l].motion.graph();
-    head.tracks.push_back({layer.motion_track, std::string(kMotionCodec), "motion " + layer.name,
-                           graph ? encode_graph(*graph) : Bytes{}});
+    if (layer.motion_track != 0) {
+      const auto& graph = clip.layers[l].motion.graph();
+      head.tracks.push_back({layer.motion_track, std::string(kMotionCodec), "motion " + layer.name,
+                             graph ? encode_graph(*graph) : Bytes{}});
+    }
+    if (layer.confidence_track != 0) {
+      head.tracks.push_back({layer.confidence_track, std::string(kConfidenceCodec), "confidence " + layer.name, {}});
+    }
   }
   constexpr const char* kJson = "application/json";
   head.attachments = {{kClipFile, kJson, "Timeline and layers", to_json(description)},
@@ -139,8 +149,13 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
   };
   std::vector<MotionEncoder> motions;
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
-    add(description.layers[l].field_track, description.times_ns.front(), true, encode_field(clip.layers[l].field));
-    motions.emplace_back(clip.layers[l].motion);
+    const Layer& layer = clip.layers[l];
+    const LayerDescription& tracks = description.layers[l];
+    add(tracks.field_track, description.times_ns.front(), true, encode_field(layer.field));
+    if (layer.confidence) {
+      add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
+    }
+    motions.emplace_back(layer.motion);
   }
   for (std::size_t frame = 0; frame < clip.times.size(); ++frame) {
     const std::int64_t time = description.times_ns[frame];
@@ -165,6 +180,9 @@ void check_memory(const Clip& clip, const std::vector<Payload>& payloads) {
     if (!budget.try_take(decoding_memory(layer.field.config))) {
       refuse(fmt::format("the table of layer {} is far larger than what is in it; train it with a smaller table",
                          layer.name));
+    }
+    if (layer.confidence && !budget.try_take(decoding_memory(*layer.confidence))) {
+      refuse(fmt::format("layer {} fills far more space than its field needs; train it again", layer.name));
     }
     if (layer.motion.graph() && !budget.try_take(decoding_memory(*layer.motion.graph(), clip.times.size()))) {
       refuse(fmt::format("layer {} has far more nodes than its motion needs; give it fewer", layer.name));

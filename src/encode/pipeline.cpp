@@ -10,6 +10,7 @@
 #include "encode/scene_tracker.h"
 #include "encode/size_report.h"
 #include "encode/stage_times.h"
+#include "fields/confidence_of_views.h"
 #include "fields/geometry_trial.h"
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
@@ -273,6 +274,9 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
     return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training);
+  });
+  layer.confidence = pass.times.measure("confidence of " + layer.name, [&] {
+    return fields::confidence_of_views(pass.pixels, label, layer.motion, layer.field);
   });
   const std::string why = reason_of(tracked, layer.motion);
   pass.clip.metadata["layers"][layer.name] = {

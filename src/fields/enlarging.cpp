@@ -46,6 +46,7 @@ public:
       const int near_v = y.nearest();
       large_.front.at(u, v) = small_.front.at(near_u, near_v);
       large_.depth.at(u, v) = depth_at(x, y);
+      if (!large_.confidence.empty()) large_.confidence.at(u, v) = small_.confidence.at(near_u, near_v);
       if (!large_.normal.empty()) std::copy_n(small_.normal.pixel(near_u, near_v), 3, large_.normal.pixel(u, v));
     }
   }
@@ -91,6 +92,7 @@ private:
 Picture enlarged(const Picture& small, int width, int height) {
   Picture large{ColorImage(width, height, 4), DepthImage(width, height), LabelImage(width, height)};
   if (!small.normal.empty()) large.normal = Image<float>(width, height, 3);
+  if (!small.confidence.empty()) large.confidence = Image<std::uint8_t>(width, height, 1);
   Enlarger enlarger(small, large);
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
     for (std::size_t v = rows.begin; v < rows.end; ++v) enlarger.fill_row(static_cast<int>(v));

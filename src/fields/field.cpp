@@ -34,6 +34,20 @@ std::size_t Occupancy::count() const {
   return total;
 }
 
+Occupancy coarsened(const Occupancy& occupancy, int factor) {
+  Occupancy coarse(occupancy.resolution() / factor);
+  const auto r = static_cast<std::size_t>(occupancy.resolution());
+  const auto block = static_cast<std::size_t>(factor);
+  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
+    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
+      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      coarse.set(static_cast<int>(cell % r / block), static_cast<int>(cell / r % r / block),
+                 static_cast<int>(cell / (r * r) / block));
+    }
+  }
+  return coarse;
+}
+
 std::vector<GridLevel> grid_levels(const FieldConfig& config) {
   std::vector<GridLevel> levels;
   const double growth = config.levels > 1

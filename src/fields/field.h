@@ -95,6 +95,9 @@ private:
   std::vector<std::uint64_t> bits_;
 };
 
+/// Cells of `factor`³ cells, occupied where any of them is. The resolution must be a multiple of the factor.
+Occupancy coarsened(const Occupancy& occupancy, int factor);
+
 /// Placement of one level of the hash grid inside Field::table.
 struct GridLevel {
   int resolution;       ///< cells per side; vertices are 0…resolution

@@ -19,18 +19,21 @@ std::array<float, 3> to_array(const Eigen::Vector3d& v) {
 
 constexpr float kReach = 0.01F; // metres; what the way back is like beside the point is not asked for
 
-// Carries world points back through a deformation; those without a way back are no numbers.
+// Carries world points and ways to the camera back through a deformation; those without a way back are no numbers.
 void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size_t first) {
   parallel_for(points.size() - first, 4096, [&](const Chunk& chunk) {
     std::vector<BulkWarp::Ray> rays;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      rays.push_back({to_array(points[first + i].canonical - warp.world_origin()), {0, 0, 1}, kReach, 0});
+      const LayerPoint& point = points[first + i];
+      rays.push_back({to_array(point.canonical - warp.world_origin()), to_array(point.towards_camera), kReach, 0});
     }
     std::vector<BulkWarp::CanonicalRay> back(rays.size());
     warp.to_canonical(rays, back.data());
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const Eigen::Vector3f canonical(back[i - chunk.begin].point.data());
       points[first + i].canonical = canonical.cast<double>() + warp.canonical_origin();
+      points[first + i].towards_camera =
+          Eigen::Vector3f(back[i - chunk.begin].direction.data()).cast<double>().normalized();
     }
   });
 }
@@ -50,19 +53,25 @@ std::vector<LayerPoint> measured_points(const PixelStore& store, int label, cons
     const StoredFrame& frame = store.frames()[f];
     if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
     const std::size_t first = points.size();
+    const double kept = static_cast<double>(frame.end - frame.begin) /
+                        (static_cast<double>(frame.camera.intrinsics.width) * frame.camera.intrinsics.height);
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const StoredPixel& pixel = store.pixels()[i];
       if (!wanted(pixel) || found++ % stride != 0) continue;
       const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth);
-      points.push_back({frame.camera.camera_to_world * in_camera, pixel.depth / frame.camera.intrinsics.fx, f});
+      points.push_back({frame.camera.camera_to_world * in_camera,
+                        frame.camera.camera_to_world.linear() * -in_camera.normalized(),
+                        pixel.depth / frame.camera.intrinsics.fx, static_cast<double>(stride) / kept, f});
     }
     const tracking::Warp warp = motion.warp(frame.frame);
     if (table != nullptr) {
       carry_back(BulkWarp(table, warp), points, first);
     } else {
       const SE3 world_to_canonical = warp.rigid().inverse();
-      for (std::size_t i = first; i < points.size(); ++i)
+      for (std::size_t i = first; i < points.size(); ++i) {
         points[i].canonical = world_to_canonical * points[i].canonical;
+        points[i].towards_camera = world_to_canonical.linear() * points[i].towards_camera;
+      }
     }
   }
   std::erase_if(points, [](const LayerPoint& point) { return !point.canonical.allFinite(); });

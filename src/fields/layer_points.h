@@ -12,9 +12,11 @@
 namespace kinora::fields {
 
 struct LayerPoint {
-  Eigen::Vector3d canonical; ///< metres
-  double footprint;          ///< metres of a pixel at the point
-  std::size_t frame;         ///< index into PixelStore::frames()
+  Eigen::Vector3d canonical;      ///< metres
+  Eigen::Vector3d towards_camera; ///< unit vector in canonical space
+  double footprint;               ///< metres of a pixel at the point
+  double pixels;                  ///< of its frame for which it stands
+  std::size_t frame;              ///< index into PixelStore::frames()
 };
 
 /// At most about `most` of the layer's pixels with measured depth, evenly spread over all frames; none of frames in

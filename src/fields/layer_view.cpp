@@ -124,7 +124,7 @@ void LayerView::refine(std::size_t n, const kernels::PointLanes& points, kernels
                   n, points, places);
 }
 
-Eigen::Vector3f LayerView::normal_at(const Eigen::Vector3f& at) const {
+Eigen::Vector3f LayerView::outward(const Eigen::Vector3f& at) const {
   const float reach = 2 * step_ * static_cast<float>(lattice_per_metre_);
   Eigen::Vector3f less = Eigen::Vector3f::Zero(); // against the gradient of the logarithm of density
   for (int i = 0; i < 27; ++i) {
@@ -135,16 +135,43 @@ Eigen::Vector3f LayerView::normal_at(const Eigen::Vector3f& at) const {
     const Eigen::Vector3f place = at + reach * away;
     less -= layer_->bricks.raw_density({place.x(), place.y(), place.z()}) / static_cast<float>(axes) * away;
   }
+  return less;
+}
+
+Eigen::Vector3f LayerView::in_camera(const Eigen::Vector3f& outward, const Eigen::Vector3f& at) const {
+  Eigen::Vector3f turned = Eigen::Vector3f::Zero();
   LocalMotion motion;
   if (!deforms()) {
-    less = camera_turn_.transpose() * less;
+    turned = camera_turn_.transpose() * outward;
   } else if (motion_at(at, motion)) {
-    less = motion.jacobian.inverse().transpose() * less;
-  } else {
-    return Eigen::Vector3f::Zero();
+    turned = motion.jacobian.inverse().transpose() * outward;
   }
-  const float norm = less.norm();
-  return norm > 0 && std::isfinite(norm) ? Eigen::Vector3f(less / norm) : Eigen::Vector3f::Zero();
+  const float norm = turned.norm();
+  return norm > 0 && std::isfinite(norm) ? Eigen::Vector3f(turned / norm) : Eigen::Vector3f::Zero();
+}
+
+float LayerView::confidence_of(const Eigen::Vector3f& at, const Eigen::Vector3f& way) const {
+  // A surface is drawn within a sample behind where it was measured.
+  const Eigen::Vector3f unit = way.normalized();
+  if (!unit.allFinite()) return 0;
+  return layer_->confidence->at(to_box(at + step_ * static_cast<float>(lattice_per_metre_) * unit), unit);
+}
+
+float LayerView::confidence_at(const Eigen::Vector3f& at, const Eigen::Vector3f& ray) const {
+  if (!layer_->confidence) return 0;
+  const Eigen::Vector3f out = outward(at);
+  return in_camera(out, at).dot(ray) < 0 ? confidence_of(at, out) : 0;
+}
+
+float LayerView::seen_share(const Eigen::Vector3f& at, const Eigen::Vector3f& ray) const {
+  constexpr float kSeen = 0.1F; // below, it fades, so that there is no edge
+  if (!layer_->confidence) return 1;
+  Eigen::Vector3f back = -camera_turn_ * ray;
+  LocalMotion motion;
+  if (deforms() && motion_at(at, motion)) back = -motion.jacobian.inverse() * ray;
+  const float from_here = confidence_of(at, back);
+  if (from_here >= kSeen) return 1;
+  return std::min(1.0F, std::max(from_here, confidence_at(at, ray)) / kSeen);
 }
 
 } // namespace kinora::fields

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fields/rasterizer.h"
@@ -17,6 +18,7 @@ struct DrawableField::Derived {
   std::vector<float> surface_matrix; ///< fields/field_batch.h
   DensityBricks bricks;
   BrickHull hull;
+  std::optional<Confidence> confidence;
 };
 
 inline constexpr float kNearDepth = 0.02F; ///< metres: nothing nearer is drawn
@@ -49,7 +51,13 @@ public:
   /// Unit normal, in the camera's frame, of the surface of equal density at a place, out of what is dense; zero where
   /// none can be told. From 27 places up to two samples' distance away on each axis, as trained density is rough.
   /// Source: Zucker, Hummel, "A Three-Dimensional Edge Operator", IEEE PAMI 3(3), 1981.
-  Eigen::Vector3f normal_at(const Eigen::Vector3f& at) const;
+  Eigen::Vector3f normal_at(const Eigen::Vector3f& at) const { return in_camera(outward(at), at); }
+  /// 0…1: how well the capture's cameras saw the surface at a place, as a ray of the camera meets it; 0 where it meets
+  /// the inside, which no camera can have seen.
+  float confidence_at(const Eigen::Vector3f& at, const Eigen::Vector3f& ray) const;
+  /// What is left of a surface when what no camera saw fades: all of it where its side was seen, or the place from
+  /// where the camera stands, whatever normal its rough density has there; 0 where neither was.
+  float seen_share(const Eigen::Vector3f& at, const Eigen::Vector3f& ray) const;
   Eigen::Vector3f from_box(const std::array<float, 3>& position) const {
     return Eigen::Map<const Eigen::Vector3f>(position.data()) * static_cast<float>(layer_->bricks.resolution());
   }
@@ -66,6 +74,9 @@ private:
     Eigen::Matrix3f jacobian; // metres per lattice step
   };
   bool motion_at(const Eigen::Vector3f& at, LocalMotion& motion) const;
+  float confidence_of(const Eigen::Vector3f& at, const Eigen::Vector3f& way) const; // out of the surface, canonical
+  Eigen::Vector3f outward(const Eigen::Vector3f& at) const; // as normal_at, in canonical space, of any length
+  Eigen::Vector3f in_camera(const Eigen::Vector3f& outward, const Eigen::Vector3f& at) const;
   void look(const SE3& canonical_from_camera, const SE3& camera_from_canonical);
   void look(const PosedHull& hull, const SE3& camera_from_world);
   void stand(const SE3& canonical_from_camera);

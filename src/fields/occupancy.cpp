@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 
 namespace kinora::fields {
@@ -24,20 +23,6 @@ Interval in_box(const FieldRay& ray, Interval interval) {
     interval.end = std::min(interval.end, std::max(t0, t1));
   }
   return interval;
-}
-
-Occupancy coarsened(const Occupancy& occupancy, int factor) {
-  Occupancy coarse(occupancy.resolution() / factor);
-  const auto r = static_cast<std::size_t>(occupancy.resolution());
-  const auto block = static_cast<std::size_t>(factor);
-  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
-    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
-      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      coarse.set(static_cast<int>(cell % r / block), static_cast<int>(cell / r % r / block),
-                 static_cast<int>(cell / (r * r) / block));
-    }
-  }
-  return coarse;
 }
 
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval) {

@@ -28,9 +28,6 @@ inline std::array<float, 3> point_at(const FieldRay& ray, float depth) {
 /// The part of the interval that lies in the field's box; begin ≥ end if none does.
 Interval in_box(const FieldRay& ray, Interval interval);
 
-/// Cells of `factor`³ cells, occupied where any of them is. The resolution must be a multiple of the factor.
-Occupancy coarsened(const Occupancy& occupancy, int factor);
-
 /// Marks the cells that a ray touches in an interval of depths, in steps of half a cell: the corners of some are
 /// missed. Thread-safe.
 void mark_occupied(Occupancy& occupancy, const FieldRay& ray, const Interval& interval);

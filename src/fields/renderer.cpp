@@ -12,7 +12,8 @@
 
 namespace kinora::fields {
 
-DrawableField::DrawableField(Field field, const tracking::DeformationGraph* graph) {
+DrawableField::DrawableField(Field field, const tracking::DeformationGraph* graph,
+                             std::optional<Confidence> confidence) {
   auto derived = std::make_shared<Derived>();
   derived->levels = grid_levels(field.config);
   derived->surface_matrix = surface_matrix(field);
@@ -20,6 +21,7 @@ DrawableField::DrawableField(Field field, const tracking::DeformationGraph* grap
   derived->hull = BrickHull(derived->bricks, field.config.box);
   if (graph != nullptr) derived->hull.follow(*graph);
   derived->field = std::move(field);
+  derived->confidence = std::move(confidence);
   derived_ = std::move(derived);
 }
 const Field& DrawableField::field() const { return derived_->field; }
@@ -71,6 +73,7 @@ private:
     std::uint8_t front = 0;
     float depth = 0;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+    float confidence = 0; // times opacity
   };
 
   int u_of(std::size_t p) const { return left_ + static_cast<int>(p) % kTile; }
@@ -117,11 +120,14 @@ private:
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (std::size_t i = 0; i < surfaces_.count(p); ++i) {
       const Surface& surface = surfaces_.at(p, i);
-      const float weight = transmittance * surface.opacity;
       const LayerView& view = views_[surface.layer];
+      const auto place = [&] { return view.from_box(surface.position); };
+      float weight = transmittance * surface.opacity;
+      if (options_.unseen == Unseen::kFade && weight > kNegligible) weight *= view.seen_share(place(), rays_[p]);
       if (weight > kNegligible) {
         shaders_[surface.layer].add(p, surface, weight);
-        if (options_.normals) normal += weight * view.normal_at(view.from_box(surface.position));
+        if (options_.normals) normal += weight * view.normal_at(place());
+        if (options_.confidence) samples_[p].confidence += weight * view.confidence_at(place(), rays_[p]);
       }
       if (transmittance > 0.5F && transmittance - weight <= 0.5F) median_depth = surface.depth;
       transmittance -= weight;
@@ -162,7 +168,7 @@ private:
     }
     order_.clear();
     std::array<float, 3> color{};
-    float opacity = 0, drawn = 0;
+    float opacity = 0, drawn = 0, confidence = 0;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (int v = 0; v < per_side_; ++v) {
       for (int u = 0; u < per_side_; ++u) {
@@ -173,17 +179,19 @@ private:
         opacity += sample.opacity;
         drawn += shown(sample);
         normal += sample.normal;
+        confidence += sample.confidence;
       }
     }
     if (opacity <= 0) return;
     Sample middle = middle_sample();
     if (const float length = normal.norm(); length > 1e-6F) middle.normal = normal / length;
+    middle.confidence = confidence;
     put((left_ + left) / per_side_, (top_ + top) / per_side_, middle, color, opacity,
         drawn / static_cast<float>(per_side_ * per_side_));
   }
   static float shown(const Sample& sample) { return sample.opacity > 1 - 2 * kOpaque ? 1.0F : sample.opacity; }
 
-  // `color`: times `opacity`, of all the pixel's samples.
+  // `color` and the confidence of `middle`: times `opacity`, of all the pixel's samples.
   void put(int u, int v, const Sample& middle, const std::array<float, 3>& color, float opacity, float alpha) {
     std::uint8_t* pixel = picture_.color.pixel(u, v);
     for (std::size_t c = 0; c < 3; ++c) pixel[c] = to_byte(color[c] / opacity);
@@ -191,6 +199,7 @@ private:
     picture_.depth.at(u, v) = middle.depth;
     picture_.front.at(u, v) = middle.front;
     if (options_.normals && middle.depth > 0) std::copy_n(middle.normal.data(), 3, picture_.normal.pixel(u, v));
+    if (options_.confidence && middle.depth > 0) picture_.confidence.at(u, v) = to_byte(middle.confidence / opacity);
   }
   // Of order_, from near to far.
   const Sample& middle_sample() {
@@ -264,6 +273,7 @@ Picture render(std::span<const PosedField> layers, const Camera& camera, const D
   Picture picture{ColorImage(intrinsics.width, intrinsics.height, 4), DepthImage(intrinsics.width, intrinsics.height),
                   LabelImage(intrinsics.width, intrinsics.height)};
   if (options.normals) picture.normal = Image<float>(intrinsics.width, intrinsics.height, 3);
+  if (options.confidence) picture.confidence = Image<std::uint8_t>(intrinsics.width, intrinsics.height, 1);
   parallel_for(static_cast<std::size_t>(bins.rows()), 1, [&](const Chunk& row) {
     TileRenderer tile(views, bins, fine, per_side, options, picture);
     for (int column = 0; column < bins.columns(); ++column) tile.draw(column, static_cast<int>(row.begin));

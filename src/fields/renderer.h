@@ -5,11 +5,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "core/camera.h"
 #include "core/image.h"
 #include "fields/brick_hull.h"
+#include "fields/confidence.h"
 #include "fields/field.h"
 #include "tracking/warp.h"
 
@@ -19,8 +21,9 @@ namespace kinora::fields {
 /// several threads.
 class DrawableField {
 public:
-  /// `graph`: what moves the layer, if it deforms.
-  explicit DrawableField(Field field, const tracking::DeformationGraph* graph = nullptr);
+  /// `graph`: what moves the layer, if it deforms. `confidence`: of this field; without it nothing counts as seen.
+  explicit DrawableField(Field field, const tracking::DeformationGraph* graph = nullptr,
+                         std::optional<Confidence> confidence = std::nullopt);
   const Field& field() const;
   struct Derived;
   const Derived& derived() const { return *derived_; }
@@ -49,6 +52,9 @@ struct Picture {
   /// 3 channels: unit vector out of what is seen, in the camera's frame (x right, y down, z forward; so z < 0, but for
   /// rims), where alpha > 0.5, else 0. Empty unless asked for.
   Image<float> normal = {};
+  /// How well the surface that is seen was seen by the capture's cameras (confidence.h): 255 is best, 0 never or
+  /// nothing there. Mean over what contributes to the pixel, where alpha > 0.5. Empty unless asked for.
+  Image<std::uint8_t> confidence = {};
 };
 
 /// What a picture costs and how close it comes to the field.
@@ -57,10 +63,18 @@ enum class DrawQuality {
   kFast ///< half as many samples along each side of the picture: where there is one for each pixel, one for each four
 };
 
+/// What becomes of surfaces whose shown side no camera of the capture ever saw.
+enum class Unseen {
+  kKeep, ///< drawn with the colours nearest to them
+  kFade  ///< left out; layers of which it is not known stay
+};
+
 /// What is drawn beside colour and depth costs only those who ask for it.
 struct DrawOptions {
   DrawQuality quality = DrawQuality::kFull;
   bool normals = false;
+  bool confidence = false;
+  Unseen unseen = Unseen::kKeep;
   static constexpr int kMostSamples = 8;
   /// Along each side of a pixel: 1, 2, 4 or 8, fewer where the picture would have more than 16384 of them on a side.
   /// Colours are averaged by their opacity, in sRGB; depth is that of the sample in the middle of all from near to

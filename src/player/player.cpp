@@ -43,7 +43,8 @@ int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
 
 Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
   for (const encode::Layer& layer : clip_.layers) {
-    drawables_.push_back(std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get()));
+    drawables_.push_back(
+        std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence));
     centres_.push_back(occupied_centre(layer.field));
     first_frames_.push_back(first_frame_of(layer.motion, clip_.times.size()));
   }

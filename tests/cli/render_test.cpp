@@ -24,6 +24,13 @@ protected:
     encode::Clip clip = encode::testing::sample_clip(1, 2, false);
     clip.layers.resize(1);
     clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
+    // As if cameras had stood on the capture camera's side alone.
+    clip.layers[0].confidence.emplace(clip.layers[0].field.occupancy);
+    for (auto& levels : clip.layers[0].confidence->levels()) {
+      for (std::size_t n = 0; n < levels.size(); ++n) {
+        if (fields::Confidence::normal(n).z() < -0.5F) levels[n] = fields::Confidence::kMost;
+      }
+    }
     clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
     fs::remove(path("clip.mkv"));
     encode::write_clip(clip, path("clip.mkv"));
@@ -76,6 +83,30 @@ TEST_F(Render, NormalsStandBesideTheStillAsColours) {
   }
   EXPECT_GT(seen, 100);
   EXPECT_GT(normals.at(32, 24, 2), 250);
+}
+
+TEST_F(Render, TheSideThatNoCameraSawHasNoConfidenceAndFades) {
+  show_ball();
+  ASSERT_EQ(render({path("o.png"), "--size", "64x48", "--passes", "rgb,confidence"}).code, 0);
+  folder_.write("behind.json", R"({"w": 64, "h": 48, "fl_x": 52, "frames": [{"file_path": "b", "time": 0,
+    "transform_matrix": [[-1,0,0,0],[0,-1,0,0],[0,0,1,1.2],[0,0,0,1]]}]})");
+  ASSERT_EQ(render({path("b.png"), "--cameras", path("behind.json"), "--passes", "rgb,confidence"}).code, 0);
+  const auto confidence = [this](const std::string& name) {
+    const std::string bytes = contents_of(path(name));
+    return decode_labels(std::as_bytes(std::span(bytes)), name); // one channel of 8 bits
+  };
+  EXPECT_GT(confidence("o.confidence.png").at(32, 24), 250);
+  EXPECT_GT(picture("b.png").at(32, 24, 2), 200); // the ball's far side is blue
+  EXPECT_EQ(confidence("b.confidence.png").at(32, 24), 0);
+  ASSERT_EQ(render({path("f.png"), "--cameras", path("behind.json"), "--unseen", "fade"}).code, 0);
+  EXPECT_EQ(picture("f.png").at(32, 24, 2), 0);
+}
+
+TEST_F(Render, ConfidenceOfAClipThatDoesNotHoldItIsAnError) {
+  expect_error(render({path("o.png"), "--size", "8x8", "--passes", "rgb,confidence"}), 1, "object");
+  expect_error(render({path("o.png"), "--size", "8x8", "--unseen", "fade"}), 1, "object");
+  EXPECT_FALSE(fs::exists(path("o.png")));
+  EXPECT_EQ(render({path("o.png"), "--size", "8x8", "--passes", "rgb,confidence", "--layers", "background"}).code, 0);
 }
 
 TEST_F(Render, FolderHoldsAPictureForEachFrame) {

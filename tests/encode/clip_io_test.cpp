@@ -60,6 +60,10 @@ void expect_equal(const Clip& a, const Clip& b) {
     EXPECT_EQ(x.field.density_net, y.field.density_net);
     EXPECT_EQ(x.field.color_net, y.field.color_net);
     EXPECT_EQ(x.field.occupancy.words(), y.field.occupancy.words());
+    ASSERT_EQ(x.confidence.has_value(), y.confidence.has_value());
+    if (x.confidence) {
+      EXPECT_EQ(x.confidence->levels(), y.confidence->levels());
+    }
     ASSERT_EQ(x.motion.kind(), y.motion.kind());
     ASSERT_EQ(x.motion.poses().size(), y.motion.poses().size());
     for (std::size_t i = 0; i < x.motion.poses().size(); ++i) {
@@ -120,9 +124,9 @@ TEST(ClipFile, AccountsForEveryByte) {
     names.push_back(entry.name);
   }
   EXPECT_EQ(sum, account.total);
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"camera", "field background", "field object", "motion object", "field person",
-                                      "motion person", "timeline", "calibration", "metadata", "container"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"camera", "field background", "confidence background", "field object",
+                                             "motion object", "field person", "motion person", "timeline",
+                                             "calibration", "metadata", "container"}));
 }
 
 TEST(ClipFile, StoresNoMotionForAStillLayer) {
@@ -258,6 +262,7 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.held_out.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world.pop_back(); });
   expect_refused([](Clip& clip) { clip.layers[1].name = clip.layers[0].name; });
+  expect_refused([](Clip& clip) { clip.layers[1].confidence = clip.layers[0].confidence; });
   expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });

@@ -50,6 +50,20 @@ inline fields::Field random_field(std::uint64_t seed, const fields::FieldConfig&
   return field;
 }
 
+/// Blocks that were seen from one to three sides.
+inline fields::Confidence random_confidence(const fields::Occupancy& occupancy, std::uint64_t seed) {
+  Random random(seed, 2);
+  fields::Confidence confidence(occupancy);
+  for (auto& levels : confidence.levels()) {
+    for (std::uint32_t sides = 1 + random.below(3); sides > 0; --sides) {
+      levels[random.below(fields::Confidence::kNormals)] =
+          static_cast<std::uint8_t>(random.below(fields::Confidence::kMost + 1));
+    }
+  }
+  return confidence;
+}
+
+/// The object, as clips once had it, without confidence.
 inline Clip sample_clip(std::uint64_t seed, std::size_t frames, bool camera_moves) {
   Random random(seed, 1);
   Clip clip;
@@ -63,6 +77,7 @@ inline Clip sample_clip(std::uint64_t seed, std::size_t frames, bool camera_move
   clip.intrinsics = {640, 480, 525.123456789, 524.9, 319.5, 239.25};
   for (std::size_t i = 0; i < (camera_moves ? frames : 1); ++i) clip.camera_to_world.push_back(random_pose(random));
   clip.layers.push_back({"background", 0, random_field(seed * 10), tracking::Motion::still()});
+  clip.layers[0].confidence = random_confidence(clip.layers[0].field.occupancy, seed);
   std::vector<tracking::Motion::Pose> poses;
   for (std::size_t i = 0; i < frames; ++i) {
     poses.push_back({random_pose(random), static_cast<tracking::Health>(random.below(3))});

@@ -7,6 +7,7 @@
 #include "container/writer.h"
 #include "core/error.h"
 #include "encode/clip_io.h"
+#include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
 #include "encode/pose_codec.h"
@@ -74,6 +75,24 @@ TEST(ClipFuzz, FieldDecoderRefusesOrDecodesMutatedPayloads) {
     AllocationBudget budget(mutated.size());
     try {
       decode_field(mutated, "mutated", budget);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, ConfidenceDecoderRefusesOrDecodesMutatedPayloads) {
+  const fields::Occupancy occupancy = testing::random_field(2).occupancy;
+  const Bytes payload = encode_confidence(testing::random_confidence(occupancy, 2));
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Random random(12, i);
+    const Bytes mutated = fuzz::mutate(payload, random);
+    AllocationBudget budget(mutated.size());
+    try {
+      const fields::Confidence confidence = decode_confidence(mutated, occupancy, "mutated", budget);
+      for (const auto& levels : confidence.levels()) {
+        for (const std::uint8_t level : levels) ASSERT_LE(level, fields::Confidence::kMost);
+      }
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
     }

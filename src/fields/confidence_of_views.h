@@ -1,0 +1,14 @@
+// What a layer's training pixels say about how well it was seen.
+#pragma once
+
+#include "fields/confidence.h"
+#include "fields/pixel_store.h"
+#include "tracking/motion.h"
+
+namespace kinora::fields {
+
+/// Looks at a spread of the layer's measured pixels; each counts for those of its frame that it stands for. Same bits
+/// for any number of threads. Takes some ten milliseconds.
+Confidence confidence_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion, const Field& field);
+
+} // namespace kinora::fields
