@@ -41,6 +41,7 @@ struct Probe {
   std::uint32_t pixel;
   float depth;
   bool own;
+  bool at_rim;
 };
 
 std::array<float, 3> to_array(const Eigen::Vector3d& v) {
@@ -56,7 +57,7 @@ std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields:
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
     const fields::StoredPixel& pixel = pixels.pixels()[i];
     if (pixel.label == label && pixel.depth != 0) {
-      own.push_back({static_cast<std::uint32_t>(i), std::abs(pixel.depth), true});
+      own.push_back({static_cast<std::uint32_t>(i), std::abs(pixel.depth), true, false});
     }
   }
   std::vector<Probe> probes;
@@ -66,7 +67,7 @@ std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields:
   };
   const fields::RimPixels rim = fields::rim_pixels(pixels, frame, label, config);
   const auto of_rim = [](const fields::RimPixel& pixel, bool is_own) {
-    return Probe{pixel.pixel, pixel.depth, is_own};
+    return Probe{pixel.pixel, pixel.depth, is_own, true};
   };
   spread(own.size(), kPixels, [&](std::size_t i) { return own[i]; });
   spread(rim.inside.size(), kRimPixels, [&](std::size_t i) { return of_rim(rim.inside[i], true); });
@@ -82,8 +83,9 @@ public:
         probes_(choose_probes(pixels, frame, label, field.config)), responses_(probes_.size()),
         places_(probes_.size()) {}
 
-  void look(const BulkWarp& warp) {
-    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { look(warp, chunk); });
+  /// `by_place`: slopes, too.
+  void look(const BulkWarp& warp, bool by_place) {
+    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { look(warp, by_place, chunk); });
   }
 
   std::size_t size() const { return probes_.size(); }
@@ -105,11 +107,11 @@ public:
   }
   double depth_sigma(std::size_t i) const { return ingest::depth_sigma(probes_[i].depth); }
 
-  /// Typical difference of colour, robustly; nothing with too few pixels.
+  /// Typical difference of colour away from the rim, robustly; nothing with too few pixels.
   std::optional<double> color_sigma() const {
     std::vector<double> sizes;
     for (std::size_t i = 0; i < size(); ++i) {
-      if (!has_color(i)) continue;
+      if (probes_[i].at_rim || !has_color(i)) continue;
       for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
     }
     if (sizes.size() < RayResponse::kColors * kFewest) return std::nullopt;
@@ -117,7 +119,7 @@ public:
   }
 
 private:
-  void look(const BulkWarp& warp, const Chunk& chunk) {
+  void look(const BulkWarp& warp, bool by_place, const Chunk& chunk) {
     const SE3& to_world = frame_.camera.camera_to_world;
     const Eigen::Vector3d eye = to_world.translation() - warp.world_origin();
     std::vector<BulkWarp::Ray> rays;
@@ -138,7 +140,7 @@ private:
                            static_cast<double>(rays[k].reach),
                            to_vector(rays[k].direction).norm()});
     }
-    respond(field_, levels_, canonical, responses_.data() + chunk.begin);
+    respond(field_, levels_, canonical, by_place, responses_.data() + chunk.begin);
     for (std::size_t k = 0; k < rays.size(); ++k) {
       const double depth = responses_[chunk.begin + k].value[RayResponse::kDepth];
       places_[chunk.begin + k] = to_vector(back[k].point) + depth * canonical[k].direction;
@@ -197,7 +199,7 @@ public:
     bool moved = false;
     for (int round = 0; round <= kRounds; ++round) {
       const BulkWarp warp(table_, tracking::Warp(graph_, nodes));
-      view.look(warp);
+      view.look(warp, round < kRounds);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
       if (round == 0) first_sigma = *sigma;

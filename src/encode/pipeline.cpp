@@ -256,7 +256,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   fields::TrainerConfig trainer;
   trainer.seed = options.seed;
   trainer.rays = job.rays;
-  const fields::ViewAgreement agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
+  fields::ViewAgreement agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
   trainer.loss = fields::weights_for(agreement);
   fields::GeometryTrial trial;
   if (options.try_geometries) {
@@ -269,6 +269,8 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   MotionRefinement refinement;
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
     refinement = refine_layer(tracked, config, trainer, pass, layer, progress);
+    agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
+    trainer.loss = fields::weights_for(agreement);
   }
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);

@@ -26,14 +26,15 @@ struct RayResponse {
   static constexpr std::size_t kDepth = 4; ///< t of the surface
   static constexpr std::size_t kValues = 5;
 
-  std::array<double, kValues> value{};             ///< red, green, blue in [0, 1], opacity, depth
-  std::array<Eigen::Vector3d, kValues> by_place{}; ///< derivative by a displacement of the ray, per metre
-  bool is_opaque = false;                          ///< at the ray and about it; else colour and depth mean nothing
+  std::array<double, kValues> value{}; ///< red, green, blue in [0, 1], opacity, depth
+  /// Derivative by a displacement of the ray, per metre; zero for colour and depth beside what is not opaque.
+  std::array<Eigen::Vector3d, kValues> by_place{};
+  bool is_opaque = false; ///< at the ray and about it; else colour and depth mean nothing
 };
 
-/// Compositing as in training, over a few samples in occupied space; derivatives by central differences of a cell.
-/// Writes responses[i] for rays[i]. Thread-safe.
-void respond(const Field& field, std::span<const GridLevel> levels, std::span<const CanonicalRay> rays,
+/// Compositing as in training, over a few samples in occupied space; derivatives, if wanted, by central differences of
+/// a cell. Writes responses[i] for rays[i]. Thread-safe.
+void respond(const Field& field, std::span<const GridLevel> levels, std::span<const CanonicalRay> rays, bool by_place,
              RayResponse* responses);
 
 } // namespace kinora::fields

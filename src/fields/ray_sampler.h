@@ -22,7 +22,7 @@ struct SamplingConfig {
   int free_samples = 4; ///< between the camera and the band; those in empty space are left out
   int unmeasured_samples =
       8; ///< where the ray first meets occupied space, for a pixel of the layer whose depth is not known
-  int emptiness_samples = 2; ///< in a piece of occupied space before a surface
+  int emptiness_samples = 4; ///< in a piece of occupied space before a surface
   float near_depth = 0.05F;  ///< metres; nothing is modelled nearer to a camera
 };
 

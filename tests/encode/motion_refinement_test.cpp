@@ -54,7 +54,7 @@ double error_of(const Motion& motion, const Motion& truth, std::size_t frame) {
 
 fields::Field draft_of(const Performance& performance, const Motion& motion) {
   fields::TrainerConfig trainer;
-  trainer.rays = 300'000;
+  trainer.rays = 600'000;
   trainer.rays_per_step = 1024;
   Progress progress;
   return fields::train_field(performance.store, 1, motion, fields::choose_field_config(performance.store, 1, motion),
