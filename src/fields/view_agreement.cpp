@@ -6,22 +6,17 @@
 #include <vector>
 
 #include "fields/layer_points.h"
+#include "fields/pixel_map.h"
 #include "fields/surface_band.h"
 
 namespace kinora::fields {
 namespace {
 
-/// The pixels of one frame by their place in the image.
+/// What one frame shows.
 class FrameImage {
 public:
-  FrameImage(const PixelStore& store, std::size_t frame) : frame_(store.frames()[frame]) {
-    const Intrinsics& k = frame_.camera.intrinsics;
-    stored_.assign(static_cast<std::size_t>(k.width) * static_cast<std::size_t>(k.height), nullptr);
-    for (std::size_t i = frame_.begin; i < frame_.end; ++i) {
-      const StoredPixel& pixel = store.pixels()[i];
-      stored_[pixel.v * static_cast<std::size_t>(k.width) + pixel.u] = &pixel;
-    }
-  }
+  FrameImage(const PixelStore& store, std::size_t frame)
+      : frame_(store.frames()[frame]), map_(store, store.frames()[frame]) {}
 
   /// Whether all pixels about that of a world point see something behind it; nothing where it is not in the image.
   std::optional<bool> sees_through(const Eigen::Vector3d& world, int label) const {
@@ -34,11 +29,11 @@ public:
     // The point itself may be off by the sensor's noise, which this camera may see from the side.
     const int reach = 1 + static_cast<int>(std::ceil(ingest::depth_sigma(p.z()) * k.fx / p.z()));
     if (!(u >= reach && v >= reach && u < k.width - reach && v < k.height - reach)) return std::nullopt;
-    if (at(static_cast<int>(u), static_cast<int>(v)) == nullptr) return std::nullopt;
+    if (map_.at(static_cast<int>(u), static_cast<int>(v)) == nullptr) return std::nullopt;
     bool through = true;
     for (int y = static_cast<int>(v) - reach; y <= static_cast<int>(v) + reach; ++y) {
       for (int x = static_cast<int>(u) - reach; x <= static_cast<int>(u) + reach; ++x) {
-        const StoredPixel* pixel = at(x, y);
+        const StoredPixel* pixel = map_.at(x, y);
         through = through && (pixel == nullptr || depth + three_sigma(depth) < empty_before(*pixel, label));
       }
     }
@@ -46,17 +41,13 @@ public:
   }
 
 private:
-  const StoredPixel* at(int u, int v) const {
-    return stored_[static_cast<std::size_t>(v) * static_cast<std::size_t>(frame_.camera.intrinsics.width) +
-                   static_cast<std::size_t>(u)];
-  }
   static float empty_before(const StoredPixel& pixel, int label) {
     if (pixel.label != label) return empty_until(pixel);
     return pixel.depth > 0 ? pixel.depth - three_sigma(pixel.depth) : 0;
   }
 
   const StoredFrame& frame_;
-  std::vector<const StoredPixel*> stored_;
+  PixelMap map_;
 };
 
 } // namespace
