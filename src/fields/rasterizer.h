@@ -80,7 +80,7 @@ public:
   }
 
 private:
-  std::unique_ptr<T[]> values_ = std::make_unique_for_overwrite<T[]>(kPixels * kMost);
+  std::unique_ptr<T[]> values_{new T[kPixels * kMost]}; // without initial values
   std::array<std::uint8_t, kPixels> counts_{};
 };
 
