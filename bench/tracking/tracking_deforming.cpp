@@ -1,6 +1,7 @@
 // Follows a deforming layer of a capture and compares it with the ground truth beside it: material tracks
 // (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame), and milliseconds per frame.
-// Usage: bench_tracking_deforming CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame.
+// Usage: bench_tracking_deforming CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame; with
+// KINORA_BENCH_UNSETTLED set, without DeformingTracker::settle_past.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -180,12 +181,16 @@ void run(const std::string& folder, int label) {
   }
   std::printf("frames %zu, not tracked %d, spacing %.1f mm\n", frames.size(), not_tracked,
               1e3 * tracker.node_spacing());
+  const auto start = std::chrono::steady_clock::now();
+  if (std::getenv("KINORA_BENCH_UNSETTLED") == nullptr) tracker.settle_past();
+  const double settling = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const tracking::Motion motion = tracker.motion();
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   if (!tracks.empty()) compare_tracks(tracks, motion, frames);
   if (!flow.values.empty()) compare_flow(flow, first, motion);
-  std::printf("nodes %zu; per frame: median %.1f ms, 99th percentile %.1f ms\n", motion.graph()->nodes().size(),
-              at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99));
+  std::printf("nodes %zu; per frame: median %.1f ms, 99th percentile %.1f ms; their past settled in %.2f s\n",
+              motion.graph()->nodes().size(), at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99),
+              settling);
 }
 
 } // namespace

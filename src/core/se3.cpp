@@ -74,6 +74,12 @@ SE3 interpolate(const SE3& a, const SE3& b, double fraction) {
   return a * exp_se3(fraction * log_se3(a.inverse() * b));
 }
 
+SE3 renormalized(const SE3& transform) {
+  SE3 result = transform;
+  result.linear() = Eigen::Quaterniond(transform.linear()).normalized().toRotationMatrix();
+  return result;
+}
+
 SE3 rigid_from_matrix(const Eigen::Matrix4d& matrix, const char* what, double tolerance) {
   const auto reject = [what](const char* why) {
     throw Error(ErrorCode::kCorruptInput, std::string(what) + " is not a rigid 4x4 transform (" + why +

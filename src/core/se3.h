@@ -27,6 +27,9 @@ double rotation_angle(const SE3& transform);
 /// The transform at `fraction` of the way from a to b: a · exp(fraction · log(a⁻¹ b)).
 SE3 interpolate(const SE3& a, const SE3& b, double fraction);
 
+/// The same with a rotation that is one to rounding again, after many products.
+SE3 renormalized(const SE3& transform);
+
 /// The nearest rigid transform to a 4×4 matrix that is rigid up to `tolerance`.
 /// Throws Error(kCorruptInput) naming `what` if it is not: not finite, a reflection, a scale, or a wrong last row.
 SE3 rigid_from_matrix(const Eigen::Matrix4d& matrix, const char* what, double tolerance = 1e-2);

@@ -66,6 +66,7 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     }
     progress.advance(i + 1, "");
   }
+  pass.scene.finish(pass.times);
   pass.clip.intrinsics = info.intrinsics;
   if (pass.clip.times.empty()) {
     throw Error(ErrorCode::kCorruptInput, "the capture has no usable frame in the range; look at the warnings above");

@@ -91,6 +91,12 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
   ++frames_;
 }
 
+void SceneTracker::finish(StageTimes& times) {
+  for (auto& [label, tracked] : labels_) {
+    if (tracked.bending) times.measure("settle " + tracked.plan.name, [&, &t = tracked] { t.bending->settle_past(); });
+  }
+}
+
 double SceneTracker::largest_move(const TrackedLabel& label) {
   double largest = 0;
   for (const auto& pose : label.poses) {

@@ -38,6 +38,9 @@ public:
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
 
+  /// After the last frame: what was found late is followed back to where it was before (DeformingTracker::settle_past).
+  void finish(StageTimes& times);
+
   /// By label, in ascending order.
   const std::map<int, TrackedLabel>& labels() const { return labels_; }
   /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.

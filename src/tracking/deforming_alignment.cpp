@@ -222,7 +222,7 @@ void associate(const LayerModel& model, std::span<const PointTexture> textures, 
         set_rim(seen, view, gate, config.silhouette_share, terms[p]);
         continue;
       }
-      set_plane(seen, view, gate, terms[p]);
+      set_plane(seen, view, std::min(gate, config.plane_gate), terms[p]);
       // A surface that is measured elsewhere along the ray shows another point's texture.
       const bool contradicted = view.planes.weights.at(seen.pixel_u, seen.pixel_v) > 0 && terms[p].plane_scale == 0;
       if (contradicted || view.mask.at(seen.pixel_u, seen.pixel_v) != 2 || is_covered(seen, view)) continue;

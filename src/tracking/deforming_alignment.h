@@ -23,6 +23,7 @@ struct DeformingAlignmentConfig {
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
   double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
   double texture_sigma = 0.02;    ///< at least; log luminance
+  double plane_gate = 0.1;        ///< metres; measured surface farther away than this is another one
   int rigid_iterations = 4;
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;

@@ -72,6 +72,7 @@ void DeformingTracker::adopt_pieces(const ObjectView& view, NodeStates& states, 
     }
   }
   if (nodes_.size() == old) return;
+  births_.resize(nodes_.size(), records_.size() - 1);
   graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
 }
 
@@ -130,6 +131,7 @@ void DeformingTracker::grow_graph(float min_weight) {
   }
   if (nodes.size() > old) {
     nodes_ = std::move(nodes);
+    births_.resize(nodes_.size(), records_.size() - 1);
     connect_graph(samples);
   }
   renew_surface();

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "ingest/sensor_noise.h"
+#include "tracking/deforming_selection.h"
 #include "tracking/layer_search.h"
 #include "tracking/layer_view.h"
 #include "tracking/residuals.h"
@@ -22,7 +23,6 @@ constexpr double kVelocityShare = 0.8; // of the last motion that the next one i
 constexpr int kPassesWhenFound = 3;
 constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
 constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
-constexpr std::size_t kPointsPerChunk = 512;
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
   const double footprint = view.centroid.z() / view.intrinsics.fx;
@@ -31,39 +31,6 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   config.voxel_size = requested > 0 ? requested : std::clamp(std::max(1.2 * footprint, sigma), 0.002, 0.04);
   config.truncation = std::clamp(4 * sigma, 4 * config.voxel_size, 7 * config.voxel_size);
   return config;
-}
-
-SE3 relative_to(const Eigen::Vector3d& origin, const ingest::Frame& frame) {
-  SE3 world_to_camera = frame.camera.camera_to_world.inverse();
-  return world_to_camera * Eigen::Translation3d(origin);
-}
-
-// What a view shows at a place of the camera's space, on all levels; NaN unless the layer is measured there.
-std::array<float, ObjectView::kLevels> texture_at(const ObjectView& view, const Eigen::Vector3d& place) {
-  std::array<float, ObjectView::kLevels> texture{};
-  texture.fill(std::numeric_limits<float>::quiet_NaN());
-  if (!(place.z() > 0)) return texture;
-  const Eigen::Vector2d pixel = view.intrinsics.project(place);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
-        pixel.y() < view.intrinsics.height - 1)) {
-    return texture;
-  }
-  const int u = static_cast<int>(std::lround(pixel.x()));
-  const int v = static_cast<int>(std::lround(pixel.y()));
-  const double tolerance = std::max(0.015, 3 * ingest::depth_sigma(place.z()));
-  if (view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0 ||
-      std::abs(view.point(u, v).z() - place.z()) > tolerance) {
-    return texture;
-  }
-  for (std::size_t level = 0; level < texture.size(); ++level) {
-    texture[level] = view.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
-  }
-  return texture;
-}
-
-SE3 orthonormal(SE3 transform) {
-  transform.linear() = Eigen::Quaterniond(transform.linear()).normalized().toRotationMatrix();
-  return transform;
 }
 
 } // namespace
@@ -75,12 +42,6 @@ struct DeformingTracker::Past {
   double time = 0;
   double earlier_time = 0;
   bool has_earlier = false; ///< the frame before it was tracked as well
-};
-
-/// Model points that take part in one frame.
-struct DeformingTracker::Selection {
-  std::vector<SkinnedPoint> points;
-  std::vector<PointTexture> textures;
 };
 
 DeformingTracker::DeformingTracker(int label, const DeformingTrackerConfig& config) : label_(label), config_(config) {}
@@ -109,6 +70,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
     }
     result.health = records_.back().health;
   }
+  memory_.add(frame, view);
   result.nodes = nodes_.size();
   return result;
 }
@@ -130,12 +92,16 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   grow_graph(0);
   past_ = std::make_unique<Past>();
   past_->view = view;
-  past_->world_to_camera = relative_to(origin, frame);
+  past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
 }
 
-NodeStates DeformingTracker::in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const {
-  const SE3 world_to_camera = relative_to(volume_->origin(), frame);
+SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {
+  SE3 world_to_camera = frame.camera.camera_to_world.inverse();
+  return world_to_camera * Eigen::Translation3d(volume_->origin());
+}
+
+NodeStates DeformingTracker::states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const {
   NodeStates states;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     states.push_back(DualQuaternion::from(world_to_camera * nodes[i]), nodes_[i]);
@@ -158,55 +124,9 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
     SE3 next = SE3::Identity();
     next.linear() = exp_se3(rotation).linear() * last[i].linear();
     next.translation() = now + share * (now - earlier[i] * nodes_[i]) - next.linear() * nodes_[i];
-    result.push_back(orthonormal(next));
+    result.push_back(renormalized(next));
   }
   return result;
-}
-
-// Points of the surface that face the camera, evenly drawn, with the texture that the last view shows of them.
-DeformingTracker::Selection DeformingTracker::select(const ObjectView& view, const NodeStates& states) const {
-  std::vector<std::uint8_t> chosen(surface_.size(), 0);
-  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (skin_[i].count == 0) continue;
-      const BlendedMotion motion = blend_motion(states, skin_[i]);
-      const Eigen::Vector3d place = motion.apply(surface_[i].position.cast<double>());
-      if (!(place.z() > 0) || motion.rotate(surface_[i].normal.cast<double>()).dot(place) > 0) continue;
-      const Eigen::Vector2d pixel = view.intrinsics.project(place);
-      chosen[i] =
-          pixel.x() > 0 && pixel.y() > 0 && pixel.x() < view.intrinsics.width && pixel.y() < view.intrinsics.height ? 1
-                                                                                                                    : 0;
-    }
-  });
-  const std::size_t count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
-  const std::size_t wanted = std::min(count, config_.max_points);
-  Selection selection;
-  std::vector<std::size_t> indices;
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < surface_.size(); ++i) {
-    if (chosen[i] == 0) continue;
-    // Every count/wanted-th of them.
-    if ((seen + 1) * wanted / count > seen * wanted / count) indices.push_back(i);
-    ++seen;
-  }
-  NodeStates last;
-  const std::vector<SE3>& nodes = records_[records_.size() - 2].nodes;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    last.push_back(DualQuaternion::from(past_->world_to_camera * nodes[i]), nodes_[i]);
-  }
-  selection.points.resize(indices.size());
-  selection.textures.resize(indices.size());
-  parallel_for(indices.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
-      const SurfacePoint& point = surface_[indices[k]];
-      selection.points[k] = {point.position.cast<double>(), point.normal.cast<double>(), skin_[indices[k]]};
-      PointTexture& texture = selection.textures[k];
-      texture.fused = point.intensity;
-      texture.direction = direction_of(point.normal);
-      texture.last = texture_at(past_->view, blend_motion(last, skin_[indices[k]]).apply(selection.points[k].position));
-    }
-  });
-  return selection;
 }
 
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
@@ -216,8 +136,11 @@ bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
 
 Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result) {
   const std::vector<SE3> expected = predicted(frame.time);
-  const NodeStates prior = in_camera(expected, frame);
-  const Selection selection = select(view, prior);
+  const SE3 world_to_camera = relative_to_origin(frame);
+  const NodeStates prior = states_in(world_to_camera, expected);
+  DeformingSelection selection = select_facing(surface_, skin_, view, prior, config_.max_points);
+  const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
+  selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
   const LayerModel model{nodes_, edges_, selection.points};
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
@@ -238,16 +161,16 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   }
   if (!is_healthy(result.quality)) return Health::kLost;
-  const SE3 camera_to_world = relative_to(volume_->origin(), frame).inverse();
+  const SE3 camera_to_world = world_to_camera.inverse();
   std::vector<SE3>& nodes = records_.back().nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i] = orthonormal(camera_to_world * alignment.nodes.transforms[i].to_se3());
+    nodes[i] = renormalized(camera_to_world * alignment.nodes.transforms[i].to_se3());
   }
   past_->has_earlier = unseen_ == 0;
   past_->earlier_time = past_->time;
   past_->time = frame.time;
   past_->view = view;
-  past_->world_to_camera = relative_to(volume_->origin(), frame);
+  past_->world_to_camera = world_to_camera;
   fuse(view, alignment.nodes);
   return Health::kTracked;
 }

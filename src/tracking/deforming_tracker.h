@@ -9,6 +9,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/deforming_alignment.h"
+#include "tracking/frame_memory.h"
 #include "tracking/motion.h"
 #include "tracking/new_pieces.h"
 #include "tracking/surface_graph.h"
@@ -58,6 +59,10 @@ public:
   /// The motion over all frames so far. Canonical space = world at the layer's first frame; the frames before are
   /// kLost and have that frame's deformation. Throws Error(kFailure) before the layer was seen.
   Motion motion() const;
+  /// Nodes that were found late have moved, before that, as their neighbours did, which nobody saw. This follows them
+  /// back through what is remembered (FrameMemory), so that they are where the camera could not see them. To
+  /// be called after the last frame.
+  void settle_past();
   /// Canonical model; nullptr before the layer's first frame.
   const TsdfVolume* model() const { return volume_.get(); }
   double node_spacing() const { return spacing_; }
@@ -66,14 +71,15 @@ public:
 
 private:
   struct Past;
-  struct Selection;
+  struct Future;
 
   void begin(const ingest::Frame& frame, const ObjectView& view);
   Health follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result);
   bool is_healthy(const DeformingQuality& quality) const;
-  NodeStates in_camera(const std::vector<SE3>& nodes, const ingest::Frame& frame) const;
   std::vector<SE3> predicted(double time) const;
-  Selection select(const ObjectView& view, const NodeStates& states) const;
+  SE3 relative_to_origin(const ingest::Frame& frame) const;
+  NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
+  void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);
   void fuse(const ObjectView& view, NodeStates states);
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
@@ -96,6 +102,8 @@ private:
     Health health = Health::kLost;
   };
   std::vector<Record> records_;
+  FrameMemory memory_;              ///< of the frames of records_
+  std::vector<std::size_t> births_; ///< for each node, the first record that is not a guess
   std::unique_ptr<Past> past_;
   int unseen_ = 0;
   struct SeenPiece {

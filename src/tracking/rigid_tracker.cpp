@@ -37,11 +37,6 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   return config;
 }
 
-SE3 with_orthonormal_rotation(SE3 pose) {
-  pose.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
-  return pose;
-}
-
 } // namespace
 
 struct RigidTracker::Candidate {
@@ -117,7 +112,7 @@ SE3 RigidTracker::predicted(double time) const {
   result.linear() = exp_se3(rotation).linear() * model_to_world_.linear();
   result.translation() =
       model_to_world_.translation() + share * (model_to_world_.translation() - earlier.translation());
-  return with_orthonormal_rotation(result);
+  return renormalized(result);
 }
 
 std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, const SE3& model_to_camera) const {
@@ -223,7 +218,7 @@ void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, co
   } else {
     past_->earlier_model_to_world.reset();
   }
-  model_to_world_ = with_orthonormal_rotation(frame.camera.camera_to_world * best.alignment.model_to_camera);
+  model_to_world_ = renormalized(frame.camera.camera_to_world * best.alignment.model_to_camera);
   past_->view = view;
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;

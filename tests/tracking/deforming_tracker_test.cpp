@@ -131,6 +131,19 @@ TEST(DeformingTracker, IsAsExactAKilometreAwayFromTheWorldsOrigin) {
   EXPECT_NEAR(mean_error(plates, here), mean_error(moved_plates, there), 2e-4);
 }
 
+void expect_same(const Motion& a, const Motion& b) {
+  ASSERT_EQ(a.graph()->nodes(), b.graph()->nodes());
+  ASSERT_EQ(a.deformations().size(), b.deformations().size());
+  for (std::size_t f = 0; f < a.deformations().size(); ++f) {
+    for (std::size_t i = 0; i < a.graph()->nodes().size(); ++i) {
+      const DualQuaternion& of_a = a.deformations()[f].node_to_world[i];
+      const DualQuaternion& of_b = b.deformations()[f].node_to_world[i];
+      EXPECT_EQ(of_a.real.coeffs(), of_b.real.coeffs());
+      EXPECT_EQ(of_a.dual.coeffs(), of_b.dual.coeffs());
+    }
+  }
+}
+
 TEST(DeformingTracker, IsTheSameForOneThreadAndMany) {
   const auto plates = bending(5);
   std::vector<Motion> motions;
@@ -139,15 +152,7 @@ TEST(DeformingTracker, IsTheSameForOneThreadAndMany) {
     motions.push_back(follow(plates));
   }
   set_thread_count(0);
-  ASSERT_EQ(motions[0].graph()->nodes(), motions[1].graph()->nodes());
-  for (std::size_t f = 0; f < plates.size(); ++f) {
-    for (std::size_t i = 0; i < motions[0].graph()->nodes().size(); ++i) {
-      const DualQuaternion& a = motions[0].deformations()[f].node_to_world[i];
-      const DualQuaternion& b = motions[1].deformations()[f].node_to_world[i];
-      EXPECT_EQ(a.real.coeffs(), b.real.coeffs());
-      EXPECT_EQ(a.dual.coeffs(), b.dual.coeffs());
-    }
-  }
+  expect_same(motions[0], motions[1]);
 }
 
 TEST(DeformingTracker, IsHeldWhileUnseenAndFoundAgain) {
@@ -235,6 +240,73 @@ TEST(DeformingTracker, NewSurfaceGetsNodesWithAPast) {
   const Eigen::Vector3d before = Eigen::Vector3d(-0.05, 0, 0) - Eigen::Vector3d(-0.005, 0, 0);
   const auto track = track_point(tracker.motion(), 16, 15, now.place(-0.1, 0.05));
   EXPECT_LT((track[0] - (now.place(-0.1, 0.05) + before)).norm(), 0.006);
+}
+
+// A plate that bends while it comes out from behind an occluder.
+Plate unveiled_plate(int frame) {
+  Plate plate;
+  plate.curvature = -1.5 + 0.2 * frame;
+  plate.to_world = SE3(Eigen::Translation3d(-0.05, 0, 1));
+  return plate;
+}
+
+constexpr int kUnveiledFrames = 18;
+
+DeformingTracker follow_unveiled_plate() {
+  SceneOptions options = noisy();
+  DeformingTracker tracker(2);
+  for (int i = 0; i < kUnveiledFrames; ++i) {
+    options.occluded_columns = 87 - 5 * std::min(i, 12);
+    tracker.track(render_plate(unveiled_plate(i), SE3::Identity(), i, options));
+  }
+  return tracker;
+}
+
+// Mean error over all frames of points that come out, followed back from the last frame.
+double error_of_past(const Motion& motion) {
+  double sum = 0;
+  int count = 0;
+  for (double x = -0.16; x < 0.01; x += 0.04) {
+    for (double y = -0.12; y < 0.13; y += 0.04) {
+      const auto track =
+          track_point(motion, kUnveiledFrames, kUnveiledFrames - 1, unveiled_plate(kUnveiledFrames - 1).place(x, y));
+      for (int i = 0; i < kUnveiledFrames; ++i) {
+        sum += (track[static_cast<std::size_t>(i)] - unveiled_plate(i).place(x, y)).norm();
+        ++count;
+      }
+    }
+  }
+  return sum / count;
+}
+
+TEST(DeformingTracker, SettlesThePastOfNodesFoundLate) {
+  DeformingTracker tracker = follow_unveiled_plate();
+  const double guessed = error_of_past(tracker.motion());
+  tracker.settle_past();
+  const double settled = error_of_past(tracker.motion());
+  EXPECT_LT(settled, 0.75 * guessed); // 12.4 mm of 19.4 mm
+}
+
+TEST(DeformingTracker, SettlesThePastAlikeWithAnyNumberOfThreads) {
+  std::vector<Motion> motions;
+  for (const int threads : {1, 4}) {
+    set_thread_count(threads);
+    DeformingTracker tracker = follow_unveiled_plate();
+    tracker.settle_past();
+    motions.push_back(tracker.motion());
+  }
+  set_thread_count(0);
+  expect_same(motions[0], motions[1]);
+}
+
+TEST(DeformingTracker, HasNoPastToSettleWhereAllWasSeenFromTheFirst) {
+  const Plate plate;
+  DeformingTracker tracker(2);
+  tracker.settle_past(); // nothing was ever seen
+  for (int i = 0; i < 3; ++i) tracker.track(render_plate(plate, pose_at({0, 0, -1}, 0, 0), i, noisy()));
+  const Motion before = tracker.motion();
+  tracker.settle_past();
+  expect_same(before, tracker.motion());
 }
 
 TEST(DeformingTracker, RefusesFramesWhoseImagesDifferInSize) {
