@@ -307,7 +307,8 @@ DualQuaternion corrected(const Eigen::Vector3d& node, const DualQuaternion& befo
       SE3(before.to_se3() * Eigen::Translation3d(node) * exp_se3(correction) * Eigen::Translation3d(-node)));
 }
 
-// Frames that were not refined, next to ones that were, are corrected as these are in the mean.
+// A frame that was not refined, next to ones that were, is corrected as these are in the mean. Between two of them
+// their own mean says where it is as well as the tracker does, and errs in other ways: half of each.
 void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_refined,
                     std::vector<tracking::Motion::Deformation>& refined) {
   const std::vector<Eigen::Vector3d>& nodes = motion.graph()->nodes();
@@ -323,7 +324,11 @@ void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_
         mean += correction_of(nodes[n], motion.deformations()[g].node_to_world[n], refined[g].node_to_world[n]) /
                 static_cast<double>(neighbours.size());
       }
-      refined[f].node_to_world[n] = corrected(nodes[n], motion.deformations()[f].node_to_world[n], mean);
+      DualQuaternion& node = refined[f].node_to_world[n];
+      node = corrected(nodes[n], node, mean);
+      if (neighbours.size() < 2) continue;
+      const std::array all = {node, refined[f - 1].node_to_world[n], refined[f + 1].node_to_world[n]};
+      node = blend(all, std::array{0.5, 0.25, 0.25});
     }
   }
 }

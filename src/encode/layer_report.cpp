@@ -1,0 +1,86 @@
+#include "encode/layer_report.h"
+
+#include <cmath>
+
+namespace kinora::encode {
+
+using Json = nlohmann::json;
+
+double round4(double value) { return std::round(value * 1e4) / 1e4; }
+
+Json config_json(const fields::FieldConfig& config) {
+  const Eigen::Vector3d& origin = config.box.origin;
+  return {{"box_origin_m", {origin.x(), origin.y(), origin.z()}},
+          {"box_side_m", config.box.side},
+          {"levels", config.levels},
+          {"features_per_level", fields::FieldConfig::kFeatures},
+          {"log2_table_size", config.log2_table_size},
+          {"coarsest_resolution", config.coarsest_resolution},
+          {"finest_resolution", config.finest_resolution},
+          {"occupancy_resolution", config.occupancy_resolution},
+          {"geometry", fields::name_of(config.geometry)}};
+}
+
+Json config_json(const fields::TrainerConfig& config) {
+  return {{"seed", config.seed},
+          {"rays", config.rays},
+          {"rays_per_step", config.rays_per_step},
+          {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
+          {"final_learning_rate", config.final_learning_rate},
+          {"negligible_gradient", config.negligible_gradient},
+          {"largest_log2_table_size", config.largest_log2_table_size},
+          {"loss_weights",
+           {{"color", config.loss.color},
+            {"opacity", config.loss.opacity},
+            {"depth", config.loss.depth},
+            {"emptiness", config.loss.emptiness},
+            {"empty_rays", config.loss.empty_rays},
+            {"depth_clamp", config.loss.depth_clamp},
+            {"distance", config.loss.distance}}},
+          {"sampling",
+           {{"surface_samples", config.sampling.surface_samples},
+            {"free_samples", config.sampling.free_samples},
+            {"unmeasured_samples", config.sampling.unmeasured_samples},
+            {"emptiness_samples", config.sampling.emptiness_samples},
+            {"near_depth_m", config.sampling.near_depth}}}};
+}
+
+Json geometry_json(const fields::GeometryTrial& trial) {
+  if (trial.frames == 0) return {{"chosen", fields::name_of(trial.chosen)}, {"why", "nothing else was tried"}};
+  const auto error = [](const fields::DrawingError& e) {
+    return Json{{"color_rms", round4(e.color)}, {"depth_median_m", round4(e.depth)}};
+  };
+  return {{"chosen", fields::name_of(trial.chosen)},
+          {"why",
+           "it drew frames that were not trained on with a smaller error of colour, or of depth where colour is alike"},
+          {"rays", trial.rays},
+          {"frames", trial.frames},
+          {fields::name_of(fields::Geometry::kDensity), error(trial.density)},
+          {fields::name_of(fields::Geometry::kSignedDistance), error(trial.signed_distance)}};
+}
+
+Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
+  Json out = {{"kind", tracking::name_of(motion.kind())}};
+  if (motion.kind() == tracking::MotionKind::kStill && label.poses.empty()) return out;
+  std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
+  for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+  for (const auto& deformation : motion.deformations()) ++health[std::string(tracking::name_of(deformation.health))];
+  out["frames"] = health;
+  if (motion.graph() != nullptr) {
+    out["nodes"] = motion.graph()->nodes().size();
+    out["node_spacing_m"] = round4(label.bending->node_spacing());
+    return out;
+  }
+  out["relocalised"] = label.relocalised;
+  out["weak_directions_per_frame"] = round4(label.weak_directions / static_cast<double>(label.poses.size()));
+  out["largest_move_m"] = round4(SceneTracker::largest_move(label));
+  return out;
+}
+
+Json refinement_json(const MotionRefinement& refinement) {
+  return {{"frames", refinement.frames},
+          {"color_difference_before", round4(refinement.color_before)},
+          {"color_difference_after", round4(refinement.color_after)}};
+}
+
+} // namespace kinora::encode
