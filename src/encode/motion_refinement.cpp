@@ -307,8 +307,18 @@ DualQuaternion corrected(const Eigen::Vector3d& node, const DualQuaternion& befo
       SE3(before.to_se3() * Eigen::Translation3d(node) * exp_se3(correction) * Eigen::Translation3d(-node)));
 }
 
-// A frame that was not refined, next to ones that were, is corrected as these are in the mean. Between two of them
-// their own mean says where it is as well as the tracker does, and errs in other ways: half of each.
+// Half way between what the tracker says of a node and what the frames beside say, which errs in other ways; less of
+// theirs where they differ by more than the tracker errs: there the node changed its pace.
+DualQuaternion weighed(const Eigen::Vector3d& node, const DualQuaternion& own, const DualQuaternion& before,
+                       const DualQuaternion& after) {
+  constexpr double kTrackersError = 0.005; // metres
+  const DualQuaternion between = blend(std::array{before, after}, std::array{0.5, 0.5});
+  const double off = (between.to_se3() * node - own.to_se3() * node).norm() / kTrackersError;
+  const double share = 0.5 / (1 + off * off);
+  return blend(std::array{own, between}, std::array{1 - share, share});
+}
+
+// A frame that was not refined, next to ones that were, is corrected as these are in the mean.
 void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_refined,
                     std::vector<tracking::Motion::Deformation>& refined) {
   const std::vector<Eigen::Vector3d>& nodes = motion.graph()->nodes();
@@ -326,9 +336,9 @@ void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_
       }
       DualQuaternion& node = refined[f].node_to_world[n];
       node = corrected(nodes[n], node, mean);
-      if (neighbours.size() < 2) continue;
-      const std::array all = {node, refined[f - 1].node_to_world[n], refined[f + 1].node_to_world[n]};
-      node = blend(all, std::array{0.5, 0.25, 0.25});
+      if (neighbours.size() == 2) {
+        node = weighed(nodes[n], node, refined[f - 1].node_to_world[n], refined[f + 1].node_to_world[n]);
+      }
     }
   }
 }
