@@ -1,5 +1,5 @@
 // How long a clip takes to draw: frames all over it, seen by the capture camera and by cameras up to 30° aside.
-// usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [target=avx2]
+// usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [quality=full,fast] [target=avx2]
 // target: draws with these instructions (bench/instruction_set.h) instead of the best that there are.
 #include <algorithm>
 #include <chrono>
@@ -72,8 +72,11 @@ std::vector<std::string> values_of(const std::string& argument) {
 int main(int argc, char** argv) {
   std::vector<std::string> threads{"1", "2"};
   std::vector<std::string> sizes{"640x480", "1280x720"};
+  std::vector<std::string> qualities{"full", "fast"};
   if (argc < 2) {
-    std::fprintf(stderr, "usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [target=avx2]\n");
+    std::fprintf(
+        stderr,
+        "usage: bench_drawing CLIP.mkv [threads=1,2] [size=640x480,1280x720] [quality=full,fast] [target=avx2]\n");
     return 2;
   }
   try {
@@ -81,13 +84,15 @@ int main(int argc, char** argv) {
       const std::string argument = argv[i];
       if (argument.starts_with("threads=")) threads = values_of(argument);
       if (argument.starts_with("size=")) sizes = values_of(argument);
+      if (argument.starts_with("quality=")) qualities = values_of(argument);
       if (argument.starts_with("target=")) bench::use_instruction_set(values_of(argument).at(0));
     }
     const auto begin = std::chrono::steady_clock::now();
     const player::Player player(encode::read_clip(argv[1]));
     std::printf("# opened in %.2f s; %s\nquality,size,threads,median_ms,largest_ms,median_processor_ms\n",
                 seconds_since(begin), fields::kernels::instruction_set());
-    for (const auto quality : {fields::DrawQuality::kFull, fields::DrawQuality::kFast}) {
+    for (const std::string& name : qualities) {
+      const auto quality = name == "fast" ? fields::DrawQuality::kFast : fields::DrawQuality::kFull;
       for (const std::string& size : sizes) {
         const std::size_t cross = size.find('x');
         for (const std::string& count : threads) {

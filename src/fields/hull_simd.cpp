@@ -6,40 +6,16 @@
 
 #include <hwy/highway.h>
 
+#include "core/vectors_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
+using namespace vectors::HWY_NAMESPACE;
 
 constexpr std::size_t kNodes = tracking::Influence::kMost;
+static_assert(kMostLanes <= kPadding);
 
-using DF = hn::CappedTag<float, kPadding>;
-using DI = hn::RebindToSigned<DF>;
-using F = hn::Vec<DF>;
-using I = hn::Vec<DI>;
-
-struct Vec3 {
-  F x, y, z;
-};
-
-struct Quat {
-  Vec3 v;
-  F w;
-};
-
-HWY_INLINE F constant(float value) { return hn::Set(DF(), value); }
-HWY_INLINE F dot(const Vec3& a, const Vec3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
-HWY_INLINE F dot(const Quat& a, const Quat& b) { return hn::MulAdd(a.w, b.w, dot(a.v, b.v)); }
-HWY_INLINE Vec3 add(const Vec3& a, const Vec3& b) { return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)}; }
-HWY_INLINE Vec3 mul(F s, const Vec3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)}; }
-/// s · a + b
-HWY_INLINE Vec3 mul_add(F s, const Vec3& a, const Vec3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
-}
-HWY_INLINE Quat mul_add(F s, const Quat& a, const Quat& b) { return {mul_add(s, a.v, b.v), hn::MulAdd(s, a.w, b.w)}; }
-HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {hn::NegMulAdd(a.z, b.y, hn::Mul(a.y, b.z)), hn::NegMulAdd(a.x, b.z, hn::Mul(a.z, b.x)),
-          hn::NegMulAdd(a.y, b.x, hn::Mul(a.x, b.y))};
-}
 /// By a unit quaternion; `w` negated turns back.
 HWY_INLINE Vec3 rotated(const Vec3& v, F w, const Vec3& by) {
   const Vec3 turned = mul_add(w, by, cross(v, by));
@@ -48,26 +24,19 @@ HWY_INLINE Vec3 rotated(const Vec3& v, F w, const Vec3& by) {
 
 HWY_INLINE Vec3 load3(const Eigen::Vector3f* points) {
   Vec3 v;
-  hn::LoadInterleaved3(DF(), points->data(), v.x, v.y, v.z);
+  hn::LoadInterleaved3(Floats(), points->data(), v.x, v.y, v.z);
   return v;
 }
 HWY_INLINE void store3(const Vec3& v, Eigen::Vector3f* points) {
-  hn::StoreInterleaved3(v.x, v.y, v.z, DF(), points->data());
-}
-HWY_INLINE Quat gather4(const float* base, I index) {
-  const DF df;
-  return {
-      {hn::GatherIndex(df, base, index), hn::GatherIndex(df, base + 1, index), hn::GatherIndex(df, base + 2, index)},
-      hn::GatherIndex(df, base + 3, index)};
+  hn::StoreInterleaved3(v.x, v.y, v.z, Floats(), points->data());
 }
 
 void carry(const Influences& influences, const float* transforms, const Eigen::Vector3f* canonical, float scale,
            std::size_t begin, std::size_t end, CarriedPoints& carried) {
-  const DF df;
-  const DI di;
-  const F zero = hn::Zero(df);
+  const Floats df;
+  const Ints di;
   for (std::size_t i = begin; i < end; i += hn::Lanes(df)) {
-    Quat real{{zero, zero, zero}, zero};
+    Quat real{{zero(), zero(), zero()}, zero()};
     Quat dual = real;
     Quat heaviest[2];
     const F heaviest_weight = hn::LoadU(df, influences.weights[0].data() + i);
@@ -81,7 +50,7 @@ void carry(const Influences& influences, const float* transforms, const Eigen::V
         heaviest[1] = node_dual;
       }
       // q and −q are the same rotation: into the hemisphere of the heaviest.
-      const F signed_weight = hn::IfThenElse(hn::Lt(dot(node_real, heaviest[0]), zero), hn::Neg(weight), weight);
+      const F signed_weight = hn::IfThenElse(hn::Lt(dot(node_real, heaviest[0]), zero()), hn::Neg(weight), weight);
       real = mul_add(signed_weight, node_real, real);
       dual = mul_add(signed_weight, node_dual, dual);
     }
@@ -99,7 +68,7 @@ void carry(const Influences& influences, const float* transforms, const Eigen::V
     const Vec3 half_translation = add(cross(v, d), mul_add(w, d, mul(hn::Neg(dw), v)));
     const Vec3 point = rotated(v, w, mul(constant(scale), load3(canonical + i)));
     const Vec3 world = mul_add(constant(2), half_translation, point);
-    const F nothing = hn::IfThenElse(hn::Gt(heaviest_weight, zero), zero, hn::NaN(df));
+    const F nothing = hn::IfThenElse(hn::Gt(heaviest_weight, zero()), zero(), hn::NaN(df));
     store3({hn::Add(world.x, nothing), hn::Add(world.y, nothing), hn::Add(world.z, nothing)}, carried.world.data() + i);
     hn::StoreInterleaved4(v.x, v.y, v.z, w, df, carried.rotation[i].data());
   }
@@ -107,7 +76,7 @@ void carry(const Influences& influences, const float* transforms, const Eigen::V
 
 void look(const Viewpoint& viewpoint, const CarriedPoints& carried, std::size_t begin, std::size_t end,
           Eigen::Vector3f* corners, Eigen::Vector3f* ways) {
-  const DF df;
+  const Floats df;
   const Eigen::Matrix3f& t = viewpoint.turn;
   const auto row = [&t](const Vec3& p, int r) HWY_ATTR {
     return dot({constant(t(r, 0)), constant(t(r, 1)), constant(t(r, 2))}, p);
@@ -124,7 +93,6 @@ void look(const Viewpoint& viewpoint, const CarriedPoints& carried, std::size_t 
   }
 }
 
-HWY_INLINE Vec3 sub(const Vec3& a, const Vec3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
 /// a + s · (b − a)
 HWY_INLINE Vec3 between(const Vec3& a, const Vec3& b, F s) { return mul_add(s, sub(b, a), a); }
 
@@ -135,8 +103,7 @@ struct LocalMotion {
 };
 
 HWY_INLINE LocalMotion motion_in(const CellMotion& motion, I cell, const F (&f)[3]) {
-  const DF df;
-  const DI di;
+  const Ints di;
   const I own = hn::GatherIndex(di, motion.own_corners, cell);
   const I first = hn::Mul(cell, hn::Set(di, motion.cell_stride));
   const auto has_own = hn::Gt(own, hn::Set(di, -1));
@@ -145,8 +112,7 @@ HWY_INLINE LocalMotion motion_in(const CellMotion& motion, I cell, const F (&f)[
     const I shared = hn::GatherIndex(di, motion.cells + c, first);
     const I number = hn::IfThenElse(has_own, hn::Add(own, hn::Set(di, c)), shared);
     const I at = hn::Add(hn::Add(number, number), number);
-    const float* base = motion.corners->data();
-    corners[c] = {hn::GatherIndex(df, base, at), hn::GatherIndex(df, base + 1, at), hn::GatherIndex(df, base + 2, at)};
+    corners[c] = gather3(motion.corners->data(), at);
   }
   // Along x, then y, then z.
   Vec3 rows[4];
@@ -166,8 +132,8 @@ void refine(const CellMotion& motion, std::size_t n, const PointLanes& points, P
   constexpr int kSteps = 2;
   constexpr int kSide = 4;       // lattice steps of a cell
   constexpr float kClose = 0.1F; // of a lattice step: another iteration would find nothing
-  const DF df;
-  const DI di;
+  const Floats df;
+  const Ints di;
   const F limit = constant(static_cast<float>(2 * motion.bricks_per_side)); // cells
   const I per_side = hn::Set(di, motion.bricks_per_side);
   const auto bit = [&](I value, int shift)
@@ -184,7 +150,7 @@ void refine(const CellMotion& motion, std::size_t n, const PointLanes& points, P
       I low[3];
       F fraction[3];
       for (int a = 0; a < 3; ++a) {
-        active = hn::And(active, hn::And(hn::Ge(at[a], hn::Zero(df)), hn::Lt(at[a], limit)));
+        active = hn::And(active, hn::And(hn::Ge(at[a], zero()), hn::Lt(at[a], limit)));
       }
       for (int a = 0; a < 3; ++a) {
         const F inside = hn::IfThenElseZero(active, at[a]);

@@ -60,6 +60,7 @@ private:
 template <class T, int kMost> class PixelLists {
 public:
   static constexpr std::size_t kPixels = TriangleBins::kTile * TriangleBins::kTile;
+  static constexpr std::size_t kMostOfAPixel = kMost;
 
   void clear() { counts_.fill(0); }
   std::size_t count(std::size_t pixel) const { return counts_[pixel]; }

@@ -8,15 +8,12 @@
 
 #include <hwy/highway.h>
 
+#include "core/vectors_simd.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr std::size_t kMostLanes = 16;
-using DF = hn::CappedTag<float, kMostLanes>;
-using DI = hn::RebindToSigned<DF>;
-using F = hn::Vec<DF>;
-using M = hn::Mask<DF>;
+using namespace vectors::HWY_NAMESPACE;
 
 constexpr float kBehind = 1e-3F; // metres: nearer corners have no place in the picture
 
@@ -24,21 +21,9 @@ constexpr float kBehind = 1e-3F; // metres: nearer corners have no place in the 
 // between neighbours.
 constexpr float kSlack = 1e-4F;
 
-struct Vec3 {
-  F x, y, z;
-};
-
-HWY_INLINE F constant(float value) { return hn::Set(DF(), value); }
-HWY_INLINE F dot(const Vec3& a, const Vec3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
-HWY_INLINE Vec3 sub(const Vec3& a, const Vec3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
-HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {hn::NegMulAdd(a.z, b.y, hn::Mul(a.y, b.z)), hn::NegMulAdd(a.x, b.z, hn::Mul(a.z, b.x)),
-          hn::NegMulAdd(a.y, b.x, hn::Mul(a.x, b.y))};
-}
-
-HWY_INLINE std::uint32_t bits_of(M mask) {
+HWY_INLINE std::uint32_t bits_of(Mask mask) {
   std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(DF(), mask, bytes);
+  hn::StoreMaskBits(Floats(), mask, bytes);
   return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
 }
 
@@ -46,7 +31,7 @@ HWY_INLINE std::uint32_t bits_of(M mask) {
 struct Corner {
   Vec3 at;
   F u, v;
-  M behind;
+  Mask behind;
 };
 
 /// Triangles of as many faces as there are lanes: fields of HullTriangle.
@@ -58,8 +43,8 @@ struct Triangles {
 
 HWY_INLINE void set_up(const Corner& a, const Corner& b, const Corner& c, const Intrinsics& intrinsics,
                        Triangles& triangles) {
-  const DF df;
-  const DI di;
+  const Floats df;
+  const Ints di;
   // b × c = b × (c − b): small triangles far away lose no digits, and leave no gaps between them.
   const Vec3 ab = sub(b.at, a.at);
   const Vec3 ca = sub(a.at, c.at);
@@ -67,11 +52,11 @@ HWY_INLINE void set_up(const Corner& a, const Corner& b, const Corner& c, const 
   const F determinant = dot(a.at, cross(ca, ab));
   const F right = constant(static_cast<float>(intrinsics.width - 1));
   const F bottom = constant(static_cast<float>(intrinsics.height - 1));
-  const M any_behind = hn::Or(a.behind, hn::Or(b.behind, c.behind));
-  const M all_behind = hn::And(a.behind, hn::And(b.behind, c.behind));
+  const Mask any_behind = hn::Or(a.behind, hn::Or(b.behind, c.behind));
+  const Mask all_behind = hn::And(a.behind, hn::And(b.behind, c.behind));
   const auto lowest = [&](F p, F q, F r) HWY_ATTR {
     const F low = hn::Ceil(hn::Sub(hn::Min(p, hn::Min(q, r)), constant(0.01F)));
-    return hn::Max(hn::Zero(df), hn::IfThenZeroElse(any_behind, low));
+    return hn::Max(zero(), hn::IfThenZeroElse(any_behind, low));
   };
   const auto highest = [&](F p, F q, F r, F most) HWY_ATTR {
     const F high = hn::Floor(hn::Add(hn::Max(p, hn::Max(q, r)), constant(0.01F)));
@@ -79,7 +64,7 @@ HWY_INLINE void set_up(const Corner& a, const Corner& b, const Corner& c, const 
   };
   const F bounds[4] = {lowest(a.u, b.u, c.u), highest(a.u, b.u, c.u, right), lowest(a.v, b.v, c.v),
                        highest(a.v, b.v, c.v, bottom)};
-  M seen = hn::Lt(determinant, hn::Zero(df)); // from outside, and finite
+  Mask seen = hn::Lt(determinant, zero()); // from outside, and finite
   seen = hn::And(seen, hn::And(hn::Le(bounds[0], bounds[1]), hn::Le(bounds[2], bounds[3])));
   seen = hn::AndNot(all_behind, seen);
   triangles.seen = bits_of(seen);
@@ -113,8 +98,8 @@ HWY_INLINE void append(const Triangles& triangles, std::span<const HullFace> fac
 
 void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
                std::uint8_t layer, std::vector<HullTriangle>& out) {
-  const DF df;
-  const DI di;
+  const Floats df;
+  const Ints di;
   const std::size_t lanes = hn::Lanes(df);
   HWY_ALIGN std::int32_t index[4][kMostLanes] = {};
   Triangles triangles{};
@@ -126,10 +111,8 @@ void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std
     Corner at[4];
     for (std::size_t k = 0; k < 4; ++k) {
       const auto first = hn::Load(di, index[k]);
-      const float* base = corners->data();
       Corner& corner = at[k];
-      corner.at = {hn::GatherIndex(df, base, first), hn::GatherIndex(df, base + 1, first),
-                   hn::GatherIndex(df, base + 2, first)};
+      corner.at = gather3(corners->data(), first);
       corner.behind = hn::Lt(corner.at.z, constant(kBehind));
       const F inverse = hn::Div(constant(1), corner.at.z);
       corner.u = hn::MulAdd(hn::Mul(constant(static_cast<float>(intrinsics.fx)), corner.at.x), inverse,
@@ -146,7 +129,7 @@ void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std
 
 void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries) {
   constexpr int kTile = TriangleBins::kTile;
-  const DF df;
+  const Floats df;
   const auto& bounds = triangle.bounds;
   const int first_column = HWY_MAX(bounds[0] - rays.left, 0);
   const int last_column = HWY_MIN(bounds[1] - rays.left, kTile - 1);
@@ -166,7 +149,7 @@ void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays
       const F e2 = hn::Add(along[2], constant(m[2][1] * y + m[2][2]));
       const F inverse_depth = hn::Add(e0, hn::Add(e1, e2));
       const F least = hn::Mul(constant(-kSlack), inverse_depth);
-      const M inside = hn::And(hn::Ge(hn::Min(e0, hn::Min(e1, e2)), least), hn::Gt(inverse_depth, hn::Zero(df)));
+      const Mask inside = hn::And(hn::Ge(hn::Min(e0, hn::Min(e1, e2)), least), hn::Gt(inverse_depth, zero()));
       std::uint32_t bits = bits_of(inside) & wanted;
       if (bits == 0) continue;
       hn::Store(hn::Div(constant(1), inverse_depth), df, depths);

@@ -8,6 +8,7 @@
 #include "fields/enlarging.h"
 #include "fields/layer_view.h"
 #include "fields/tile_marcher.h"
+#include "fields/tile_samples.h"
 #include "fields/tile_shader.h"
 
 namespace kinora::fields {
@@ -49,111 +50,105 @@ public:
   TileRenderer(std::span<const LayerView> views, const TriangleBins& bins, const Intrinsics& intrinsics, int per_side,
                const DrawOptions& options, Picture& picture)
       : views_(views), bins_(bins), intrinsics_(intrinsics), per_side_(per_side), options_(options), picture_(picture) {
-    for (const LayerView& view : views) shaders_.emplace_back(view.layer());
+    for (const LayerView& view : views) {
+      marchers_.emplace_back(view, static_cast<std::uint32_t>(marchers_.size()), bins);
+      shaders_.emplace_back(view.layer());
+    }
   }
 
   void draw(int column, int row) {
     left_ = column * kTile;
     top_ = row * kTile;
-    if (!find_surfaces(bins_.of_tile(column, row))) return;
-    for (TileShader& shader : shaders_) shader.clear();
-    samples_.assign(rays_.size(), {});
-    for (std::uint32_t p = 0; p < rays_.size(); ++p) composite(p);
-    for (std::size_t l = 0; l < views_.size(); ++l) add_colors(l);
+    if (!find_entries(bins_.of_tile(column, row))) return;
+    surfaces_.clear();
+    for (TileMarcher& marcher : marchers_) marcher.march_anchors(rays_, surfaces_);
+    samples_.clear();
+    const int columns = std::min(kTile, intrinsics_.width - left_);
+    const int rows = std::min(kTile, intrinsics_.height - top_);
+    for (const bool between : {false, true}) {
+      pixels_.clear();
+      for (int v = 0; v < rows; ++v) {
+        for (int u = (v + (between ? 1 : 0)) % 2; u < columns; u += 2) {
+          const auto p = static_cast<std::uint32_t>(v * kTile + u);
+          if (!between || !samples_.fill(p)) pixels_.push_back(p);
+        }
+      }
+      draw_pixels();
+    }
     for (int v = 0; v < kTile; v += per_side_) {
       for (int u = 0; u < kTile; u += per_side_) write(u, v);
     }
   }
 
 private:
-  struct Sample {
-    std::array<float, 3> color{}; // sRGB, times opacity
-    float opacity = 0;
-    float most = 0; // of one layer
-    std::uint8_t front = 0;
-    float depth = 0;
-    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    float confidence = 0; // times opacity
-  };
-
-  int u_of(std::size_t p) const { return left_ + static_cast<int>(p) % kTile; }
-  int v_of(std::size_t p) const { return top_ + static_cast<int>(p) / kTile; }
-
   void find_rays(const TileRays& tile) {
-    rays_.clear();
+    auto* next = rays_.data();
     for (int row = 0; row < kTile; ++row) {
       for (int column = 0; column < kTile; ++column) {
-        rays_.emplace_back(tile.x + static_cast<float>(column) * tile.dx, tile.y + static_cast<float>(row) * tile.dy,
-                           1);
+        const Eigen::Vector3f ray(tile.x + static_cast<float>(column) * tile.dx,
+                                  tile.y + static_cast<float>(row) * tile.dy, 1);
+        *next++ = {ray, 1 / ray.norm()};
       }
     }
   }
 
   // False if no layer has anything here.
-  bool find_surfaces(std::span<const std::uint32_t> triangles) {
+  bool find_entries(std::span<const std::uint32_t> triangles) {
     const auto holds_camera = [](const LayerView& view) { return view.holds_camera(); };
     if (triangles.empty() && std::none_of(views_.begin(), views_.end(), holds_camera)) return false;
     const TileRays tile = tile_rays(intrinsics_, left_, top_);
     find_rays(tile);
-    surfaces_.clear();
-    std::size_t next = 0;
-    for (std::uint32_t l = 0; l < views_.size(); ++l) {
-      entries_.clear();
-      bool any = views_[l].holds_camera();
-      if (any) {
-        for (std::size_t p = 0; p < Entries::kPixels; ++p) entries_.insert(p, {kNearDepth, kInside});
-      }
-      for (; next < triangles.size() && bins_.triangle(triangles[next]).layer == l; ++next) {
-        rasterize(bins_.triangle(triangles[next]), triangles[next], tile, entries_);
-        any = true;
-      }
-      if (any) marcher_.march(views_[l], l, bins_, rays_, entries_, surfaces_);
+    for (std::size_t l = 0; l < views_.size(); ++l) {
+      Entries& entries = marchers_[l].entries();
+      entries.clear();
+      if (!views_[l].holds_camera()) continue;
+      for (std::size_t p = 0; p < Entries::kPixels; ++p) entries.insert(p, {kNearDepth, kInside});
+    }
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      constexpr std::size_t kAhead = 4; // they are scattered, and asked for before they are needed
+      if (i + kAhead < triangles.size()) __builtin_prefetch(&bins_.triangle(triangles[i + kAhead]));
+      const HullTriangle& triangle = bins_.triangle(triangles[i]);
+      rasterize(triangle, triangles[i], tile, marchers_[triangle.layer].entries());
     }
     return true;
   }
 
+  void draw_pixels() {
+    for (TileMarcher& marcher : marchers_) marcher.march(rays_, pixels_, surfaces_);
+    for (TileShader& shader : shaders_) shader.clear();
+    for (const std::uint32_t p : pixels_) composite(p);
+    for (std::uint32_t l = 0; l < shaders_.size(); ++l) {
+      TileShader& shader = shaders_[l];
+      shader.shade();
+      for (std::size_t row = 0; row < shader.pixels().size(); ++row) {
+        samples_[shader.pixels()[row]].add(l, shader.color(row), shader.opacity(row));
+      }
+    }
+  }
+
   // Front to back over the surfaces of all layers: what is seen of each goes to its layer's shader.
   void composite(std::uint32_t p) {
-    if (!in_picture(p)) return;
+    Sample& sample = samples_[p];
     float transmittance = 1;
-    float median_depth = 0;
-    Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (std::size_t i = 0; i < surfaces_.count(p); ++i) {
       const Surface& surface = surfaces_.at(p, i);
       const LayerView& view = views_[surface.layer];
       const auto place = [&] { return view.from_box(surface.position); };
       float weight = transmittance * surface.opacity;
-      if (options_.unseen == Unseen::kFade && weight > kNegligible) weight *= view.seen_share(place(), rays_[p]);
+      if (options_.unseen == Unseen::kFade && weight > kNegligible) weight *= view.seen_share(place(), rays_[p].way);
       if (weight > kNegligible) {
         shaders_[surface.layer].add(p, surface, weight);
-        if (options_.normals) normal += weight * view.normal_at(place());
-        if (options_.confidence) samples_[p].confidence += weight * view.confidence_at(place(), rays_[p]);
+        if (options_.normals) sample.normal += weight * view.normal_at(place());
+        if (options_.confidence) sample.confidence += weight * view.confidence_at(place(), rays_[p].way);
       }
-      if (transmittance > 0.5F && transmittance - weight <= 0.5F) median_depth = surface.depth;
+      if (transmittance > 0.5F && transmittance - weight <= 0.5F) sample.depth = surface.depth;
       transmittance -= weight;
       if (transmittance <= kOpaque) break;
     }
-    samples_[p].depth = median_depth;
     // Towards the camera where none is known.
-    if (options_.normals && median_depth > 0) {
-      samples_[p].normal = (normal.squaredNorm() > 1e-12F ? normal : Eigen::Vector3f(-rays_[p])).normalized();
-    }
-  }
-
-  void add_colors(std::size_t l) {
-    TileShader& shader = shaders_[l];
-    shader.shade();
-    for (std::size_t row = 0; row < shader.pixels().size(); ++row) {
-      const std::uint32_t p = shader.pixels()[row];
-      const float opacity = shader.opacity(row);
-      const std::array<float, 3> color = shader.color(row);
-      Sample& sample = samples_[p];
-      for (std::size_t c = 0; c < 3; ++c) sample.color[c] += opacity * color[c];
-      sample.opacity += opacity;
-      if (opacity > sample.most) {
-        sample.most = opacity;
-        sample.front = static_cast<std::uint8_t>(l + 1);
-      }
+    if (options_.normals && sample.depth > 0) {
+      if (sample.normal.squaredNorm() <= 1e-12F) sample.normal = -rays_[p].way;
+      sample.normal.normalize();
     }
   }
 
@@ -163,43 +158,43 @@ private:
     const int first = top * kTile + left;
     if (per_side_ == 1) {
       const Sample& sample = samples_[static_cast<std::size_t>(first)];
-      if (sample.opacity > 0) put(left_ + left, top_ + top, sample, sample.color, sample.opacity, shown(sample));
+      if (sample.front > 0) put(left_ + left, top_ + top, sample, sample.color, shown(sample));
       return;
     }
     order_.clear();
-    std::array<float, 3> color{};
-    float opacity = 0, drawn = 0, confidence = 0;
+    Eigen::Array4f color = Eigen::Array4f::Zero();
+    float drawn = 0, confidence = 0;
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
     for (int v = 0; v < per_side_; ++v) {
       for (int u = 0; u < per_side_; ++u) {
         const int number = first + v * kTile + u;
         const Sample& sample = samples_[static_cast<std::size_t>(number)];
         order_.push_back(&sample);
-        for (std::size_t c = 0; c < 3; ++c) color[c] += sample.color[c];
-        opacity += sample.opacity;
+        color += sample.color;
         drawn += shown(sample);
         normal += sample.normal;
         confidence += sample.confidence;
       }
     }
-    if (opacity <= 0) return;
+    if (color[3] <= 0) return;
     Sample middle = middle_sample();
     if (const float length = normal.norm(); length > 1e-6F) middle.normal = normal / length;
     middle.confidence = confidence;
-    put((left_ + left) / per_side_, (top_ + top) / per_side_, middle, color, opacity,
+    put((left_ + left) / per_side_, (top_ + top) / per_side_, middle, color,
         drawn / static_cast<float>(per_side_ * per_side_));
   }
-  static float shown(const Sample& sample) { return sample.opacity > 1 - 2 * kOpaque ? 1.0F : sample.opacity; }
+  static float shown(const Sample& sample) { return sample.color[3] > 1 - 2 * kOpaque ? 1.0F : sample.color[3]; }
 
-  // `color` and the confidence of `middle`: times `opacity`, of all the pixel's samples.
-  void put(int u, int v, const Sample& middle, const std::array<float, 3>& color, float opacity, float alpha) {
-    std::uint8_t* pixel = picture_.color.pixel(u, v);
-    for (std::size_t c = 0; c < 3; ++c) pixel[c] = to_byte(color[c] / opacity);
-    pixel[3] = to_byte(alpha);
+  // `color` and the confidence of `middle`: times opacity, of all the pixel's samples.
+  void put(int u, int v, const Sample& middle, const Eigen::Array4f& color, float alpha) {
+    Eigen::Array4f straight = color / color[3];
+    straight[3] = alpha;
+    const Eigen::Array4i bytes = (255 * straight.max(0).min(1) + 0.5F).cast<int>();
+    std::copy_n(bytes.data(), 4, picture_.color.pixel(u, v));
     picture_.depth.at(u, v) = middle.depth;
     picture_.front.at(u, v) = middle.front;
     if (options_.normals && middle.depth > 0) std::copy_n(middle.normal.data(), 3, picture_.normal.pixel(u, v));
-    if (options_.confidence && middle.depth > 0) picture_.confidence.at(u, v) = to_byte(middle.confidence / opacity);
+    if (options_.confidence && middle.depth > 0) picture_.confidence.at(u, v) = to_byte(middle.confidence / color[3]);
   }
   // Of order_, from near to far.
   const Sample& middle_sample() {
@@ -213,7 +208,6 @@ private:
     return a->depth > 0 || (!(b->depth > 0) && a->most > b->most);
   }
 
-  bool in_picture(std::size_t p) const { return u_of(p) < intrinsics_.width && v_of(p) < intrinsics_.height; }
   static std::uint8_t to_byte(float value) {
     return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(value, 0.0F, 1.0F)));
   }
@@ -225,12 +219,12 @@ private:
   const DrawOptions& options_;
   Picture& picture_;
   int left_ = 0, top_ = 0;
-  std::vector<Eigen::Vector3f> rays_; // per pixel, (x, y, 1)
-  Entries entries_;
+  PixelRays rays_;
+  std::vector<TileMarcher> marchers_; // per layer
+  std::vector<TileShader> shaders_;   // per layer
   Surfaces surfaces_;
-  TileMarcher marcher_;
-  std::vector<TileShader> shaders_; // per layer
-  std::vector<Sample> samples_;
+  std::vector<std::uint32_t> pixels_; // that are drawn together
+  TileSamples samples_;
   std::vector<const Sample*> order_; // of a pixel
 };
 

@@ -22,6 +22,14 @@ public:
     return pixel % TriangleBins::kTile % kStep == 0 && pixel / TriangleBins::kTile % kStep == 0;
   }
 
+  static constexpr std::array<std::uint32_t, kAnchors * kAnchors> anchors() {
+    std::array<std::uint32_t, kAnchors * kAnchors> pixels{};
+    for (std::uint32_t i = 0; i < pixels.size(); ++i) {
+      pixels[i] = kStep * (i / kAnchors * TriangleBins::kTile + i % kAnchors);
+    }
+    return pixels;
+  }
+
   void clear() { solid_.fill(false); }
   /// An anchor whose ray ends in one opaque surface.
   void set(std::uint32_t pixel, const Surface& surface) {

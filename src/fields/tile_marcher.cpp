@@ -13,65 +13,65 @@ constexpr float kHullReach = 16; // lattice steps between a hull and its surface
 
 } // namespace
 
-bool TileMarcher::enter(const LayerView& view, const TriangleBins& bins, const Eigen::Vector3f& pixel_ray,
-                        const Entries& entries, float until_depth, Ray& ray, float& begin) {
-  while (ray.next < entries.count(ray.pixel)) {
-    Entry entry = entries.at(ray.pixel, ray.next);
+bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, float& begin) const {
+  while (ray.next < entries_.count(ray.pixel)) {
+    Entry entry = entries_.at(ray.pixel, ray.next);
     if (entry.depth < kTouching) entry = {kTouching, kInside};
-    const LayerView::Place place = view.place_of(entry, bins, pixel_ray);
+    const LayerView::Place place = view_->place_of(entry, *bins_, pixel_ray.way);
     if (ray.next++ > 0 && entry.depth < until_depth) {
       const Eigen::Vector3f before = ray.origin + (entry.depth - ray.entry_depth) / ray.depth_step * ray.direction;
       if ((place.at - before).squaredNorm() < kSamePlace * kSamePlace) continue;
     }
-    const float depth_step = view.step() / pixel_ray.norm();
-    const Eigen::Vector3f direction = place.way * (depth_step / entry.depth);
-    if (!(direction.norm() > kStandstill)) continue; // it would never leave
+    const float depth_step = view_->step() * pixel_ray.inverse_length;
+    const float steps = entry.depth / depth_step; // from the camera
+    const Eigen::Vector3f direction = place.way / steps;
+    if (!(direction.squaredNorm() > kStandstill * kStandstill)) continue; // it would never leave
     ray.depth_step = depth_step;
     ray.direction = direction;
     // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
-    const float rung = std::ceil(entry.depth / ray.depth_step - 0.5F);
+    const float rung = std::ceil(steps - 0.5F);
     ray.entry_depth = rung * ray.depth_step;
-    ray.origin = place.at + (rung - entry.depth / ray.depth_step) * ray.direction;
-    begin = std::max(0.0F, std::ceil((kNearDepth - ray.entry_depth) / ray.depth_step));
+    ray.origin = place.at + (rung - steps) * ray.direction;
+    begin = ray.entry_depth < kNearDepth ? std::ceil((kNearDepth - ray.entry_depth) / ray.depth_step) : 0;
     return true;
   }
   return false;
 }
 
-void TileMarcher::begin(const LayerView& view, const TriangleBins& bins, const std::vector<Eigen::Vector3f>& pixel_rays,
-                        const Entries& entries, std::uint32_t pixel) {
+void TileMarcher::begin(const PixelRay& pixel_ray, std::uint32_t pixel) {
   Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
   float begin = 0;
-  if (!enter(view, bins, pixel_rays[pixel], entries, 0, ray, begin)) return;
+  if (!enter(pixel_ray, 0, ray, begin)) return;
   rays_.push_back(ray);
   begin_.push_back(begin);
 }
 
-void TileMarcher::march(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
-                        const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
+void TileMarcher::march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces) {
   cells_.clear();
-  for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
-    if (SmoothCells::is_anchor(p) && entries.count(p) > 0) begin(view, bins, pixel_rays, entries, p);
+  for (const std::uint32_t p : SmoothCells::anchors()) {
+    if (entries_.count(p) > 0) begin(pixel_rays[p], p);
   }
-  follow(view, layer, bins, pixel_rays, entries, surfaces);
-  const float in_box = view.step() / static_cast<float>(view.layer().field.config.box.side);
-  cells_.judge(in_box);
-  const float reach = kHullReach * view.lattice_step();
-  for (std::uint32_t p = 0; p < pixel_rays.size(); ++p) {
-    if (SmoothCells::is_anchor(p) || entries.count(p) == 0) continue;
+  follow(pixel_rays, surfaces);
+  cells_.judge(view_->step() / static_cast<float>(view_->layer().field.config.box.side));
+}
+
+void TileMarcher::march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, Surfaces& surfaces) {
+  const float reach = kHullReach * view_->lattice_step();
+  for (const std::uint32_t p : pixels) {
+    if (entries_.count(p) == 0 || SmoothCells::is_anchor(p)) continue;
     const auto surface = cells_.at(p);
-    if (surface && surface->depth - entries.at(p, 0).depth < reach) {
+    if (surface && surface->depth - entries_.at(p, 0).depth < reach) {
       surfaces.insert(p, *surface);
     } else {
-      begin(view, bins, pixel_rays, entries, p);
+      begin(pixel_rays[p], p);
     }
   }
-  follow(view, layer, bins, pixel_rays, entries, surfaces);
+  follow(pixel_rays, surfaces);
 }
 
 // All rays that have begun, to their ends.
-void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const TriangleBins& bins,
-                         const std::vector<Eigen::Vector3f>& pixel_rays, const Entries& entries, Surfaces& surfaces) {
+void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
+  const LayerView& view = *view_;
   while (!rays_.empty()) {
     const std::size_t n = rays_.size();
     march_rays_.resize(n);
@@ -87,7 +87,7 @@ void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const Trian
     for (std::size_t i = 0; i < n; ++i) {
       const Ray& ray = rays_[i];
       places_.set(i, ray.origin + runs_[i].mean * ray.direction);
-      points_.set(i, (ray.entry_depth + runs_[i].mean * ray.depth_step) * pixel_rays[ray.pixel]);
+      points_.set(i, (ray.entry_depth + runs_[i].mean * ray.depth_step) * pixel_rays[ray.pixel].way);
     }
     if (view.deforms()) view.refine(n, points_, places_);
     std::size_t kept = 0;
@@ -95,7 +95,7 @@ void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const Trian
       Ray ray = rays_[i];
       const MarchRun& run = runs_[i];
       if (run.opacity > kNegligible) {
-        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer,
+        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer_,
                               view.to_box(places_.at(i)), view.to_box(run.spread * ray.direction)};
         surfaces.insert(ray.pixel, surface);
         if (ray.alone && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
@@ -106,7 +106,7 @@ void TileMarcher::follow(const LayerView& view, std::uint32_t layer, const Trian
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;
       if (run.reason == RunEnd::kLeft &&
-          !enter(view, bins, pixel_rays[ray.pixel], entries, ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
+          !enter(pixel_rays[ray.pixel], ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
         continue;
       }
       rays_[kept] = ray;

@@ -1,6 +1,7 @@
 #include "fields/tile_shader.h"
 
 #include "fields/ray_batch.h"
+#include "fields/shading.h"
 
 namespace kinora::fields {
 namespace {
@@ -11,16 +12,24 @@ constexpr std::size_t kHidden = FieldConfig::kHidden;
 
 void TileShader::shade() {
   if (pixels_.empty()) return;
-  evaluate_hidden(layer_->field, layer_->levels, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
-  color_.input.assign(pixels_.size() * kSurfaceInputs, 0.0F);
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const float* hidden = points_.hidden.data() + i * kHidden;
-    float* input = color_.input.data() + rows_[i] * kSurfaceInputs;
-    const float share = weights_[i] / (opacities_[rows_[i]] + kOpacityEpsilon);
-    for (std::size_t h = 0; h < kHidden; ++h) input[h] += share * hidden[h];
+  evaluate_hidden(layer_->field, layer_->levels,
+                  {points_->at[0].data(), points_->at[1].data(), points_->at[2].data(), count_}, batch_);
+  color_.input.resize(pixels_.size() * kSurfaceInputs);
+  for (std::size_t i = 0; i < count_;) {
+    const std::uint32_t row = points_->row[i];
+    std::array<float, kHidden> sum{};
+    for (; i < count_ && points_->row[i] == row; ++i) {
+      const float* hidden = batch_.hidden.data() + i * kHidden;
+      for (std::size_t h = 0; h < kHidden; ++h) sum[h] += points_->weight[i] * hidden[h];
+    }
+    float* input = color_.input.data() + row * kSurfaceInputs;
+    const float normaliser = 1 / (opacities_[row] + kOpacityEpsilon);
+    for (std::size_t h = 0; h < kHidden; ++h) input[h] = normaliser * sum[h];
     input[kHidden] = 1;
   }
   evaluate_surface_colors(layer_->field, layer_->surface_matrix, pixels_.size(), color_);
+  colors_.resize(4 * pixels_.size());
+  kernels::to_colors(color_.output.data(), pixels_.size(), colors_.data());
 }
 
 } // namespace kinora::fields

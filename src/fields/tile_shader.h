@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "fields/field_batch.h"
 #include "fields/tile_marcher.h"
@@ -18,8 +20,8 @@ public:
   explicit TileShader(const DrawableField::Derived& layer)
       : layer_(&layer), near_(kNear / static_cast<float>(layer.field.config.finest_resolution)) {}
   void clear() {
-    for (std::vector<float>* values : {&x_, &y_, &z_, &weights_, &opacities_}) values->clear();
-    rows_.clear();
+    count_ = 0;
+    opacities_.clear();
     pixels_.clear();
   }
   /// Pixels in ascending order.
@@ -39,31 +41,35 @@ public:
 
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
   float opacity(std::size_t row) const { return opacities_[row]; }
-  std::array<float, 3> color(std::size_t row) const {
-    std::array<float, 3> rgb{};
-    for (std::size_t c = 0; c < 3; ++c)
-      rgb[c] = 1.0F / (1.0F + std::exp(-color_.output[row * FieldConfig::kColorOutputs + c]));
-    return rgb;
+  /// sRGB; the fourth means nothing.
+  Eigen::Map<const Eigen::Array4f> color(std::size_t row) const {
+    return Eigen::Map<const Eigen::Array4f>(colors_.data() + 4 * row);
   }
 
 private:
   void add_point(const Surface& surface, float side, float weight) {
-    x_.push_back(surface.position[0] + side * surface.spread[0]);
-    y_.push_back(surface.position[1] + side * surface.spread[1]);
-    z_.push_back(surface.position[2] + side * surface.spread[2]);
-    weights_.push_back(weight);
-    rows_.push_back(static_cast<std::uint32_t>(pixels_.size() - 1));
+    for (std::size_t a = 0; a < 3; ++a) points_->at[a][count_] = surface.position[a] + side * surface.spread[a];
+    points_->weight[count_] = weight;
+    points_->row[count_++] = static_cast<std::uint32_t>(pixels_.size() - 1);
   }
 
+  static constexpr std::size_t kMostPoints = 2 * Surfaces::kPixels * Surfaces::kMostOfAPixel;
+  struct Points {
+    std::array<std::array<float, kMostPoints>, 3> at; // relative to the field's box
+    std::array<float, kMostPoints> weight;
+    std::array<std::uint32_t, kMostPoints> row;
+  };
+
   const DrawableField::Derived* layer_;
-  static constexpr float kNear = 0.75F;    // cells of the finest level
-  float near_;                             // relative to the field's box
-  std::vector<float> x_, y_, z_, weights_; // per point
-  std::vector<std::uint32_t> rows_;        // per point
-  std::vector<std::uint32_t> pixels_;      // per row
-  std::vector<float> opacities_;           // per row
-  PointBatch points_;
+  static constexpr float kNear = 0.75F;        // cells of the finest level
+  float near_;                                 // relative to the field's box
+  std::unique_ptr<Points> points_{new Points}; // without initial values
+  std::size_t count_ = 0;                      // points
+  std::vector<std::uint32_t> pixels_;          // per row
+  std::vector<float> opacities_;               // per row
+  PointBatch batch_;
   ColorBatch color_;
+  std::vector<float> colors_; // rows × 4
 };
 
 } // namespace kinora::fields

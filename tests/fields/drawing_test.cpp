@@ -204,6 +204,28 @@ TEST(Drawing, EveryInstructionSetDrawsTheSamePicture) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
+TEST(Drawing, ShowsTheSameWhicheverPixelsAreDrawnFirst) {
+  const DrawableField field(painted_field(kBox, PaintedBall{}));
+  Camera camera = camera_at({0.3, 0.2, -0.7}, {0, 0, 0}, 192, 144);
+  const Picture picture = draw(field, camera);
+  camera.intrinsics.cx += 1; // everything one pixel to the right
+  const Picture moved = draw(field, camera);
+  double squared = 0;
+  int largest = 0, count = 0;
+  for (int v = 0; v < 144; ++v) {
+    for (int u = 0; u + 1 < 192; ++u) {
+      for (int c = 0; c < 4; ++c) {
+        const int difference = picture.color.at(u, v, c) - moved.color.at(u + 1, v, c);
+        squared += difference * difference;
+        largest = std::max(largest, std::abs(difference));
+        ++count;
+      }
+    }
+  }
+  EXPECT_GT(drawn_pixels(picture), 4000U);
+  EXPECT_GT(10 * std::log10(255 * 255 / (squared / count)), 50) << "largest difference " << largest;
+}
+
 /// Nodes everywhere in the box; each turned about the vertical by `bend` times its height.
 tracking::Warp twisted(const std::shared_ptr<const tracking::DeformationGraph>& graph, double bend, const SE3& pose) {
   std::vector<DualQuaternion> nodes;

@@ -9,6 +9,7 @@
 #include "fields/brick_hull.h"
 #include "fields/field_batch.h"
 #include "fields/rasterizer.h"
+#include "fields/shading.h"
 #include "random_field.h"
 
 namespace kinora::fields {
@@ -187,6 +188,23 @@ TEST_P(Hull, ColoursOfSurfacesAreThoseOfTheWholeNets) {
     EXPECT_NEAR(colors.output[i], expected.output[i], 1e-4F * (1 + std::abs(expected.output[i])));
   }
   EXPECT_GT(largest, 1e-3F);
+}
+
+TEST_P(Hull, ColoursAreTheSigmoidOfTheNetsOutputs) {
+  constexpr std::size_t kRows = 37;
+  Random random(3);
+  std::vector<float> outputs;
+  for (std::size_t i = 0; i < kRows * FieldConfig::kColorOutputs; ++i) {
+    outputs.push_back(i % 7 == 0 ? 1e4F * (random.uniform() - 0.5F) : 20 * (random.uniform() - 0.5F));
+  }
+  std::vector<float> colors(4 * kRows);
+  kernels::to_colors(outputs.data(), kRows, colors.data());
+  for (std::size_t row = 0; row < kRows; ++row) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float output = outputs[row * FieldConfig::kColorOutputs + c];
+      EXPECT_NEAR(colors[4 * row + c], 1 / (1 + std::exp(-output)), 1e-6F) << output;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(InstructionSets, Hull, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
