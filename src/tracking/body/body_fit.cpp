@@ -93,7 +93,7 @@ BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnerg
     if (height < kLeastHeight) continue;
     for (int i = 0; i < kSides; ++i) {
       BodyState state = place(extent, height, 2 * std::numbers::pi * i / kSides);
-      minimise(coarse, prior, wider(config), 8, true, state);
+      minimise(coarse, prior, wider(config), 8, false, state);
       const double energy = minimise(coarse, prior, config, 8, true, state);
       fits.push_back({state, energy});
     }
