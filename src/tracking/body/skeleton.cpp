@@ -88,14 +88,14 @@ std::array<JointInfo, kJoints> build() {
   b.add(kSpine, "spine", kPelvis, {0, 0.076, -0.014}, kTrunkLength, back);
   b.add(kChest, "chest", kSpine, {0, 0.057, -0.008}, kTrunkLength, back);
   const JointInfo neck = ball({-0.6, -0.7, -0.5}, {0.7, 0.7, 0.5}, {0.1, 0, 0}, {0.22, 0.25, 0.15});
-  b.add(kNeck, "neck", kChest, {0, 0.190, 0.012}, kTrunkLength, neck);
-  b.add(kHead, "head", kNeck, {0, 0.055, 0.012}, kNeckLength, neck);
-  b.add_pair(kLeftClavicle, kRightClavicle, "left_clavicle", "right_clavicle", kChest, kChest, {0.015, 0.153, 0.018},
+  b.add(kNeck, "neck", kChest, {0, 0.187, 0.012}, kTrunkLength, neck);
+  b.add(kHead, "head", kNeck, {0, 0.058, 0.012}, kNeckLength, neck);
+  b.add_pair(kLeftClavicle, kRightClavicle, "left_clavicle", "right_clavicle", kChest, kChest, {0.015, 0.146, 0.018},
              kTrunkLength, hinges({{z, -0.2, 0.6, 0.05, 0.12}, {y, -0.5, 0.3, 0, 0.12}}));
   b.add_pair(kLeftShoulder, kRightShoulder, "left_shoulder", "right_shoulder", kLeftClavicle, kRightClavicle,
              {0.092, -0.024, 0}, kShoulderWidth,
              ball({-1.7, -2.3, -1.75}, {1.7, 0.9, 1.75}, {0, -0.2, -1.2}, {0.6, 0.5, 0.6}));
-  b.add_pair(kLeftElbow, kRightElbow, "left_elbow", "right_elbow", kLeftShoulder, kRightShoulder, {0.172, 0, 0},
+  b.add_pair(kLeftElbow, kRightElbow, "left_elbow", "right_elbow", kLeftShoulder, kRightShoulder, {0.162, 0, 0},
              kUpperArmLength, hinges({{-y, 0, 2.6, 0.5, 0.6}}));
   b.add_pair(kLeftWrist, kRightWrist, "left_wrist", "right_wrist", kLeftElbow, kRightElbow, {0.146, 0, 0},
              kForearmLength, hinges({{z, -1.2, 1.2, 0, 0.3}, {y, -1.2, 1.2, 0, 0.3}}));
