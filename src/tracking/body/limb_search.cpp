@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/parallel.h"
+
 namespace kinora::tracking {
 namespace {
 
@@ -115,37 +117,49 @@ struct Trial {
   BodyState state;
 };
 
-std::vector<Trial> trials(Limb limb, const std::vector<Candidate>& points, const BodyEvidence& evidence,
-                          const BodyState& state, const BodyEnergyConfig& config) {
+// Poses of the limb that reach for points that nothing explains, and all around the ball joint.
+std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points, const BodyState& state,
+                                const BodyEnergyConfig& config) {
   constexpr double kTooFar = 40; // energy of angles that are beyond their limits
   const LimbChain& chain = chain_of(limb);
   const PosedBody body = pose_body(state.pose, state.shape);
   const LimbLengths lengths = lengths_of(chain, body);
   const Vec root = body.bones[chain.ball].translation();
-  const std::vector<Candidate> judges = thinned(points);
+  const double most = angle_energy(state.pose.angles) + kTooFar;
   std::vector<Trial> result;
-  const auto attempt = [&](const Vec& target, double beyond, int swivels) {
+  const auto add = [&](const Vec& target, double beyond, int swivels) {
     for (int i = 0; i < swivels; ++i) {
       Trial trial{0, state};
-      trial.state.pose.angles =
-          reach_for(limb, state.pose.angles, body, target, 2 * std::numbers::pi * (i + 0.5) / swivels, beyond);
-      if (angle_energy(trial.state.pose.angles) - angle_energy(state.pose.angles) > kTooFar) continue;
-      trial.energy = limb_energy(chain, judges, trial.state, *evidence.view, config);
-      result.push_back(trial);
+      const double swivel = 2 * std::numbers::pi * (i + 0.5) / swivels;
+      trial.state.pose.angles = reach_for(limb, state.pose.angles, body, target, swivel, beyond);
+      if (angle_energy(trial.state.pose.angles) < most) result.push_back(trial);
     }
   };
   for (const Vec& target : spread_targets(points, root, config.cutoff * config.cutoff)) {
-    attempt(target, 0, kSwivels);
-    attempt(target, lengths.last, kSwivels);
+    add(target, 0, kSwivels);
+    add(target, lengths.last, kSwivels);
   }
   for (const double reach : {0.5, 0.8}) {
     for (const Vec& direction : directions()) {
-      attempt(root + reach * (lengths.upper + lengths.lower) * direction, 0, kSwivels / 2);
+      add(root + reach * (lengths.upper + lengths.lower) * direction, 0, kSwivels / 2);
     }
   }
-  std::stable_sort(result.begin(), result.end(), [](const Trial& a, const Trial& b) { return a.energy < b.energy; });
-  if (result.size() > kRefined) result.resize(kRefined);
   return result;
+}
+
+// The best few, with their energies.
+std::vector<Trial> best_trials(Limb limb, const std::vector<Candidate>& points, const BodyEvidence& evidence,
+                               const BodyState& state, const BodyEnergyConfig& config) {
+  const std::vector<Candidate> judges = thinned(points);
+  std::vector<Trial> tried = poses_to_try(limb, points, state, config);
+  parallel_for(tried.size(), 16, [&](const Chunk& chunk) {
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      tried[i].energy = limb_energy(chain_of(limb), judges, tried[i].state, *evidence.view, config);
+    }
+  });
+  std::stable_sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) { return a.energy < b.energy; });
+  if (tried.size() > kRefined) tried.resize(kRefined);
+  return tried;
 }
 
 } // namespace
@@ -200,7 +214,7 @@ bool search_limb(Limb limb, const BodyEvidence& evidence, const BodyPrior& prior
     free.pose_precision.segment(6 + joints()[joint].first_angle, joints()[joint].angle_count).setZero();
   }
   const std::vector<Candidate> points = points_for(chain, evidence, BodyInCamera(state), config);
-  const std::vector<Trial> best = trials(limb, points, evidence, state, config);
+  const std::vector<Trial> best = best_trials(limb, points, evidence, state, config);
   const Vec end = place_bones(state.pose, state.shape)[chain.end].translation();
   double least = evaluate(evidence, state, free, config).energy - margin;
   bool changed = false;
