@@ -163,6 +163,7 @@ PartShape shape_of(const BodyPart& part, const Shape& shape) {
   result.length = (result.b - result.a).norm();
   result.axis = (result.b - result.a) / result.length;
   result.slope = std::clamp((result.radius_a - result.radius_b) / result.length, -0.95, 0.95);
+  result.lean = result.slope / std::sqrt(1 - result.slope * result.slope);
   result.centre = stretched(result, 0.5 * (result.a + result.b));
   result.reach = std::max(1.0, result.width) * (0.5 * result.length + std::max(result.radius_a, result.radius_b));
   return result;
@@ -181,19 +182,18 @@ Vec normal_of(const PartShape& part, const PartPoint& point) {
 // against the axis by the cone's slope. Stretching is undone first; the gradient's length then says what a step is
 // worth.
 ClosestSurface closest_surface(const PartShape& part, const Vec& position) {
-  const Vec p(position.x() / part.width, position.y(), position.z());
-  const Vec from_a = p - part.a;
+  const double narrowing = 1 / part.width;
+  const Vec from_a(narrowing * position.x() - part.a.x(), position.y() - part.a.y(), position.z() - part.a.z());
   const double height = from_a.dot(part.axis);
-  const double across = (from_a - height * part.axis).norm();
-  const double lean = across * part.slope / std::sqrt(1 - part.slope * part.slope);
-  const double along = std::clamp((height - lean) / part.length, 0.0, 1.0);
-  const Vec offset = from_a - along * part.length * part.axis;
+  const double across = std::sqrt(std::max(0.0, from_a.squaredNorm() - height * height));
+  const double reached = std::clamp(height - across * part.lean, 0.0, part.length);
+  const Vec offset = from_a - reached * part.axis;
   const double distance = offset.norm();
-  const double radius = part.radius_a + along * (part.radius_b - part.radius_a);
-  const Vec direction = distance > 1e-9 ? Vec(offset / distance) : Vec(part.axis.unitOrthogonal());
-  const Vec gradient(direction.x() / part.width, direction.y(), direction.z());
-  const double steepness = gradient.norm();
-  return {(distance - radius) / steepness, gradient / steepness, {along, direction}};
+  const double radius = part.radius_a - reached * part.slope;
+  const Vec direction = distance > 1e-9 ? Vec(offset * (1 / distance)) : Vec(part.axis.unitOrthogonal());
+  const Vec gradient(narrowing * direction.x(), direction.y(), direction.z());
+  const double flatness = 1 / gradient.norm();
+  return {(distance - radius) * flatness, gradient * flatness, {reached / part.length, direction}};
 }
 
 Eigen::Matrix<double, kPartMeasures, 1> measure_derivative(const PartShape& part, const PartPoint& point,

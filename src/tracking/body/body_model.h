@@ -33,7 +33,7 @@ struct PartShape {
   double width;
   Eigen::Vector3d axis; ///< unit, from a to b
   double length;
-  double slope;           ///< of the radius along the axis: sine of the cone's half angle
+  double slope, lean;     ///< of the radius along the axis: sine and tangent of the cone's half angle
   Eigen::Vector3d centre; ///< of a ball that holds the part
   double reach;           ///< radius of the ball
 };
