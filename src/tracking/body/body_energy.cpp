@@ -1,0 +1,216 @@
+#include "tracking/body/body_energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "core/parallel.h"
+
+namespace kinora::tracking {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+// What moves a point of a part: its bone's twist, then the part's own measures.
+constexpr int kLocal = 6 + kPartMeasures;
+struct PartEquations {
+  Eigen::Matrix<double, kLocal, kLocal> hessian = Eigen::Matrix<double, kLocal, kLocal>::Zero();
+  Eigen::Matrix<double, kLocal, 1> gradient = Eigen::Matrix<double, kLocal, 1>::Zero();
+};
+struct Accumulator {
+  std::array<PartEquations, kBodyParts> parts;
+  double energy = 0;
+};
+
+// A residual whose value grows by direction · movement of the part's point at `position` in the camera.
+struct PartResidual {
+  std::size_t part;
+  double value;
+  Vec position, direction;
+  PartPoint point;
+  double weight;
+};
+
+void add(const BodyInCamera& body, const PartResidual& r, Accumulator& sum) {
+  Eigen::Matrix<double, kLocal, 1> row;
+  row.head<3>() = r.direction;
+  row.segment<3>(3) = r.position.cross(r.direction);
+  row.tail<kPartMeasures>() =
+      measure_derivative(body.body().parts[r.part], r.point, body.bone(r.part).linear().transpose() * r.direction);
+  PartEquations& part = sum.parts[r.part];
+  part.hessian.noalias() += (r.weight * row) * row.transpose();
+  part.gradient += r.weight * r.value * row;
+}
+
+// Slope of the robust loss against that of the square.
+double robust_weight(double squared, const BodyEnergyConfig& config) {
+  const double share = 1 / (1 + squared / (config.cutoff * config.cutoff));
+  return share * share;
+}
+
+// Points beside each other mostly lie on the same part: `likely` is the one before, and becomes this one's.
+void add_point(const BodyInCamera& body, const MeasuredPoint& point, const BodyEnergyConfig& config, int& likely,
+               Accumulator& sum) {
+  constexpr double kAny = 1e9;
+  const BodyInCamera::Match best = body.match(point, config.normal_length, kAny, likely);
+  const double squared = best.squared_distance();
+  sum.energy += point.weight * robust_loss(squared, config);
+  if (best.part < 0) return;
+  likely = best.part;
+  const auto part = static_cast<std::size_t>(best.part);
+  const double weight = point.weight * robust_weight(squared, config) / (config.sigma * config.sigma);
+  const Vec position = body.bone(part) * position_of(body.body().parts[part], best.surface.point);
+  add(body,
+      {part, -best.surface.distance, position, body.bone(part).linear() * best.surface.normal, best.surface.point,
+       weight},
+      sum);
+}
+
+void add_sample(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
+                const BodyEnergyConfig& config, Accumulator& sum) {
+  const SampleResidual r = look_at(body, sample, view, config);
+  if (r.sight != Sight::kEmpty) return;
+  const double squared = r.value * r.value;
+  sum.energy += r.weight * robust_loss(squared, config);
+  const double weight = r.weight * robust_weight(squared, config) / (config.sigma * config.sigma);
+  const Vec position = body.bone(sample.part) * position_of(body.body().parts[sample.part], sample.point);
+  add(body, {sample.part, r.value, position, r.direction, sample.point, weight}, sum);
+}
+
+void add_reluctances(const BodyInCamera& body, Accumulator& sum) {
+  const std::vector<Reluctance> reluctances = find_reluctances(body);
+  sum.energy += energy_of(reluctances);
+  for (const Reluctance& r : reluctances) {
+    const Vec position = body.bone(r.part) * position_of(body.body().parts[r.part], r.point);
+    add(body, {r.part, r.value, position, r.slope, r.point, 1}, sum);
+  }
+}
+
+void merge(const Accumulator& from, Accumulator& to) {
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    to.parts[i].hessian += from.parts[i].hessian;
+    to.parts[i].gradient += from.parts[i].gradient;
+  }
+  to.energy += from.energy;
+}
+
+Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, const BodyEnergyConfig& config) {
+  constexpr std::size_t kChunk = 256;
+  const std::span<const BodySample> samples = body_samples();
+  const std::size_t points = evidence.points.size();
+  std::vector<Accumulator> sums(chunk_count(points + samples.size(), kChunk));
+  parallel_for(points + samples.size(), kChunk, [&](const Chunk& chunk) {
+    int likely = 0;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      if (i < points) {
+        add_point(body, evidence.points[i], config, likely, sums[chunk.index]);
+      } else {
+        add_sample(body, samples[i - points], *evidence.view, config, sums[chunk.index]);
+      }
+    }
+  });
+  Accumulator total;
+  for (const Accumulator& sum : sums) merge(sum, total);
+  add_reluctances(body, total);
+  return total;
+}
+
+// The freedoms that move each part, in order.
+std::array<std::vector<int>, kBodyParts> find_part_freedoms() {
+  std::array<std::vector<int>, kBodyParts> freedoms;
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    std::array<bool, kFreedoms> moves{};
+    std::fill_n(moves.begin(), 6, true);
+    for (int j = body_parts()[i].bone; j > 0; j = joints()[static_cast<std::size_t>(j)].parent) {
+      const JointInfo& joint = joints()[static_cast<std::size_t>(j)];
+      std::fill_n(moves.begin() + 6 + joint.first_angle, joint.angle_count, true);
+      moves.at(kPoseFreedoms + joint.length) = true;
+    }
+    for (const auto measure : measures_of(body_parts()[i])) {
+      if (measure) moves.at(kPoseFreedoms + *measure) = true;
+    }
+    for (int f = 0; f < kFreedoms; ++f) {
+      if (moves[static_cast<std::size_t>(f)]) freedoms[i].push_back(f);
+    }
+  }
+  return freedoms;
+}
+
+// From bones and parts to freedoms.
+void spread(const Accumulator& sum, const BodyState& state, const Bones& bones, BodyEquations& equations) {
+  static const std::array<std::vector<int>, kBodyParts> freedoms = find_part_freedoms();
+  BoneTwists twists;
+  find_bone_twists(state.pose, state.shape, bones, twists);
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    const auto count = static_cast<Eigen::Index>(freedoms[i].size());
+    Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kFreedoms> rows(kLocal, count);
+    const auto measures = measures_of(body_parts()[i]);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const int freedom = freedoms[i][static_cast<std::size_t>(c)];
+      rows.col(c).head<6>() = twists[body_parts()[i].bone].col(freedom);
+      for (int m = 0; m < kPartMeasures; ++m) {
+        const auto measure = measures[static_cast<std::size_t>(m)];
+        rows(6 + m, c) = measure && kPoseFreedoms + *measure == freedom ? 1.0 : 0.0;
+      }
+    }
+    const Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kFreedoms> weighted =
+        sum.parts[i].hessian.lazyProduct(rows);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const int column = freedoms[i][static_cast<std::size_t>(c)];
+      equations.gradient[column] += rows.col(c).dot(sum.parts[i].gradient);
+      for (Eigen::Index r = 0; r <= c; ++r) {
+        const int row = freedoms[i][static_cast<std::size_t>(r)];
+        equations.hessian(row, column) += rows.col(r).dot(weighted.col(c));
+      }
+    }
+  }
+  equations.hessian.triangularView<Eigen::StrictlyLower>() = equations.hessian.transpose();
+}
+
+} // namespace
+
+BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, const BodyPrior& prior,
+                       const BodyEnergyConfig& config) {
+  BodyEquations equations;
+  equations.gradient.setZero();
+  equations.hessian.setZero();
+  const BodyInCamera body(state);
+  const Accumulator sum = add_view(evidence, body, config);
+  equations.energy = sum.energy;
+  spread(sum, state, body.body().bones, equations);
+  add_prior(state, prior, equations);
+  return equations;
+}
+
+double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const BodyEnergyConfig& config, int iterations,
+                bool with_shape, BodyState& state) {
+  // Points change their parts and samples their sight, so that a good step may seem to lose a little.
+  constexpr double kSlack = 0.02;
+  constexpr double kSmallStep = 2e-3; // metres and radians
+  const int freedoms = with_shape ? kFreedoms : kPoseFreedoms;
+  double damping = 1e-3;
+  BodyEquations equations = evaluate(evidence, state, prior, config);
+  for (int i = 0; i < iterations; ++i) {
+    Eigen::MatrixXd hessian = equations.hessian.topLeftCorner(freedoms, freedoms);
+    hessian.diagonal().array() += damping * (hessian.diagonal().array() + 1);
+    const Eigen::VectorXd step = hessian.ldlt().solve(-equations.gradient.head(freedoms));
+    if (!step.allFinite()) break;
+    BodyState next = state;
+    next.pose = moved(state.pose, step.head<kPoseFreedoms>());
+    if (with_shape) next.shape += step.tail<kMeasures>();
+    const BodyEquations tried = evaluate(evidence, next, prior, config);
+    if (!(tried.energy < (1 + kSlack) * equations.energy)) {
+      damping *= 10;
+      if (damping > 1e3) break;
+      continue;
+    }
+    state = next;
+    equations = tried;
+    damping = std::max(1e-4, damping / 5);
+    if (step.cwiseAbs().maxCoeff() < kSmallStep) break;
+  }
+  return equations.energy;
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,114 @@
+#include "tracking/body/body_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/sensor_noise.h"
+
+namespace kinora::tracking {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr double kFacingCosine = 0.2;
+
+// The silhouette is left: how far, and which way on the picture.
+void leave_silhouette(const Vec& p, const std::int16_t* offset, const Intrinsics& camera, SampleResidual& r) {
+  const Vec away(-offset[0] / camera.fx, -offset[1] / camera.fy, 0); // in the plane at distance 1
+  const double size = away.norm();
+  const Vec across(away.x() / size, away.y() / size, -(away.x() * p.x() + away.y() * p.y()) / (size * p.z()));
+  r.sight = Sight::kEmpty;
+  r.value = size * p.z();
+  r.direction = across;
+}
+
+} // namespace
+
+BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config) {
+  BodyEvidence evidence{&view, {}};
+  const double share = static_cast<double>(view.depth_pixels) / static_cast<double>(max_points);
+  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(share))));
+  const double pixel = stride * stride / (view.intrinsics.fx * view.intrinsics.fy);
+  for (int v = stride / 2; v < view.intrinsics.height; v += stride) {
+    for (int u = stride / 2; u < view.intrinsics.width; u += stride) {
+      if (view.planes.weights.at(u, v) <= 0) continue;
+      const float* plane = view.planes.planes.pixel(u, v);
+      const Vec position = view.point(u, v);
+      evidence.points.push_back({position, Vec(plane[0], plane[1], plane[2]),
+                                 pixel * position.z() * position.z() / (config.patch * config.patch)});
+    }
+  }
+  return evidence;
+}
+
+BodyInCamera::BodyInCamera(const BodyState& state) : body_(pose_body(state.pose, state.shape)) {
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    camera_to_bone_[i] = bone(i).inverse();
+    centres_[i] = bone(i) * body_.parts[i].centre;
+  }
+}
+
+void BodyInCamera::match(std::size_t part, const MeasuredPoint& point, double normal_length, Match& best) const {
+  const PartShape& shape = body_.parts[part];
+  const double farthest = shape.reach + best.root;
+  if ((point.position - centres_[part]).squaredNorm() >= farthest * farthest) return;
+  const ClosestSurface surface = closest_surface(shape, camera_to_bone_[part] * point.position);
+  const double squared = surface.distance * surface.distance;
+  if (squared >= best.cost) return;
+  const double cosine = (bone(part).linear() * surface.normal).dot(point.normal);
+  const double cost = squared + normal_length * normal_length * (1 - cosine);
+  if (cosine < 0 || cost >= best.cost) return;
+  best.cost = cost;
+  best.root = std::sqrt(cost);
+  best.surface = surface;
+  best.part = static_cast<int>(part);
+}
+
+BodyInCamera::Match BodyInCamera::match(const MeasuredPoint& point, double normal_length, double most,
+                                        int likely) const {
+  Match best(most);
+  match(static_cast<std::size_t>(likely), point, normal_length, best);
+  for (std::size_t part = 0; part < kBodyParts; ++part) {
+    if (static_cast<int>(part) != likely) match(part, point, normal_length, best);
+  }
+  return best;
+}
+
+SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
+                       const BodyEnergyConfig& config) {
+  SampleResidual r;
+  const PartShape& part = body.body().parts[sample.part];
+  const SE3& bone = body.bone(sample.part);
+  const Vec p = bone * position_of(part, sample.point);
+  const Vec normal = bone.linear() * normal_of(part, sample.point);
+  const double cosine = -normal.dot(p) / p.norm();
+  if (p.z() < 0.1 || cosine < kFacingCosine) return r;
+  const Eigen::Vector2d pixel = view.intrinsics.project(p);
+  const int u = static_cast<int>(std::lround(std::clamp(pixel.x(), -1.0, 1e6)));
+  const int v = static_cast<int>(std::lround(std::clamp(pixel.y(), -1.0, 1e6)));
+  if (!view.mask.contains(u, v)) return r;
+  r.weight = sample.area * (cosine - kFacingCosine) / (config.patch * config.patch);
+  const double measured = view.depth.at(u, v);
+  const double tolerance = std::max(0.01, 1.5 * ingest::depth_sigma(p.z()));
+  if (measured > 0 && measured < p.z() - tolerance) {
+    r.sight = Sight::kHidden;
+    return r;
+  }
+  const std::int16_t* offset = view.to_silhouette.pixel(u, v);
+  if (offset[0] != 0 || offset[1] != 0) {
+    leave_silhouette(p, offset, view.intrinsics, r);
+  } else if (measured > p.z() + tolerance) {
+    r.sight = Sight::kEmpty; // and must go back along the ray
+    r.value = (measured - tolerance - p.z()) / p.z() * p.norm();
+    r.direction = -p / p.norm();
+  } else {
+    r.sight = view.mask.at(u, v) != 0 ? Sight::kSeen : Sight::kHidden;
+  }
+  return r;
+}
+
+double robust_loss(double squared, const BodyEnergyConfig& config) {
+  return squared / (1 + squared / (config.cutoff * config.cutoff)) / (config.sigma * config.sigma);
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,89 @@
+// What one view says of a posed body: which part a measured point lies on, and which of the body's points the camera
+// sees, sees past, or cannot see.
+// Sources: Tagliasacchi et al., "Robust Articulated-ICP for Real-Time Hand Tracking", SGP 2015; Geman and McClure, 1987
+// (robust loss).
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "tracking/body/body_model.h"
+#include "tracking/object_view.h"
+
+namespace kinora::tracking {
+
+struct BodyEnergyConfig {
+  double sigma = 0.02;         ///< metres: cloth, muscle and hair against rounded cones
+  double cutoff = 0.06;        ///< metres: what lies farther away counts little (scale of the Geman–McClure loss)
+  double patch = 0.04;         ///< metres: errors nearer to each other are not independent
+  double normal_length = 0.05; ///< metres that a right angle between both normals is worth
+};
+
+/// A measured point of the person, in the camera.
+struct MeasuredPoint {
+  Eigen::Vector3d position, normal;
+  double weight; ///< area across the ray in patches
+};
+
+/// What a view says. `view` must outlive it.
+struct BodyEvidence {
+  const ObjectView* view;
+  std::vector<MeasuredPoint> points;
+};
+/// At most about `max_points`, evenly over the picture.
+BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config);
+
+/// A body in the camera.
+struct BodyState {
+  BodyPose pose;
+  Shape shape = Shape::Zero();
+};
+
+/// Parts with the way from the camera into their bones: what is asked many times.
+class BodyInCamera {
+public:
+  explicit BodyInCamera(const BodyState& state);
+  const PosedBody& body() const { return body_; }
+  const SE3& bone(std::size_t part) const { return body_.bones[body_parts()[part].bone]; }
+  const SE3& to_bone(std::size_t part) const { return camera_to_bone_[part]; }
+
+  /// How a part explains a point: squared metres that count both distance and normals, and the surface there.
+  struct Match {
+    explicit Match(double most) : cost(most), root(std::sqrt(most)) {}
+    double cost;
+    double root;            ///< of the cost
+    ClosestSurface surface; ///< in the part's bone
+    int part = -1;          ///< −1: nothing is near enough
+    double squared_distance() const { return part < 0 ? cost : surface.distance * surface.distance; }
+  };
+  /// Replaces `best` if the part explains the point at less cost.
+  void match(std::size_t part, const MeasuredPoint& point, double normal_length, Match& best) const;
+  /// The part that explains the point at the least cost, and at less than `most`. `likely` is tried first.
+  Match match(const MeasuredPoint& point, double normal_length, double most, int likely = 0) const;
+
+private:
+  PosedBody body_;
+  std::array<SE3, kBodyParts> camera_to_bone_;
+  std::array<Eigen::Vector3d, kBodyParts> centres_;
+};
+
+/// What the view says about a point of the body's surface.
+enum class Sight {
+  kUnseen, ///< it faces away or lies outside the picture
+  kSeen,   ///< the view shows the person there
+  kHidden, ///< behind something, be it the person
+  kEmpty   ///< the camera sees past it
+};
+struct SampleResidual {
+  Sight sight = Sight::kUnseen;
+  double value = 0;          ///< metres by which it stands in what the camera sees to be empty
+  Eigen::Vector3d direction; ///< unit: value grows by direction · movement
+  double weight = 0;         ///< area across the ray in patches
+};
+SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
+                       const BodyEnergyConfig& config);
+
+/// Geman–McClure: near value² / σ² for small values, below cutoff² / σ² for all.
+double robust_loss(double squared, const BodyEnergyConfig& config);
+
+} // namespace kinora::tracking

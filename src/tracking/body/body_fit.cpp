@@ -1,0 +1,112 @@
+#include "tracking/body/body_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+
+#include "tracking/body/limb_search.h"
+#include "tracking/statistics.h"
+
+namespace kinora::tracking {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr std::size_t kCoarsePoints = 400;
+constexpr std::size_t kFinePoints = 1500;
+constexpr int kSides = 8;
+constexpr std::size_t kKept = 3;        // hypotheses whose limbs are searched for
+constexpr double kDepthToMiddle = 0.08; // metres from the surface that is seen
+
+// Which way the person stands: the long axis of what is seen, if there is one and it is not far from the camera's.
+Vec find_up(const BodyEvidence& evidence) {
+  constexpr double kElongated = 3; // squares of the axes
+  constexpr double kUpright = 0.7; // cosine
+  const Vec usual(0, -1, 0);
+  Vec mean = Vec::Zero();
+  double weight = 0;
+  for (const MeasuredPoint& p : evidence.points) {
+    mean += p.weight * p.position;
+    weight += p.weight;
+  }
+  mean /= weight;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const MeasuredPoint& p : evidence.points) {
+    covariance += p.weight * (p.position - mean) * (p.position - mean).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  Vec axis = solver.eigenvectors().col(2);
+  if (axis.dot(usual) < 0) axis = -axis;
+  const bool clear = solver.eigenvalues()[2] > kElongated * solver.eigenvalues()[1] && axis.dot(usual) > kUpright;
+  return clear ? axis : usual;
+}
+
+struct Extent {
+  Vec up;
+  double top, bottom; ///< along it, metres from the camera
+  Vec middle;         ///< of the trunk
+};
+
+Extent find_extent(const BodyEvidence& evidence) {
+  Extent extent{find_up(evidence), 0, 0, Vec::Zero()};
+  std::vector<double> heights;
+  std::array<std::vector<double>, 3> coordinates;
+  for (const MeasuredPoint& p : evidence.points) {
+    heights.push_back(p.position.dot(extent.up));
+    for (std::size_t i = 0; i < 3; ++i) coordinates[i].push_back(p.position[static_cast<Eigen::Index>(i)]);
+  }
+  extent.top = *std::max_element(heights.begin(), heights.end());
+  extent.bottom = *std::min_element(heights.begin(), heights.end());
+  for (std::size_t i = 0; i < 3; ++i) extent.middle[static_cast<Eigen::Index>(i)] = median(coordinates[i]);
+  return extent;
+}
+
+BodyState place(const Extent& extent, double height, double turn) {
+  constexpr double kPelvisHeight = 0.532; // of the body's height
+  const Vec away = (extent.middle - extent.middle.dot(extent.up) * extent.up).normalized();
+  const Vec side = extent.up.cross(-away);
+  const Vec forward = -std::cos(turn) * away + std::sin(turn) * side;
+  BodyState state{usual_pose(), Shape::Zero()};
+  state.shape[kHeight] = std::log(height / kMeanHeight);
+  state.pose.root.linear() << extent.up.cross(forward), extent.up, forward;
+  const Vec axis = extent.middle - extent.middle.dot(extent.up) * extent.up + kDepthToMiddle * away;
+  state.pose.root.translation() = axis + (extent.top - (1 - kPelvisHeight) * height) * extent.up;
+  return state;
+}
+
+BodyEnergyConfig wider(BodyEnergyConfig config) {
+  config.cutoff *= 3;
+  return config;
+}
+
+} // namespace
+
+BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config) {
+  constexpr double kLeastHeight = 1.0;
+  const BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);
+  const Extent extent = find_extent(gather_evidence(view, kFinePoints, config));
+  const double usual = kMeanHeight * std::exp(prior.state.shape[kHeight]);
+  std::vector<BodyFit> fits;
+  for (const double height : {extent.top - extent.bottom, usual}) {
+    if (height < kLeastHeight) continue;
+    for (int i = 0; i < kSides; ++i) {
+      BodyState state = place(extent, height, 2 * std::numbers::pi * i / kSides);
+      minimise(coarse, prior, wider(config), 8, false, state);
+      const double energy = minimise(coarse, prior, config, 8, true, state);
+      fits.push_back({state, energy});
+    }
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+  fits.resize(kKept);
+  const BodyEvidence fine = gather_evidence(view, kFinePoints, config);
+  for (BodyFit& fit : fits) {
+    for (const Limb limb : kEveryLimb) search_limb(limb, coarse, prior, config, 0, 0, fit.state);
+    fit.energy = minimise(fine, prior, config, 20, true, fit.state);
+  }
+  return *std::min_element(fits.begin(), fits.end(),
+                           [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,18 @@
+// Size and pose of a person from one view, without an idea of either.
+#pragma once
+
+#include "tracking/body/body_energy.h"
+
+namespace kinora::tracking {
+
+struct BodyFit {
+  BodyState state; ///< in the camera
+  double energy;
+};
+
+/// Tries eight sides the person may turn to the camera, two sizes, and limbs in many poses; the one of least energy.
+/// `prior` says what is known of the shape; its pose is not used. The view must not be empty.
+/// Finite for every view; same bits for any number of threads.
+BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config);
+
+} // namespace kinora::tracking

@@ -1,0 +1,117 @@
+#include "tracking/body/body_prior.h"
+
+#include "tracking/body/limbs.h"
+
+namespace kinora::tracking {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr double kLimitSpread = 0.03; // radians beyond a limit
+
+// Spread of people's measures about mean proportions.
+Shape usual_shape_precision() {
+  Shape spread;
+  spread.segment<kHipWidth - kTrunkLength + 1>(kTrunkLength).setConstant(0.035);
+  spread.tail<kMeasures - kPelvisGirth>().setConstant(0.12);
+  spread[kHeight] = 0.12;
+  return spread.cwiseAbs2().cwiseInverse();
+}
+
+// How far an angle is outside its limits.
+double excess(double angle, double lower, double upper) {
+  return angle < lower ? angle - lower : angle > upper ? angle - upper : 0.0;
+}
+
+template <class F> void for_each_angle(const F& visit) {
+  for (const JointInfo& joint : joints()) {
+    for (int i = 0; i < joint.angle_count; ++i) visit(joint.first_angle + i, joint, i);
+  }
+}
+
+void add_angles(const Angles& angles, BodyEquations& equations) {
+  equations.energy += angle_energy(angles);
+  for_each_angle([&](int index, const JointInfo& joint, int i) {
+    const double usual = 1 / (joint.spread[i] * joint.spread[i]);
+    const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]);
+    constexpr double kLimit = 1 / (kLimitSpread * kLimitSpread);
+    equations.gradient[6 + index] += usual * (angles[index] - joint.usual[i]) + kLimit * beyond;
+    equations.hessian(6 + index, 6 + index) += usual + (beyond != 0 ? kLimit : 0.0);
+  });
+}
+
+bool is_solid(Joint bone) {
+  return bone == kPelvis || bone == kSpine || bone == kChest || bone == kLeftHip || bone == kRightHip;
+}
+
+// One of the spheres of an arm's part against the trunk and the thighs. These are seen well, and do not give way.
+void find_collisions(const BodyInCamera& body, std::size_t part, double along, std::vector<Reluctance>& found) {
+  constexpr double kSoftness = 0.01; // metres that flesh and cloth give way
+  constexpr double kDeviation = 0.02;
+  const PartShape& shape = body.body().parts[part];
+  const double radius = shape.radius_a + along * (shape.radius_b - shape.radius_a);
+  const Vec centre = body.bone(part) * (shape.a + along * (shape.b - shape.a));
+  for (std::size_t solid = 0; solid < kBodyParts; ++solid) {
+    if (!is_solid(body_parts()[solid].bone)) continue;
+    const ClosestSurface surface = closest_surface(body.body().parts[solid], body.to_bone(solid) * centre);
+    const double depth = radius - kSoftness - surface.distance;
+    if (depth <= 0) continue;
+    const Vec inward = -(body.bone(solid).linear() * surface.normal);
+    const PartPoint deepest{along, body.bone(part).linear().transpose() * inward};
+    found.push_back({part, deepest, depth / kDeviation, inward / kDeviation});
+  }
+}
+
+} // namespace
+
+double angle_energy(const Angles& angles) {
+  double energy = 0;
+  for_each_angle([&](int index, const JointInfo& joint, int i) {
+    const double unusual = (angles[index] - joint.usual[i]) / joint.spread[i];
+    const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]) / kLimitSpread;
+    energy += unusual * unusual + beyond * beyond;
+  });
+  return energy;
+}
+
+void add_prior(const BodyState& state, const BodyPrior& prior, BodyEquations& equations) {
+  add_angles(state.pose.angles, equations);
+  const PoseStep step = step_between(prior.state.pose, state.pose);
+  const PoseStep slope = prior.pose_precision.cwiseProduct(step);
+  equations.energy += slope.dot(step);
+  equations.gradient.head<kPoseFreedoms>() += slope;
+  equations.hessian.topLeftCorner<kPoseFreedoms, kPoseFreedoms>().diagonal() += prior.pose_precision;
+  const Shape difference = state.shape - prior.state.shape;
+  const Shape known_slope = prior.shape_precision * difference;
+  const Shape usual_slope = usual_shape_precision().cwiseProduct(state.shape);
+  equations.energy += known_slope.dot(difference) + usual_slope.dot(state.shape);
+  equations.gradient.tail<kMeasures>() += known_slope + usual_slope;
+  equations.hessian.bottomRightCorner<kMeasures, kMeasures>() += prior.shape_precision;
+  equations.hessian.bottomRightCorner<kMeasures, kMeasures>().diagonal() += usual_shape_precision();
+}
+
+std::vector<Reluctance> find_reluctances(const BodyInCamera& body) {
+  constexpr double kBehindBack = 0.15; // metres, one deviation
+  const SE3& chest = body.body().bones[kChest];
+  const Vec forward = chest.linear().col(2);
+  std::vector<Reluctance> found;
+  for (const Limb limb : {kLeftArm, kRightArm}) {
+    const std::vector<std::size_t>& parts = chain_of(limb).parts;
+    for (const std::size_t part : parts) {
+      for (const double along : {0.6, 1.0}) find_collisions(body, part, along, found);
+    }
+    const SE3& hand = body.bone(parts.back());
+    const double behind = (chest.translation() - hand.translation()).dot(forward);
+    const PartPoint wrist{0, hand.linear().transpose() * forward};
+    if (behind > 0) found.push_back({parts.back(), wrist, behind / kBehindBack, -forward / kBehindBack});
+  }
+  return found;
+}
+
+double energy_of(const std::vector<Reluctance>& reluctances) {
+  double energy = 0;
+  for (const Reluctance& r : reluctances) energy += r.value * r.value;
+  return energy;
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,165 @@
+#include "tracking/body/body_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "tracking/body/body_fit.h"
+
+namespace kinora::tracking {
+namespace {
+
+// Deviations of a pose from what is predicted a thirtieth of a second ahead.
+constexpr double kUsualInterval = 1.0 / 30;
+constexpr double kRootShift = 0.02; // metres
+constexpr double kRootTurn = 0.06;  // radians
+constexpr double kTrunkTurn = 0.04;
+constexpr double kArmTurn = 0.15;
+constexpr double kLegTurn = 0.08;
+constexpr double kVelocityKept = 0.8; // of a frame's velocity in the next
+constexpr double kMargin = 3;         // energy that another pose of a limb must save
+constexpr double kJumpCost = 20;      // and per metre that it is away
+
+bool is_below(int joint, Joint ancestor) {
+  while (joint >= 0 && joint != ancestor) joint = joints()[static_cast<std::size_t>(joint)].parent;
+  return joint == ancestor;
+}
+
+double usual_turn(int joint) {
+  if (is_below(joint, kLeftShoulder) || is_below(joint, kRightShoulder)) return kArmTurn;
+  if (is_below(joint, kLeftHip) || is_below(joint, kRightHip)) return kLegTurn;
+  return kTrunkTurn;
+}
+
+BodyState transformed(const SE3& transform, const BodyState& state) {
+  BodyState result = state;
+  result.pose.root = transform * state.pose.root;
+  return result;
+}
+
+} // namespace
+
+BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_to_world, double time) {
+  const double seconds = std::max(time - time_, 1e-3);
+  time_ = time;
+  BodyTrackingResult result;
+  if (started_ ? view.depth_pixels < config_.min_pixels : view.depth_pixels < config_.first_pixels) {
+    velocity_.setZero();
+    result.health = started_ ? Health::kHeld : Health::kLost;
+    result.limbs.fill(LimbHealth::kHidden);
+  } else {
+    if (!started_ || lost_frames_ >= config_.lost_frames) begin(view, camera_to_world);
+    follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, result);
+    lost_frames_ = result.health == Health::kLost ? lost_frames_ + 1 : 0;
+  }
+  frames_.push_back(started_ ? std::optional(BodyFrame{state_.pose, result.limbs}) : std::nullopt);
+  return result;
+}
+
+void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
+  state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy).state);
+  velocity_.setZero();
+  started_ = true;
+  lost_frames_ = 0;
+  fresh_ = true;
+}
+
+BodyState BodyTracker::predicted(double seconds) const {
+  BodyState state = state_;
+  state.pose = moved(state_.pose, kVelocityKept * std::min(seconds, 3 * kUsualInterval) * velocity_);
+  return state;
+}
+
+PoseStep BodyTracker::pose_precision(double seconds) const {
+  PoseStep deviation;
+  deviation.head<3>().setConstant(kRootShift);
+  deviation.segment<3>(3).setConstant(kRootTurn);
+  for (int j = 0; j < kJoints; ++j) {
+    const JointInfo& joint = joints()[static_cast<std::size_t>(j)];
+    deviation.segment(6 + joint.first_angle, joint.angle_count).setConstant(usual_turn(j));
+  }
+  return (seconds / kUsualInterval * deviation).cwiseAbs2().cwiseInverse();
+}
+
+void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds,
+                         BodyTrackingResult& result) {
+  const SE3 world_to_camera = camera_to_world.inverse();
+  BodyPrior prior = known_;
+  const bool learning = shape_frames_ < config_.shape_frames;
+  BodyState state = transformed(world_to_camera, predicted(seconds));
+  prior.state.pose = state.pose;
+  prior.pose_precision = pose_precision(seconds);
+  minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
+  search_limbs(evidence, prior, state, result);
+  result.explained = explained_share(evidence, state);
+  result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
+  if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
+  move_to(transformed(camera_to_world, state), seconds);
+}
+
+// What a fit has left to do, and what a search has found, is no motion.
+void BodyTracker::move_to(const BodyState& state, double seconds) {
+  velocity_ = step_between(state_.pose, state.pose) / seconds;
+  state_ = state;
+  if (fresh_) velocity_.setZero();
+  fresh_ = false;
+  for (const Limb limb : kEveryLimb) {
+    if (!jumped_[limb]) continue;
+    const LimbChain& chain = chain_of(limb);
+    for (const Joint joint : {chain.ball, chain.hinge, chain.end}) {
+      velocity_.segment(6 + joints()[joint].first_angle, joints()[joint].angle_count).setZero();
+    }
+  }
+}
+
+// What the frame says of the measures alone, whatever the pose may be, is kept (Schur complement); frames are not
+// independent of each other.
+void BodyTracker::learn_shape(const BodyEvidence& evidence, const BodyState& in_camera) {
+  constexpr double kIndependent = 0.2;
+  BodyPrior open;
+  open.state = in_camera;
+  const BodyEquations equations = evaluate(evidence, in_camera, open, config_.energy);
+  const auto& h = equations.hessian;
+  const Eigen::MatrixXd pose =
+      h.topLeftCorner<kPoseFreedoms, kPoseFreedoms>() + 1e-6 * Eigen::MatrixXd::Identity(kPoseFreedoms, kPoseFreedoms);
+  const Eigen::MatrixXd coupling = h.topRightCorner<kPoseFreedoms, kMeasures>();
+  known_.shape_precision +=
+      kIndependent * (h.bottomRightCorner<kMeasures, kMeasures>() - coupling.transpose() * pose.ldlt().solve(coupling));
+  known_.state.shape = in_camera.shape;
+  ++shape_frames_;
+}
+
+void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state,
+                               BodyTrackingResult& result) {
+  constexpr double kUnexplained = 3; // patches
+  constexpr double kEmpty = 0.25;    // of the rest
+  constexpr int kPause = 3;          // frames after a search in vain
+  jumped_.fill(false);
+  for (const Limb limb : kEveryLimb) {
+    LimbSight sight = look_at_limb(limb, evidence, state, config_.energy);
+    const bool doubtful = sight.unexplained > kUnexplained || sight.empty > kEmpty * (sight.seen + sight.hidden);
+    if (search_pause_[limb] > 0) {
+      --search_pause_[limb];
+    } else if (doubtful) {
+      jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, kMargin, kJumpCost, state);
+      if (jumped_[limb]) sight = look_at_limb(limb, evidence, state, config_.energy);
+      if (!jumped_[limb]) search_pause_[limb] = kPause;
+    }
+    result.limbs[limb] = health_of(sight);
+  }
+}
+
+double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const {
+  const BodyInCamera body(in_camera);
+  const double least = config_.energy.cutoff * config_.energy.cutoff;
+  double total = 0;
+  double explained = 0;
+  for (const MeasuredPoint& point : evidence.points) {
+    total += point.weight;
+    if (body.match(point, config_.energy.normal_length, least).part >= 0) explained += point.weight;
+  }
+  return total > 0 ? explained / total : 0.0;
+}
+
+} // namespace kinora::tracking

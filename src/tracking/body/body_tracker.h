@@ -1,0 +1,70 @@
+// Follows a person's skeleton through a capture, by depth and mask.
+// Sources: Tagliasacchi et al., "Robust Articulated-ICP for Real-Time Hand Tracking", SGP 2015; Yu et al.,
+// "BodyFusion", ICCV 2017, and "DoubleFusion", CVPR 2018 (what a skeleton is good for beside a deformation graph).
+#pragma once
+
+#include <vector>
+
+#include "tracking/body/body_energy.h"
+#include "tracking/body/body_motion.h"
+#include "tracking/motion.h"
+
+namespace kinora::tracking {
+
+struct BodyTrackerConfig {
+  BodyEnergyConfig energy;
+  std::size_t max_points = 1200;
+  int iterations = 8;             ///< of each frame
+  std::size_t first_pixels = 400; ///< with clean depth that the first frame must have
+  std::size_t min_pixels = 60;    ///< fewer: the pose is held
+  int shape_frames = 20;          ///< that the measures are learned from
+  double min_explained = 0.5;     ///< share of the measured surface that the body lies on; below, it is lost
+  int lost_frames = 3;            ///< in a row, after which size and pose are fitted anew
+};
+
+/// One frame's answer.
+struct BodyTrackingResult {
+  Health health = Health::kLost;
+  std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
+  double explained = 0;                   ///< share of the measured surface
+};
+
+/// Not thread-safe. Same views, same bits, for any number of threads.
+class BodyTracker {
+public:
+  explicit BodyTracker(const BodyTrackerConfig& config = {}) : config_(config) {}
+
+  /// Views of the person's layer in order of time (seconds).
+  BodyTrackingResult track(const ObjectView& view, const SE3& camera_to_world, double time);
+
+  bool started() const { return started_; }
+  /// The body in the last frame; the pose's root is in the world.
+  const BodyState& state() const { return state_; }
+  /// Over all frames so far, with the measures as they are known now. Throws Error(kFailure) before the first.
+  BodyMotion motion() const { return {state_.shape, frames_}; }
+
+private:
+  void begin(const ObjectView& view, const SE3& camera_to_world);
+  BodyState predicted(double seconds) const;
+  PoseStep pose_precision(double seconds) const;
+  void follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds, BodyTrackingResult& result);
+  void move_to(const BodyState& state, double seconds);
+  void learn_shape(const BodyEvidence& evidence, const BodyState& in_camera);
+  void search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state, BodyTrackingResult& result);
+  double explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
+
+  BodyTrackerConfig config_;
+  bool started_ = false;
+  double time_ = 0;
+  BodyState state_;
+  PoseStep velocity_ = PoseStep::Zero(); ///< per second
+  bool fresh_ = true;                    ///< fitted anew in this frame
+  int lost_frames_ = 0;                  ///< in a row
+  BodyPrior known_;                      ///< of the measures
+  int shape_frames_ = 0;
+  std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
+  std::array<int, kLimbs> search_pause_{}; ///< frames until it is worth another search
+  std::vector<std::optional<BodyFrame>> frames_;
+};
+
+} // namespace kinora::tracking
