@@ -18,7 +18,7 @@ namespace kinora::fields {
 
 struct SamplingConfig {
   int surface_samples =
-      5;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
+      4;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
   int free_samples = 4; ///< between the camera and the band; those in empty space are left out
   int unmeasured_samples =
       8; ///< where the ray first meets occupied space, for a pixel of the layer whose depth is not known

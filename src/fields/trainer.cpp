@@ -19,6 +19,9 @@ namespace {
 /// Of a field of signed distances: density falls by half within 0.15 density_length(). It becomes sharper in training.
 constexpr float kFirstSharpness = 1.5F;
 
+/// Of the training: from then on the field knows surfaces better than one measurement does (refinement.h).
+constexpr double kFused = 0.25;
+
 // Hash entries uniform in ±1e-4 (Müller et al. 2022), nets by Glorot & Bengio 2010.
 void initialise(Field& field, std::uint64_t seed) {
   Random random(seed, 0xF1E1D);
@@ -210,7 +213,8 @@ private:
     return {chunks, [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
               sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, batch);
-            }};
+            },
+            share_done() >= kFused};
   }
 
   const RaySampler* sampler_;
