@@ -1,7 +1,6 @@
 #include "fields/refinement.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "fields/kernels.h"
 
@@ -9,6 +8,7 @@ namespace kinora::fields {
 namespace {
 
 constexpr float kOpaque = 0.5F; // from that much on a band holds a surface
+constexpr float kEmpty = 0.05F; // up to that much it is empty, although its rays ask for a surface: others see through
 // Shares of the way from the measured depth to the field's. The field errs where colours pull at it, so that what is
 // measured remains what teaches depth.
 constexpr float kSamplesMove = 0.75F;
@@ -55,9 +55,8 @@ std::array<RaySample, kRefinedSamples> narrowed(std::span<const RaySample> band,
   return samples;
 }
 
-} // namespace
-
-void refine_rays(const Field& field, std::span<const GridLevel> levels, RayBatch& rays, RefinementScratch& scratch) {
+// Evaluates the samples in the bands of all measured rays.
+void probe(const Field& field, std::span<const GridLevel> levels, const RayBatch& rays, RefinementScratch& scratch) {
   for (std::vector<float>* values : {&scratch.x, &scratch.y, &scratch.z, &scratch.length}) values->clear();
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     for (std::size_t i = band_begin(rays, r); i < rays.first_sample[r + 1]; ++i) {
@@ -70,37 +69,62 @@ void refine_rays(const Field& field, std::span<const GridLevel> levels, RayBatch
   }
   const std::size_t n = scratch.x.size();
   scratch.density.resize(n);
-  scratch.transmittance.resize(n);
+  scratch.passing.resize(n);
   evaluate_points(field, levels, {scratch.x.data(), scratch.y.data(), scratch.z.data(), n}, scratch.points);
   kernels::densities(scratch.points.geometry.data(), scratch.length.data(), n, scratch.density.data(),
-                     scratch.transmittance.data());
-  std::size_t to = 0;
-  const float* through = scratch.transmittance.data();
-  for (std::size_t r = 0; r < rays.ray_count(); ++r) {
-    RayTarget& target = rays.targets[r];
-    const std::size_t begin = band_begin(rays, r);
-    const std::size_t end = rays.first_sample[r + 1];
-    const std::size_t count = end - begin;
-    float transmittance = 1;
-    float offset = 0; // Σ weight · (depth − measured)
-    for (std::size_t i = begin; i < end; ++i) {
-      const float behind = transmittance * *through++;
-      offset += (transmittance - behind) * (rays.samples[i].depth - target.depth);
-      transmittance = behind;
-    }
-    const std::size_t first = std::exchange(rays.first_sample[r], static_cast<std::uint32_t>(to));
-    const bool refined = count >= kRefinedSamples && 1 - transmittance > kOpaque;
-    const auto at = [&](std::size_t i) { return rays.samples.begin() + static_cast<std::ptrdiff_t>(i); };
-    to = static_cast<std::size_t>(std::copy(at(first), at(refined ? begin : end), at(to)) - rays.samples.begin());
-    if (!refined) continue;
-    const float move = offset / (1 - transmittance);
-    const auto samples = narrowed({&rays.samples[begin], count}, target, move);
-    std::copy(samples.begin(), samples.end(), at(to));
-    to += samples.size();
-    target.depth += kTargetMoves * move;
+                     scratch.passing.data());
+}
+
+/// What the field holds in a ray's band.
+struct Met {
+  float opacity = 0;
+  float offset = 0; ///< metres from the measured depth to the mean depth at which the ray is met
+};
+
+Met meet(std::span<const RaySample> band, const float* passing, float measured) {
+  float transmittance = 1;
+  float sum = 0;
+  for (const RaySample& sample : band) {
+    const float behind = transmittance * *passing++;
+    sum += (transmittance - behind) * (sample.depth - measured);
+    transmittance = behind;
   }
-  rays.first_sample.back() = static_cast<std::uint32_t>(to);
-  rays.samples.resize(to);
+  return {1 - transmittance, transmittance < 1 ? sum / (1 - transmittance) : 0};
+}
+
+} // namespace
+
+void refine_rays(const Field& field, std::span<const GridLevel> levels, RayBatch& rays, RefinementScratch& scratch) {
+  probe(field, levels, rays, scratch);
+  const float* passing = scratch.passing.data();
+  // Rays become fewer, and their samples: each is written where it or one before it was.
+  std::size_t ray = 0;
+  auto to = rays.samples.begin();
+  for (std::size_t r = 0; r < rays.ray_count(); ++r) {
+    const auto at = [&](std::size_t i) { return rays.samples.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto first = at(rays.first_sample[r]);
+    const auto band = at(band_begin(rays, r));
+    const auto end = at(rays.first_sample[r + 1]);
+    RayTarget target = rays.targets[r];
+    const Met met = meet({band, end}, passing, target.depth);
+    passing += end - band;
+    const bool measured = band != end;
+    if (measured && met.opacity < kEmpty) continue;
+    rays.first_sample[ray] = static_cast<std::uint32_t>(to - rays.samples.begin());
+    if (static_cast<std::size_t>(end - band) < kRefinedSamples || met.opacity < kOpaque) {
+      to = std::copy(first, end, to);
+    } else {
+      const auto samples = narrowed({band, end}, target, met.offset);
+      to = std::copy(first, band, to);
+      to = std::copy(samples.begin(), samples.end(), to);
+      target.depth += kTargetMoves * met.offset;
+    }
+    rays.targets[ray++] = target;
+  }
+  rays.targets.resize(ray);
+  rays.first_sample.resize(ray + 1);
+  rays.first_sample.back() = static_cast<std::uint32_t>(to - rays.samples.begin());
+  rays.samples.erase(to, rays.samples.end());
 }
 
 } // namespace kinora::fields

@@ -281,7 +281,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
                   const TrainerConfig& trainer, Progress& progress, TrainingReport* report) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
-  RaySampler sampler(pixels, label, motion, config, trainer.sampling);
+  RaySampler sampler(pixels, label, motion, config, trainer.sampling, trainer.loss.noise);
   Field untrained(config);
   untrained.occupancy = sampler.occupancy();
   if (sampler.own_ray_count() == 0) {
