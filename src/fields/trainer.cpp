@@ -210,7 +210,8 @@ private:
   }
   StepRays next_rays() const {
     const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
-    return {chunks, [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
+    return {chunks,
+            [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
               sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, batch);
             },

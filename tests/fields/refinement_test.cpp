@@ -12,9 +12,8 @@ constexpr float kBand = 0.06F;
 constexpr std::size_t kProbes = 4;
 
 struct Refined {
-  Field field = testing::painted_field({{0, 0, 0}, 1}, [](const Eigen::Vector3d& p) {
-    return testing::Paint{kWall - p.z()};
-  });
+  Field field =
+      testing::painted_field({{0, 0, 0}, 1}, [](const Eigen::Vector3d& p) { return testing::Paint{kWall - p.z()}; });
   RayBatch rays;
 
   /// A ray along z that measured this depth, with samples in the middle of each part of its band.
