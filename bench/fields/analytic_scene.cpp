@@ -52,7 +52,7 @@ std::optional<Hit> first_hit(const Vector3d& origin, const Vector3d& direction) 
   return nearest;
 }
 
-ingest::Frame view(double azimuth, double elevation, int index, double noise) {
+ingest::Frame view(double azimuth, double elevation, int index, const AnalyticScene& wrong) {
   constexpr double kDistance = 1.5;
   constexpr int kSide = AnalyticScene::kSide;
   ingest::Frame frame;
@@ -78,9 +78,12 @@ ingest::Frame view(double azimuth, double elevation, int index, double noise) {
       const auto hit = first_hit(frame.camera.camera_to_world.translation(), direction);
       if (!hit) continue;
       frame.labels.at(u, v) = 1;
-      frame.depth.at(u, v) = static_cast<float>(hit->depth + noise * random.normal());
+      frame.depth.at(u, v) = static_cast<float>(hit->depth + wrong.bias + wrong.noise * random.normal());
       for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = static_cast<std::uint8_t>(std::lround(255 * hit->color[c]));
     }
+  }
+  for (int v = 0; v < kSide; ++v) {
+    for (int u = 0; u + wrong.shift < kSide; ++u) frame.depth.at(u, v) = frame.depth.at(u + wrong.shift, v);
   }
   frame.clean_depth = frame.depth;
   return frame;
@@ -93,11 +96,11 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 ingest::Frame AnalyticScene::trained_view(int index) const {
   const double along = (index + 0.5) / kTrainedViews;
-  return view(kTurn * 4 * along, (10 + 55 * along) * kDegree, index, noise);
+  return view(kTurn * 4 * along, (10 + 55 * along) * kDegree, index, *this);
 }
 
 ingest::Frame AnalyticScene::held_out_view(int index) const {
-  return view(kTurn * (index + 0.37) / kHeldOutViews, (20 + 15 * index) * kDegree, kTrainedViews + index, 0);
+  return view(kTurn * (index + 0.37) / kHeldOutViews, (20 + 15 * index) * kDegree, kTrainedViews + index, {});
 }
 
 } // namespace kinora::bench

@@ -8,7 +8,10 @@
 namespace kinora::bench {
 
 struct AnalyticScene {
-  double noise = 0; ///< standard deviation of depth, metres; the scene is 1 m wide
+  // What is wrong with the trained views' depth; the scene is 1 m wide.
+  double noise = 0; ///< standard deviation, metres
+  double bias = 0;  ///< metres too far
+  int shift = 0;    ///< pixels that depth lies to the left of colour
 
   static constexpr int kSide = 256;        ///< pixels
   static constexpr int kTrainedViews = 30; ///< on a spiral from 10° to 65° above the slab

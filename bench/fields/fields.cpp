@@ -1,10 +1,12 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
 // speed. Prints one line of CSV per training; lines with # are for people:
-//   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [rays_per_step=4096] [surface_samples=5] [free_samples=4]
-//                [levels=0] [log2_table_size=0] [largest_log2_table_size=17] [geometry=density] [target=avx2]
+//   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [bias=0] [shift=0] [rays_per_step=4096]
+//                [surface_samples=4] [free_samples=4] [levels=0] [log2_table_size=0] [largest_log2_table_size=17]
+//                [geometry=density] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
-// (bench/instruction_set.h) instead of the best that there are. noise: standard deviation of depth, of the scene's
-// size. 0 levels or table size: as the encoder chooses. geometry: density (0) or sdf (1), a signed distance.
+// (bench/instruction_set.h) instead of the best that there are. noise, bias: standard deviation and offset of
+// depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels or table size: as the encoder
+// chooses. geometry: density (0) or sdf (1), a signed distance.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -40,7 +42,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 void train_and_judge(const Setting& setting) {
   const auto whole = [&](const char* name) { return static_cast<int>(setting.at(name)); };
   set_thread_count(whole("threads"));
-  const bench::AnalyticScene scene{setting.at("noise")};
+  const bench::AnalyticScene scene{setting.at("noise"), setting.at("bias"), whole("shift")};
   fields::PixelStore store(4'000'000, bench::AnalyticScene::kTrainedViews);
   for (int i = 0; i < bench::AnalyticScene::kTrainedViews; ++i) store.add(scene.trained_view(i), i);
   const auto motion = tracking::Motion::still();
@@ -80,6 +82,7 @@ void train_and_judge(const Setting& setting) {
   const auto middle = depth_errors.begin() + static_cast<std::ptrdiff_t>(depth_errors.size() / 2);
   std::nth_element(depth_errors.begin(), middle, depth_errors.end());
   for (const auto& [name, value] : setting) std::printf("%g,", value);
+  std::printf("%d,%d,", fields::FieldConfig::kHidden, fields::FieldConfig::kColorHidden);
   const auto rays = static_cast<double>(report.rays);
   std::printf("%.2f,%.2f,%.3f,%.2f,%.2f,%.2f,%.1f\n", report.seconds, cpu_seconds,
               rays / report.seconds / whole("threads") / 1e6, static_cast<double>(report.samples) / rays,
@@ -119,11 +122,9 @@ bool set_knob(const std::string& argument, Knobs& knobs) {
 } // namespace
 
 int main(int argc, char** argv) {
-  Knobs knobs{{"threads", {1}},         {"million_rays", {2}},
-              {"noise", {0, 0.005}},    {"rays_per_step", {4096}},
-              {"surface_samples", {5}}, {"free_samples", {4}},
-              {"levels", {0}},          {"geometry", {0}},
-              {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
+  Knobs knobs{{"threads", {1}}, {"million_rays", {2}}, {"noise", {0, 0.005}},    {"rays_per_step", {4096}},
+              {"bias", {0}},    {"shift", {0}},        {"surface_samples", {4}}, {"free_samples", {4}},
+              {"levels", {0}},  {"geometry", {0}},     {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
   try {
     for (int i = 1; i < argc; ++i) {
       if (set_knob(argv[i], knobs)) continue;
@@ -140,8 +141,8 @@ int main(int argc, char** argv) {
     std::printf("# one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s\n", machine.fma_gflops,
                 machine.lines_per_us, fields::kernels::instruction_set());
     for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
-    std::printf(
-        "seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,depth_mm,drawing_ms\n");
+    std::printf("hidden,color_hidden,seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,"
+                "depth_mm,drawing_ms\n");
     Setting setting;
     run_all(knobs, knobs.begin(), setting);
   } catch (const std::exception& error) {

@@ -37,12 +37,21 @@ enum class Geometry : std::uint8_t {
 /// "density" or "signed_distance".
 const char* name_of(Geometry geometry);
 
+// Widths of the nets, multiples of 16: other ones are compiled in to measure them (bench/fields/curves). Clips say
+// which they were made with, and are read with these alone.
+#ifndef KINORA_HIDDEN
+#define KINORA_HIDDEN 16
+#endif
+#ifndef KINORA_COLOR_HIDDEN
+#define KINORA_COLOR_HIDDEN 32
+#endif
+
 struct FieldConfig {
-  static constexpr int kFeatures = 8;      ///< per level
-  static constexpr int kHidden = 16;       ///< width of the density MLP's hidden layer
-  static constexpr int kGeometry = 16;     ///< outputs of the density MLP: raw density, then 15 features
-  static constexpr int kColorHidden = 32;  ///< width of the colour MLP's two hidden layers
-  static constexpr int kColorOutputs = 16; ///< outputs of the colour MLP: red, green, blue, and padding
+  static constexpr int kFeatures = 8;           ///< per level
+  static constexpr int kHidden = KINORA_HIDDEN; ///< width of the density MLP's hidden layer
+  static constexpr int kGeometry = 16;          ///< outputs of the density MLP: raw density, then 15 features
+  static constexpr int kColorHidden = KINORA_COLOR_HIDDEN; ///< width of the colour MLP's two hidden layers
+  static constexpr int kColorOutputs = 16;                 ///< outputs of the colour MLP: red, green, blue, and padding
 
   FieldBox box;
   int levels = 4;           ///< even

@@ -10,6 +10,7 @@
 #include "fields/field_batch.h"
 #include "fields/flush_to_zero.h"
 #include "fields/growth.h"
+#include "fields/refinement.h"
 #include "fields/signed_distance.h"
 
 namespace kinora::fields {
@@ -65,6 +66,7 @@ struct ChunkWork {
 
 /// What is done with when the chunk is: one for each thread, so that it stays in its cache.
 struct Scratch {
+  RefinementScratch refinement;
   PointBatch points;
   ColorBatch color;
   Composition composition;
@@ -113,6 +115,7 @@ struct FieldOptimizer::Implementation {
   Moments table, density_net, color_net;
   std::vector<ChunkWork> work;
   std::size_t drawn = 0; // chunks whose rays wait for the next step
+  bool refined = false;  // whether these are to be refined
   long steps = 0;
   float sharpness_gradient = 0;
   std::array<float, 2> sharpness_moments{};
@@ -132,6 +135,7 @@ struct FieldOptimizer::Implementation {
 
   void prepare(const StepRays& rays) {
     drawn = rays.chunks;
+    refined = rays.refined;
     if (work.size() < drawn) work.resize(drawn);
   }
 };
@@ -204,6 +208,7 @@ void FieldOptimizer::Implementation::points_backward(ChunkWork& chunk, Scratch& 
 void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const TransposedNets& transposed,
                                                       float scale) const {
   static thread_local Scratch scratch;
+  if (refined) refine_rays(field, levels, chunk.rays, scratch.refinement);
   chunk.gather_samples();
   chunk.density_net_gradient.assign(field.density_net.size(), 0.0F);
   chunk.color_net_gradient.assign(field.color_net.size(), 0.0F);

@@ -24,10 +24,12 @@ struct StepResult {
 };
 
 /// The rays of a step: `fill(chunk, batch)` provides those of each of `chunks` chunks; called once for each, on any
-/// thread. Chunks that were never filled have no rays.
+/// thread. Chunks that were never filled have no rays. `refined`: measured rays are refined by the field
+/// (refinement.h).
 struct StepRays {
   std::size_t chunks = 0;
   std::function<void(std::size_t, RayBatch&)> fill;
+  bool refined = false;
 };
 
 /// Owns gradients and moments; the field is the caller's and must outlive it. Not thread-safe; uses threads inside.

@@ -11,11 +11,46 @@
 namespace kinora::fields {
 namespace {
 
+constexpr int kReach = 6; // pixels from which a depth is guessed
+
+/// Which pixels have any clean depth within reach: most that have none themselves lie in wide holes.
+class Surroundings {
+public:
+  explicit Surroundings(const DepthImage& clean)
+      : width_(clean.width()), rows_(clean.pixel_count()), any_(clean.pixel_count()) {
+    const int height = clean.height();
+    for (int v = 0; v < height; ++v) {
+      mark(
+          width_, [&](int u) { return clean.at(u, v) > 0; }, [&](int u) -> char& { return rows_[at(u, v)]; });
+    }
+    for (int u = 0; u < width_; ++u) {
+      mark(
+          height, [&](int v) { return rows_[at(u, v)] != 0; }, [&](int v) -> char& { return any_[at(u, v)]; });
+    }
+  }
+  bool have_any(int u, int v) const { return any_[at(u, v)] != 0; }
+
+private:
+  // Whether any of a line's places within reach of each is set.
+  template <class Set, class Near> static void mark(int count, const Set& set, const Near& near) {
+    int last = -2 * kReach - 1; // that was set
+    for (int i = 0; i < count + kReach; ++i) {
+      if (i < count && set(i)) last = i;
+      if (i >= kReach) near(i - kReach) = last >= i - 2 * kReach ? 1 : 0;
+    }
+  }
+  std::size_t at(int u, int v) const {
+    return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
+  }
+
+  int width_;
+  std::vector<char> rows_, any_;
+};
+
 // The depth of a pixel that has no clean one: that of a clean pixel near it with the same label, of these the one that
 // agrees best with what was measured, or else the nearest. Between two layers a measurement may lie on neither, but the
 // label says whose surface it is. 0 if there is none.
 float guessed_depth(const ingest::Frame& frame, int u, int v) {
-  constexpr int kReach = 6;
   const float measured = frame.depth.at(u, v);
   const auto label_at = [&frame](int x, int y) { return frame.labels.empty() ? 0 : frame.labels.at(x, y); };
   const int label = label_at(u, v);
@@ -52,6 +87,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
     throw Error(ErrorCode::kFailure, "more frames arrived than the store of training pixels was made for");
   }
   if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, wanted * expected_frames_));
+  const Surroundings surroundings(frame.clean_depth);
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
   std::size_t remaining = count;
   std::size_t missing = wanted;
@@ -64,7 +100,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
       }
       --missing;
       const float clean = frame.clean_depth.at(u, v);
-      const float depth = clean > 0 ? clean : -guessed_depth(frame, u, v);
+      const float depth = clean > 0 ? clean : surroundings.have_any(u, v) ? -guessed_depth(frame, u, v) : 0.0F;
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       pixels_.push_back({static_cast<std::uint16_t>(u),
                          static_cast<std::uint16_t>(v),

@@ -37,19 +37,19 @@ RayTarget target_of(const StoredPixel& pixel) {
 } // namespace
 
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                       const SamplingConfig& sampling)
-    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling),
+                       const SamplingConfig& sampling, float noise)
+    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling), noise_(noise),
       per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
       occupancy_(config.occupancy_resolution) {
   if (motion.kind() == tracking::MotionKind::kDeforming) {
-    warped_own_ = warp_measured_pixels(pixels, label, motion, config);
+    warped_own_ = warp_measured_pixels(pixels, label, motion, config, noise);
     arrange(warped_own_, [](const WarpedPixel& own) { return own; });
   } else {
     list_own();
     arrange(own_, [this](const PixelRef& own) { return whole_ray(own); });
   }
   coarse_occupancy_ = coarsened(occupancy_, 1 << kCoarse);
-  space_ = see_occupied_space(pixels, label, motion, config, occupancy_, sampling.near_depth);
+  space_ = see_occupied_space(pixels, label, motion, config, occupancy_, sampling.near_depth, noise);
 }
 
 void RaySampler::list_own() {

@@ -18,7 +18,7 @@ namespace kinora::fields {
 
 struct SamplingConfig {
   int surface_samples =
-      5;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
+      4;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
   int free_samples = 4; ///< between the camera and the band; those in empty space are left out
   int unmeasured_samples =
       8; ///< where the ray first meets occupied space, for a pixel of the layer whose depth is not known
@@ -30,9 +30,9 @@ struct SamplingConfig {
 /// in front of their surface (seen_space.h), and nothing behind. Immutable, so thread-safe.
 class RaySampler {
 public:
-  /// `pixels` and `motion` must outlive the sampler.
+  /// `pixels` and `motion` must outlive the sampler. `noise`: LossWeights::noise.
   RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-             const SamplingConfig& sampling);
+             const SamplingConfig& sampling, float noise = 1);
 
   /// Space around the measured surface of the layer: what a field starts from, and where samples lie.
   const Occupancy& occupancy() const { return occupancy_; }
@@ -81,13 +81,14 @@ private:
                           RayBatch& batch) const;
   RaySample sample_at(const FieldRay& ray, float depth, float depth_step) const;
   bool is_occupied_in_box(const std::array<float, 3>& position) const;
-  float band_at(float depth) const { return std::max(three_sigma(depth), least_band_); } // surface_band()
+  float band_at(float depth) const { return std::max(three_sigma(depth, noise_), least_band_); } // surface_band()
 
   const PixelStore& pixels_;
   int label_;
   const tracking::Motion& motion_;
   FieldConfig config_;
   SamplingConfig sampling_;
+  float noise_;
   float per_density_length_; // 1 / metres
   float least_band_;
   // Own pixels with depth, in the order of the places that they show. Of a layer that is still or rigid, rays are made

@@ -188,7 +188,8 @@ struct FrameLooks {
   std::vector<std::uint32_t> without_depth;
   bool any_empty = false;
 
-  void gather(const PixelStore& pixels, const StoredFrame& frame, int label, bool deforms, const FieldConfig& config) {
+  void gather(const PixelStore& pixels, const StoredFrame& frame, int label, bool deforms, const FieldConfig& config,
+              float noise) {
     const auto width = static_cast<std::size_t>(frame.camera.intrinsics.width);
     at.assign(width * static_cast<std::size_t>(frame.camera.intrinsics.height), {});
     without_depth.clear();
@@ -198,9 +199,9 @@ struct FrameLooks {
       const auto number = static_cast<std::uint32_t>(i);
       float empty = 0;
       if (pixel.label != label) {
-        empty = empty_until(pixel);
+        empty = empty_until(pixel, noise);
       } else if (deforms && pixel.depth > 0) {
-        empty = pixel.depth - surface_band(config, pixel.depth);
+        empty = pixel.depth - surface_band(config, pixel.depth, noise);
       } else if (label != 0 && pixel.depth == 0) {
         without_depth.push_back(number);
       }
@@ -213,7 +214,7 @@ struct FrameLooks {
 } // namespace
 
 SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth) {
+                             const FieldConfig& config, const Occupancy& occupancy, float near_depth, float noise) {
   constexpr float kPieceCells = 2; // so far a ray is taken as straight
   const bool deforms = motion.kind() == tracking::MotionKind::kDeforming;
   Parts<SeenPiece> unmeasured;
@@ -222,7 +223,7 @@ SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking
   FrameLooks looks;
   for (const StoredFrame& frame : pixels.frames()) {
     if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
-    looks.gather(pixels, frame, label, deforms, config);
+    looks.gather(pixels, frame, label, deforms, config, noise);
     if (!looks.any_empty && looks.without_depth.empty()) continue;
     space.carry(frame);
     const auto width = static_cast<std::size_t>(frame.camera.intrinsics.width);

@@ -27,8 +27,8 @@ struct SeenSpace {
 /// Occupied cells are carried to where they are in each frame, which needs no search for a way back: the pixel that
 /// looks through one says whether it is before a surface. Other layers' pixels say so up to their own surface
 /// (empty_until), those of a layer that deforms up to the band about it: own rays of others have free samples. Not
-/// every cell is carried into every frame where that would be more than some millions.
+/// every cell is carried into every frame where that would be more than some millions. `noise`: LossWeights::noise.
 SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth);
+                             const FieldConfig& config, const Occupancy& occupancy, float near_depth, float noise = 1);
 
 } // namespace kinora::fields

@@ -12,8 +12,11 @@ namespace kinora::fields {
 /// Metres: beyond all that is modelled.
 inline constexpr float kFarthest = 1e6F;
 
-/// Metres: three standard deviations of the sensor at a depth.
-inline float three_sigma(float depth) { return static_cast<float>(3.0 * ingest::depth_sigma(depth)); }
+/// Metres: three standard deviations of a measurement at a depth, where a layer's are `noise` times those of the
+/// sensor (LossWeights::noise).
+inline float three_sigma(float depth, float noise = 1) {
+  return noise * static_cast<float>(3.0 * ingest::depth_sigma(depth));
+}
 
 /// Metres: the least half width of the band around a measured depth: four cells of the finest level, and room for a few
 /// centimetres of pose error where the layer is large.
@@ -21,17 +24,17 @@ inline float least_band(const FieldConfig& config) {
   return static_cast<float>(std::max(4 * config.cell_size(), std::min(0.02, 0.02 * config.box.side)));
 }
 
-/// Metres: half width of the band around a measured depth, three standard deviations of the sensor or the least.
-inline float surface_band(const FieldConfig& config, float depth) {
-  return std::max(three_sigma(depth), least_band(config));
+/// Metres: half width of the band around a measured depth, three standard deviations or the least.
+inline float surface_band(const FieldConfig& config, float depth, float noise = 1) {
+  return std::max(three_sigma(depth, noise), least_band(config));
 }
 
 /// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
 /// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
-inline float empty_until(const StoredPixel& pixel) {
-  if (pixel.depth > 0) return pixel.depth - three_sigma(pixel.depth);
-  if (pixel.depth < 0) return -pixel.depth - 2 * three_sigma(-pixel.depth);
+inline float empty_until(const StoredPixel& pixel, float noise = 1) {
+  if (pixel.depth > 0) return pixel.depth - three_sigma(pixel.depth, noise);
+  if (pixel.depth < 0) return -pixel.depth - 2 * three_sigma(-pixel.depth, noise);
   return pixel.label == 0 ? kFarthest : 0;
 }
 

@@ -19,6 +19,9 @@ namespace {
 /// Of a field of signed distances: density falls by half within 0.15 density_length(). It becomes sharper in training.
 constexpr float kFirstSharpness = 1.5F;
 
+/// Of the training: from then on the field knows surfaces better than one measurement does (refinement.h).
+constexpr double kFused = 0.25;
+
 // Hash entries uniform in ±1e-4 (Müller et al. 2022), nets by Glorot & Bengio 2010.
 void initialise(Field& field, std::uint64_t seed) {
   Random random(seed, 0xF1E1D);
@@ -207,10 +210,12 @@ private:
   }
   StepRays next_rays() const {
     const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
-    return {chunks, [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
+    return {chunks,
+            [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
               sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, batch);
-            }};
+            },
+            share_done() >= kFused};
   }
 
   const RaySampler* sampler_;
@@ -277,7 +282,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
                   const TrainerConfig& trainer, Progress& progress, TrainingReport* report) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
-  RaySampler sampler(pixels, label, motion, config, trainer.sampling);
+  RaySampler sampler(pixels, label, motion, config, trainer.sampling, trainer.loss.noise);
   Field untrained(config);
   untrained.occupancy = sampler.occupancy();
   if (sampler.own_ray_count() == 0) {

@@ -13,6 +13,10 @@ struct ViewAgreement {
   /// noise may have moved the point and one pixel more: the mask, a pose or the motion is wrong in one of the two
   /// frames. 0 without looks.
   double seen_through = 0;
+  /// Standard deviation of the layer's measured depths, poses and motion included, in those of the sensor: from how far
+  /// behind a point, in the median of those that lie before it, its pixel sees the layer in another frame. (Points
+  /// behind what is seen may be hidden by it.) 0 without looks.
+  double noise = 0;
 };
 
 /// A spread of measured points of the layer, carried into a spread of other frames. Takes some ten milliseconds.
@@ -21,7 +25,7 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
 /// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, and half as many rays
 /// tell of emptiness, so that surfaces are found with fewer rays; where masks or motion contradict each other that
 /// would make silhouettes grow. In between all follow in proportion to what is seen through, emptiness sooner
-/// (docs/fields.md).
+/// (docs/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
 LossWeights weights_for(const ViewAgreement& agreement);
 
 } // namespace kinora::fields

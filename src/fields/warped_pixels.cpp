@@ -35,7 +35,7 @@ bool is_lost(const tracking::Motion& motion, const StoredFrame& frame) {
 } // namespace
 
 LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config) {
+                                              const FieldConfig& config, float noise) {
   Parts<WarpedPixel> own;
   const auto table = std::make_shared<const tracking::InfluenceTable>(motion.graph());
   for (const StoredFrame& frame : pixels.frames()) {
@@ -50,7 +50,8 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int labe
         if (pixel.label != label || pixel.depth == 0) continue;
         const float depth = std::abs(pixel.depth);
         const Eigen::Vector3d direction = pixel_ray(frame, pixel);
-        rays.push_back({to_array(camera + depth * direction), to_array(direction), surface_band(config, depth), 0});
+        rays.push_back(
+            {to_array(camera + depth * direction), to_array(direction), surface_band(config, depth, noise), 0});
         numbers.push_back(i);
       }
       std::vector<BulkWarp::CanonicalRay> canonical(rays.size());

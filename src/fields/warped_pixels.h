@@ -20,8 +20,8 @@ struct WarpedPixel {
 };
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost
-/// frames and those that no node carries are left out.
+/// frames and those that no node carries are left out. `noise`: LossWeights::noise.
 LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config);
+                                              const FieldConfig& config, float noise = 1);
 
 } // namespace kinora::fields

@@ -46,9 +46,40 @@ TEST(ViewAgreement, IsNotClaimedOfASingleView) {
   EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
 }
 
+/// Twelve views whose depths are off by so many standard deviations of the sensor.
+PixelStore noisy(double deviations) {
+  const Scene scene;
+  PixelStore store(1'000'000, 12);
+  for (int i = 0; i < 12; ++i) {
+    ingest::Frame frame = scene.frame(i, 0.05 * (i - 6));
+    Random random(5, static_cast<std::uint64_t>(i));
+    for (float& depth : frame.depth.values()) {
+      depth += static_cast<float>(deviations * ingest::depth_sigma(depth) * random.normal());
+    }
+    frame.clean_depth = frame.depth;
+    store.add(frame, i);
+  }
+  return store;
+}
+
+TEST(ViewAgreement, MeasuresNoiseAndWidensBandsWithIt) {
+  for (const double deviations : {3.0, 5.0}) {
+    const ViewAgreement agreement = agreement_of_views(noisy(deviations), kBall, tracking::Motion::still());
+    EXPECT_NEAR(agreement.noise, deviations, 0.35 * deviations);
+  }
+  EXPECT_EQ(weights_for({1000, 0, 0.4}).noise, 1);
+  EXPECT_EQ(weights_for({1000, 0, 2.5}).noise, 2.5F);
+  EXPECT_LT(weights_for({1000, 0, 1000}).noise, 10);
+  const PixelStore store = noisy(3);
+  const FieldConfig config = choose_field_config(store, kBall, tracking::Motion::still());
+  const RaySampler narrow(store, kBall, tracking::Motion::still(), config, {});
+  const RaySampler wide(store, kBall, tracking::Motion::still(), config, {}, 3);
+  EXPECT_GT(wide.occupancy().count(), narrow.occupancy().count());
+}
+
 TEST(ViewAgreement, FallsInProportion) {
-  EXPECT_GT(weights_for({1000, 0.001}).opacity, weights_for({1000, 0.003}).opacity);
-  EXPECT_GT(weights_for({1000, 0.003}).opacity, weights_for({1000, 0.1}).opacity);
+  EXPECT_GT(weights_for({1000, 0.001, 1}).opacity, weights_for({1000, 0.003, 1}).opacity);
+  EXPECT_GT(weights_for({1000, 0.003, 1}).opacity, weights_for({1000, 0.1, 1}).opacity);
 }
 
 } // namespace
