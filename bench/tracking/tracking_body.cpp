@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <exception>
 #include <map>
 #include <string>
 
 #include "core/error.h"
+#include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "tracking/body/body_tracker.h"
@@ -22,6 +22,7 @@
 namespace {
 
 using namespace kinora;
+using bench::at_fraction;
 using tracking::BodyTracker;
 using tracking::Joint;
 
@@ -51,12 +52,6 @@ constexpr std::array<Match, 19> kMatches = {{
     {tracking::kLeftClavicle, "clavicle_l"},
     {tracking::kRightClavicle, "clavicle_r"},
 }};
-
-double at_fraction(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(values.size())))];
-}
 
 double mean_of(const std::vector<double>& values) {
   double sum = 0;
@@ -144,16 +139,4 @@ void run(const std::string& folder, int label) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: %s CAPTURE [LABEL]\n", argv[0]);
-    return 2;
-  }
-  try {
-    run(argv[1], argc > 2 ? std::stoi(argv[2]) : 1);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main(int argc, char** argv) { return kinora::bench::follow_label(argc, argv, 1, run); }

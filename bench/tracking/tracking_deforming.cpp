@@ -8,13 +8,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
 
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/true_tracks.h"
@@ -24,12 +24,7 @@
 namespace {
 
 using namespace kinora;
-
-double at_fraction(std::vector<double>& values, double fraction) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(values.size())))];
-}
+using bench::at_fraction;
 
 struct Errors {
   std::vector<double> values; ///< millimetres
@@ -195,16 +190,4 @@ void run(const std::string& folder, int label) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: %s CAPTURE [LABEL]\n", argv[0]);
-    return 2;
-  }
-  try {
-    run(argv[1], argc > 2 ? std::stoi(argv[2]) : 1);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main(int argc, char** argv) { return kinora::bench::follow_label(argc, argv, 1, run); }

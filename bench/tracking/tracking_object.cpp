@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <numbers>
 
 #include "core/error.h"
+#include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/ground_truth.h"
@@ -15,6 +15,7 @@
 namespace {
 
 using namespace kinora;
+using bench::at_fraction;
 
 struct Total {
   double sum = 0;
@@ -27,12 +28,6 @@ struct Total {
   }
   double mean() const { return count > 0 ? sum / count : 0.0; }
 };
-
-double at_fraction(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(values.size())))];
-}
 
 class PoseErrors {
 public:
@@ -89,16 +84,4 @@ void run(const std::string& folder, int label) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: %s CAPTURE [LABEL]\n", argv[0]);
-    return 2;
-  }
-  try {
-    run(argv[1], argc > 2 ? std::stoi(argv[2]) : 2);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main(int argc, char** argv) { return kinora::bench::follow_label(argc, argv, 2, run); }
