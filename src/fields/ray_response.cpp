@@ -5,12 +5,15 @@
 
 #include "fields/field_batch.h"
 #include "fields/ray_batch.h"
+#include "fields/refinement.h"
 
 namespace kinora::fields {
 namespace {
 
 constexpr std::size_t kG = FieldConfig::kGeometry;
-constexpr std::size_t kSamples = 5;   // as in training: with others, surfaces lie elsewhere (docs/fields.md)
+/// As far apart as those of refined rays, which lie in half the band: with others, surfaces lie elsewhere
+/// (docs/fields.md).
+constexpr std::size_t kSamples = 2 * kRefinedSamples;
 constexpr std::size_t kPlaces = 7;    // of each ray: its own, then to either side along each axis
 constexpr double kLeastOpacity = 0.5; // of what has a colour
 
