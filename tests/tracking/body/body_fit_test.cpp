@@ -7,14 +7,8 @@
 namespace kinora::tracking {
 namespace {
 
-using testing::BodyScene;
-using testing::joint_distance;
-using testing::mean_joint_distance;
-using testing::render_body;
-using testing::standing;
-
-BodyState fitted(const BodyState& truth, const BodyScene& scene = {}) {
-  const ObjectView view = view_object(render_body(truth, scene), 1);
+BodyState fitted(const BodyState& truth, const testing::BodyScene& scene = {}) {
+  const ObjectView view = view_object(testing::render_body(truth, scene), 1);
   return fit_body(view, {}, {}).state;
 }
 
@@ -22,16 +16,16 @@ class FitOfTurnedBody : public ::testing::TestWithParam<int> {};
 
 TEST_P(FitOfTurnedBody, FindsSizeSideAndJoints) {
   for (const double height : {1.5, 1.9}) {
-    const BodyState truth = standing(GetParam(), height);
+    const BodyState truth = testing::standing(GetParam(), height);
     const BodyState found = fitted(truth);
-    EXPECT_LT(mean_joint_distance(found, truth), 0.04) << height;
+    EXPECT_LT(testing::mean_joint_distance(found, truth), 0.04) << height;
     EXPECT_NEAR(std::exp(found.shape[kHeight]) * kMeanHeight, height, 0.02 * height);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Sides, FitOfTurnedBody, ::testing::Values(0, 45, 100, 180, 250, 320));
 
 TEST(BodyFit, FindsArmsInOtherPosesThanUsual) {
-  BodyState truth = standing(20);
+  BodyState truth = testing::standing(20);
   const auto set = [&truth](Joint joint, const Eigen::Vector3d& angles) {
     truth.pose.angles.segment(joints()[joint].first_angle, joints()[joint].angle_count) =
         angles.head(joints()[joint].angle_count);
@@ -42,16 +36,16 @@ TEST(BodyFit, FindsArmsInOtherPosesThanUsual) {
   set(kRightElbow, {0.3, 0, 0});
   const BodyState found = fitted(truth);
   for (const Joint joint : {kLeftElbow, kRightElbow, kLeftWrist, kRightWrist}) {
-    EXPECT_LT(joint_distance(found, truth, joint), 0.03) << joints()[joint].name;
+    EXPECT_LT(testing::joint_distance(found, truth, joint), 0.03) << joints()[joint].name;
   }
 }
 
 TEST(BodyFit, FindsSomebodyWhoseLegsAreOutOfThePicture) {
-  BodyState truth = standing(-15);
+  BodyState truth = testing::standing(-15);
   truth.pose.root.translation() += Eigen::Vector3d(0, 0.45, -1.0);
   const BodyState found = fitted(truth);
   for (const Joint joint : {kNeck, kLeftShoulder, kRightShoulder}) {
-    EXPECT_LT(joint_distance(found, truth, joint), 0.08) << joints()[joint].name;
+    EXPECT_LT(testing::joint_distance(found, truth, joint), 0.08) << joints()[joint].name;
   }
 }
 
