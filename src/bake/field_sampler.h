@@ -29,7 +29,7 @@ public:
   bool occupied(const Eigen::Vector3d& canonical) const;
   /// Points in metres. On the calling thread: callers divide the work.
   void evaluate(std::span<const Eigen::Vector3d> canonical, FieldSamples& samples) const;
-  /// Colours of mean features (weighted by what each sample contributes), sRGB in [0, 1].
+  /// Colours of mean features (weighted by what each sample contributes; vectors as they are turned), sRGB in [0, 1].
   std::vector<std::array<float, 3>> colors(std::span<const std::array<float, FieldSamples::kFeatures>> features) const;
 
 private:

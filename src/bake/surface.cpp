@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/turn.h"
 
 namespace kinora::bake {
 namespace {
@@ -48,9 +49,31 @@ Triangles triangulate(const FieldSampler& sampler, const SurfaceOptions& options
   return triangles;
 }
 
-/// Colours of vertices: features composited along a short ray through the surface, as the renderer does.
-void color_chunk(const FieldSampler& sampler, const Triangles& triangles, std::span<const Eigen::Vector3d> normals,
-                 const Chunk& chunk, std::span<std::array<std::uint8_t, 3>> colors) {
+/// Frames spread over the clip, in whose light a layer is seen.
+std::vector<tracking::Warp> seen_warps(const tracking::Motion& motion) {
+  constexpr std::size_t kFrames = 8;
+  std::vector<int> seen;
+  for (std::size_t f = 0; f < std::max(motion.poses().size(), motion.deformations().size()); ++f) {
+    if (motion.health(f) == tracking::Health::kTracked) seen.push_back(static_cast<int>(f));
+  }
+  if (seen.empty()) seen = {0};
+  const std::size_t count = std::min(kFrames, seen.size());
+  std::vector<tracking::Warp> warps;
+  for (std::size_t k = 0; k < count; ++k) warps.push_back(motion.warp(seen[(2 * k + 1) * seen.size() / (2 * count)]));
+  return warps;
+}
+
+fields::Turn turn_at(const tracking::Warp& warp, const Eigen::Vector3d& canonical) {
+  if (warp.is_rigid()) return fields::turn_of(warp.rigid().linear());
+  const auto pose = warp.at(canonical);
+  return pose ? fields::turn_of(pose->linear()) : fields::kNoTurn;
+}
+
+/// Colours of vertices: features composited along a short ray through the surface, as the renderer does, in the mean of
+/// the frames' light.
+void color_chunk(const FieldSampler& sampler, std::span<const tracking::Warp> warps, const Triangles& triangles,
+                 std::span<const Eigen::Vector3d> normals, const Chunk& chunk,
+                 std::span<std::array<std::uint8_t, 3>> colors) {
   constexpr int kBefore = 2; // samples in front of the surface
   constexpr int kSamples = 8;
   const double step = sampler.field().config.cell_size();
@@ -72,10 +95,19 @@ void color_chunk(const FieldSampler& sampler, const Triangles& triangles, std::s
     }
     for (float& f : features[v]) f /= std::max(1 - transmittance, 1e-6F);
   }
-  const auto shaded = sampler.colors(features);
+  std::vector<Eigen::Array3f> sums(features.size(), Eigen::Array3f::Zero());
+  for (const tracking::Warp& warp : warps) {
+    auto turned = features;
+    for (std::size_t v = 0; v < features.size(); ++v) {
+      fields::turn_vectors(turn_at(warp, triangles.positions[chunk.begin + v]), turned[v].data());
+    }
+    const auto shaded = sampler.colors(turned);
+    for (std::size_t v = 0; v < features.size(); ++v) sums[v] += Eigen::Map<const Eigen::Array3f>(shaded[v].data());
+  }
   for (std::size_t v = 0; v < features.size(); ++v) {
     for (std::size_t c = 0; c < 3; ++c) {
-      colors[chunk.begin + v][c] = static_cast<std::uint8_t>(std::lround(255 * shaded[v][c]));
+      const float mean = sums[v][static_cast<Eigen::Index>(c)] / static_cast<float>(warps.size());
+      colors[chunk.begin + v][c] = static_cast<std::uint8_t>(std::lround(255 * mean));
     }
   }
 }
@@ -101,8 +133,9 @@ std::optional<host::Mesh> bake_surface(const encode::Layer& layer, const Surface
   host::Mesh mesh;
   mesh.name = layer.name;
   mesh.colors.resize(triangles.positions.size());
+  const std::vector<tracking::Warp> warps = seen_warps(layer.motion);
   parallel_for(mesh.colors.size(), 2048,
-               [&](const Chunk& chunk) { color_chunk(sampler, triangles, normals, chunk, mesh.colors); });
+               [&](const Chunk& chunk) { color_chunk(sampler, warps, triangles, normals, chunk, mesh.colors); });
   for (const Eigen::Vector3d& p : triangles.positions) mesh.positions.emplace_back(p.cast<float>());
   for (const Eigen::Vector3d& n : normals) mesh.normals.emplace_back(n.cast<float>());
   mesh.faces = std::move(triangles.faces);

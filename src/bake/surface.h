@@ -18,8 +18,8 @@ struct SurfaceOptions {
 };
 
 /// The surface in canonical space, without a skin. Colours are what a ray from outside composites just behind the
-/// surface. Nothing if the layer has no surface. Uses all threads; same bits for any number of them.
-/// Throws Error: kUsage for options that make no sense, kInterrupted.
+/// surface, in the mean of what light it stands in during the clip. Nothing if the layer has no surface. Uses all
+/// threads; same bits for any number of them. Throws Error: kUsage for options that make no sense, kInterrupted.
 std::optional<host::Mesh> bake_surface(const encode::Layer& layer, const SurfaceOptions& options,
                                        const Progress& progress);
 

@@ -7,6 +7,7 @@
 #include "bake/voxel_key.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/turn.h"
 
 namespace kinora::bake {
 namespace {
@@ -95,8 +96,9 @@ public:
     const std::size_t per_voxel = per_axis * per_axis * per_axis;
     std::vector<VoxelKey> live;
     std::vector<Eigen::Vector3d> points;
+    std::vector<fields::Turn> turns;
     for (const VoxelKey key : keys) {
-      if (add_points(key, points)) live.push_back(key);
+      if (add_points(key, points, turns)) live.push_back(key);
     }
     FieldSamples samples;
     field_.evaluate(points, samples);
@@ -114,6 +116,7 @@ public:
       const float density = -std::log(std::max(through, kBlack)) / static_cast<float>(voxel_);
       if (density < least_density_) continue;
       for (float& f : mean) f /= std::max(weight, 1e-6F);
+      fields::turn_vectors(turns[i], mean.data());
       out.keys.push_back(live[i]);
       out.density.push_back(density);
       features.push_back(mean);
@@ -122,8 +125,8 @@ public:
   }
 
 private:
-  // The sample points of a voxel, in canonical space; false if none may be occupied.
-  bool add_points(VoxelKey key, std::vector<Eigen::Vector3d>& points) const {
+  // The sample points of a voxel, in canonical space, and the layer's turn there; false if none may be occupied.
+  bool add_points(VoxelKey key, std::vector<Eigen::Vector3d>& points, std::vector<fields::Turn>& turns) const {
     const auto voxel = voxel_of(key);
     const Eigen::Vector3d world = voxel_ * Eigen::Vector3d(voxel[0], voxel[1], voxel[2]);
     Eigen::Vector3d canonical;
@@ -145,7 +148,11 @@ private:
       points.emplace_back(canonical + to_canonical * (voxel_ * offset));
       any = any || field_.occupied(points.back());
     }
-    if (!any) points.resize(before);
+    if (any) {
+      turns.push_back(fields::turn_of(to_canonical.transpose()));
+    } else {
+      points.resize(before);
+    }
     return any;
   }
 

@@ -21,8 +21,8 @@ using fields::GridLevel;
 
 namespace {
 
-constexpr std::uint8_t kDensityVersion = 1;
-constexpr std::uint8_t kSignedDistanceVersion = 2;
+constexpr std::uint8_t kDensityVersion = 3; // 1 and 2 had no vectors among the features
+constexpr std::uint8_t kSignedDistanceVersion = 4;
 constexpr std::size_t kFixedHeaderBytes = 56;
 constexpr std::size_t kBytesPerLevel = 4;
 constexpr std::size_t kFeatures = FieldConfig::kFeatures;
@@ -86,8 +86,8 @@ Header get_header(std::span<const std::byte> payload, const std::string& place) 
   if (payload.size() < kFixedHeaderBytes) corrupt(place, "a field is too short for its header");
   const auto version = get<std::uint8_t>(payload, 0);
   if (version != kDensityVersion && version != kSignedDistanceVersion) {
-    corrupt(place, fmt::format("a field has version {}; this Kinora reads versions {} and {}", version, kDensityVersion,
-                               kSignedDistanceVersion));
+    corrupt(place, fmt::format("a field has version {}; this Kinora reads versions {} and {}, encode its capture again",
+                               version, kDensityVersion, kSignedDistanceVersion));
   }
   if (get<std::uint8_t>(payload, 3) != FieldConfig::kFeatures ||
       get<std::uint8_t>(payload, 10) != FieldConfig::kHidden ||

@@ -138,7 +138,8 @@ private:
                            to_vector(back[k].direction),
                            {to_vector(back[k].bends[0]), to_vector(back[k].bends[1])},
                            static_cast<double>(rays[k].reach),
-                           to_vector(rays[k].direction).norm()});
+                           to_vector(rays[k].direction).norm(),
+                           back[k].rotation});
     }
     respond(field_, levels_, canonical, by_place, responses_.data() + chunk.begin);
     for (std::size_t k = 0; k < rays.size(); ++k) {

@@ -45,11 +45,16 @@ const char* name_of(Geometry geometry);
 #ifndef KINORA_COLOR_HIDDEN
 #define KINORA_COLOR_HIDDEN 32
 #endif
+#ifndef KINORA_VECTORS
+#define KINORA_VECTORS 1
+#endif
 
 struct FieldConfig {
   static constexpr int kFeatures = 8;           ///< per level
   static constexpr int kHidden = KINORA_HIDDEN; ///< width of the density MLP's hidden layer
   static constexpr int kGeometry = 16;          ///< outputs of the density MLP: raw density, then 15 features
+  static constexpr int kVectors =
+      KINORA_VECTORS; ///< the first 3 · this features are vectors, which turn with the layer
   static constexpr int kColorHidden = KINORA_COLOR_HIDDEN; ///< width of the colour MLP's two hidden layers
   static constexpr int kColorOutputs = 16;                 ///< outputs of the colour MLP: red, green, blue, and padding
 

@@ -62,11 +62,22 @@ std::vector<float> surface_matrix(const Field& field) {
   for (int h = 0; h < kHidden; ++h) {
     for (int c = 0; c < kC; ++c) {
       float sum = 0;
-      for (int g = 1; g < kG; ++g) sum += features[h * kG + g] * colors[(g - 1) * kC + c];
+      for (int g = 1 + kSurfaceVectors; g < kG; ++g) sum += features[h * kG + g] * colors[(g - 1) * kC + c];
       matrix.push_back(sum);
     }
   }
   matrix.insert(matrix.end(), colors + (kG - 1) * kC, colors + kG * kC);
+  matrix.insert(matrix.end(), colors, colors + kSurfaceVectors * kC);
+  return matrix;
+}
+
+std::vector<float> vector_matrix(const Field& field) {
+  constexpr int kG = FieldConfig::kGeometry;
+  const float* features = field.density_net.data() + field.config.encoding_width() * FieldConfig::kHidden;
+  std::vector<float> matrix;
+  for (int h = 0; h < FieldConfig::kHidden; ++h) {
+    matrix.insert(matrix.end(), features + h * kG + 1, features + h * kG + 1 + kSurfaceVectors);
+  }
   return matrix;
 }
 

@@ -32,11 +32,14 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
 void evaluate_colors(const Field& field, std::size_t n, ColorBatch& batch);
 
 /// Nothing bends what the density net's last matrix makes of its hidden layer before the colour net's first takes it:
-/// for drawing, where surfaces are known, the two are one. Input of colours is then a composited hidden row, and the
-/// constant 1.
-inline constexpr int kSurfaceInputs = FieldConfig::kHidden + 1;
+/// for drawing, where surfaces are known, the two are one, but for the vectors, which are turned between them. Input of
+/// colours is then a composited hidden row, the constant 1, and the turned vectors.
+inline constexpr int kSurfaceVectors = 3 * FieldConfig::kVectors;
+inline constexpr int kSurfaceInputs = FieldConfig::kHidden + 1 + kSurfaceVectors;
 /// That matrix: kSurfaceInputs × kColorHidden.
 std::vector<float> surface_matrix(const Field& field);
+/// From a hidden row to its vectors: kHidden × kSurfaceVectors.
+std::vector<float> vector_matrix(const Field& field);
 /// Fills hidden alone.
 void evaluate_hidden(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
                      PointBatch& batch);

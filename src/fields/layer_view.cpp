@@ -21,6 +21,7 @@ LayerView::LayerView(const PosedField& posed, const Camera& camera) : layer_(&po
   const SE3 camera_from_world = camera.camera_to_world.inverse();
   if (posed.hull == nullptr) {
     const SE3 canonical_from_camera = posed.canonical_to_world.inverse() * camera.camera_to_world;
+    turn_ = turn_of(posed.canonical_to_world.linear());
     look(canonical_from_camera, canonical_from_camera.inverse());
     return;
   }
@@ -28,7 +29,9 @@ LayerView::LayerView(const PosedField& posed, const Camera& camera) : layer_(&po
   const Eigen::Vector3d& centre = camera.camera_to_world.translation();
   if (const auto canonical = posed.warp->to_canonical(centre)) {
     SE3 canonical_from_camera = SE3::Identity();
-    canonical_from_camera.linear() = posed.warp->at(*canonical)->linear().transpose() * camera.camera_to_world.linear();
+    const Eigen::Matrix3d turn = posed.warp->at(*canonical)->linear();
+    turn_ = turn_of(turn);
+    canonical_from_camera.linear() = turn.transpose() * camera.camera_to_world.linear();
     canonical_from_camera.translation() = *canonical;
     stand(canonical_from_camera);
   }
@@ -79,16 +82,18 @@ void LayerView::stand(const SE3& canonical_from_camera) {
 LayerView::Place LayerView::place_of(const Entry& entry, const TriangleBins& bins, const Eigen::Vector3f& ray) const {
   if (entry.triangle == kInside) {
     const Eigen::Vector3f way = camera_turn_ * ray * entry.depth;
-    return {camera_place_ + way, way};
+    return {camera_place_ + way, way, turn_};
   }
   const HullTriangle& triangle = bins.triangle(entry.triangle);
-  Place place{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  Place place{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), turn_};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& row = triangle.rows[i];
     const float share = (row[0] * ray.x() + row[1] * ray.y() + row[2]) * entry.depth;
     place.at += share * (*places_)[triangle.corners[i]];
     place.way += share * ways_[triangle.corners[i]];
   }
+  // It hardly differs from corner to corner.
+  if (deforms()) std::copy_n(posed_->corners().rotation[triangle.corners[0]].data(), 4, place.turn.begin());
   return place;
 }
 

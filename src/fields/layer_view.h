@@ -8,6 +8,7 @@
 
 #include "fields/rasterizer.h"
 #include "fields/renderer.h"
+#include "fields/turn.h"
 
 namespace kinora::fields {
 
@@ -15,7 +16,7 @@ namespace kinora::fields {
 struct DrawableField::Derived {
   Field field;
   std::vector<GridLevel> levels;
-  std::vector<float> surface_matrix; ///< fields/field_batch.h
+  std::vector<float> surface_matrix, vector_matrix; ///< fields/field_batch.h
   DensityBricks bricks;
   BrickHull hull;
   std::optional<Confidence> confidence;
@@ -42,6 +43,7 @@ public:
   struct Place {
     Eigen::Vector3f at;
     Eigen::Vector3f way;
+    Turn turn; ///< of the layer
   };
   Place place_of(const Entry& entry, const TriangleBins& bins, const Eigen::Vector3f& ray) const;
   /// Moves n places to where the layer's motion, interpolated among the corners of their cell, carries them to `points`
@@ -96,6 +98,7 @@ private:
   bool holds_camera_ = false;
   Eigen::Vector3f camera_place_ = Eigen::Vector3f::Zero();    // lattice
   Eigen::Matrix3f camera_turn_ = Eigen::Matrix3f::Identity(); // camera's frame to lattice
+  Turn turn_ = kNoTurn;                                       // of a layer that does not deform, or at the camera
 };
 
 } // namespace kinora::fields

@@ -12,6 +12,7 @@
 #include "fields/growth.h"
 #include "fields/refinement.h"
 #include "fields/signed_distance.h"
+#include "fields/turn.h"
 
 namespace kinora::fields {
 namespace {
@@ -95,6 +96,15 @@ void adam_alone(const kernels::AdamStep& step, float gradient, float& parameter,
   moments[0] += (1 - step.beta1) * (gradient - moments[0]);
   moments[1] += (1 - step.beta2) * (gradient * gradient - moments[1]);
   parameter -= step.learning_rate * moments[0] / (std::sqrt(moments[1]) + step.epsilon);
+}
+
+// Of the own rays.
+void turn_rows(const RayBatch& rays, bool back, float* rows) {
+  for (const RayTarget& target : rays.targets) {
+    if (!target.own) continue;
+    turn_vectors(back ? turned_back(target.turn) : target.turn, rows);
+    rows += kG;
+  }
 }
 
 // Calls task(0), task(1), … on all threads; each begins when those before it have begun.
@@ -215,12 +225,15 @@ void FieldOptimizer::Implementation::forward_backward(ChunkWork& chunk, const Tr
   evaluate_points(field, levels, chunk.points(chunk.rays.samples.size()), scratch.points);
   const float* geometry = scratch.points.geometry.data();
   composite(chunk.rays, chunk.length, geometry, weights, scratch.composition, scratch.color.input);
+  turn_rows(chunk.rays, false, scratch.color.input.data());
   evaluate_colors(field, scratch.composition.own_rays, scratch.color);
   chunk.colors = compare_colors(chunk.rays, scratch.color.output.data(), weights, scale, scratch.color_gradient);
   chunk.loss = scratch.composition.loss + static_cast<double>(weights.color) * chunk.colors.squared_error;
   chunk.own_opacity = scratch.composition.own_opacity;
   chunk.own_rays = scratch.composition.own_rays;
   color_backward(chunk, scratch, transposed);
+  turn_rows(chunk.rays, true, scratch.color.input.data());
+  turn_rows(chunk.rays, true, scratch.input_gradient.data());
   scratch.geometry_gradient.resize(chunk.rays.samples.size() * kG);
   composite_backward(chunk.rays, geometry, weights, scale, scratch.composition, scratch.color.input,
                      scratch.input_gradient.data(), scratch.geometry_gradient.data());

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "fields/turn.h"
+
 namespace kinora::fields {
 
 /// One point of a ray. Samples of a ray are in order of depth.
@@ -19,6 +21,7 @@ struct RayTarget {
   float depth = 0;              ///< metres; 0: not measured here
   float inverse_band = 0;       ///< 1 / (metres within which the surface is expected around `depth`)
   float lengths_per_depth = 0;  ///< units of length (RaySample) of the ray for each metre of depth
+  Turn turn = kNoTurn;          ///< of the surface
   bool own = true;              ///< false: the pixel shows something behind; all samples should be empty
 };
 

@@ -107,6 +107,7 @@ void respond(const Field& field, std::span<const GridLevel> levels, std::span<co
     const auto [opacity, depth] = samples.composite(k, colors.input.data() + k * kG);
     values[k][RayResponse::kOpacity] = opacity;
     values[k][RayResponse::kDepth] = depth;
+    turn_vectors(rays[k / places].turn, colors.input.data() + k * kG);
   }
   evaluate_colors(field, values.size(), colors);
   for (std::size_t k = 0; k < values.size(); ++k) {

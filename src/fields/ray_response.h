@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "fields/field.h"
+#include "fields/turn.h"
 
 namespace kinora::fields {
 
@@ -18,6 +19,7 @@ struct CanonicalRay {
   std::array<Eigen::Vector3d, 2> bends;
   double reach;
   double metres_per_t;
+  Turn turn; ///< of the layer
 };
 
 struct RayResponse {

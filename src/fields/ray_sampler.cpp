@@ -109,6 +109,7 @@ RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
   rays.per_fy = static_cast<float>(1 / k.fy);
   rays.cx = static_cast<float>(k.cx);
   rays.cy = static_cast<float>(k.cy);
+  rays.turn = packed(turn_of(motion_.canonical_to_world(frame.frame).linear()));
   return rays;
 }
 
@@ -165,6 +166,7 @@ void RaySampler::append_measured(const WarpedPixel& chosen, Random& random, RayB
   const StoredPixel& pixel = pixels_.pixels()[chosen.pixel];
   const FieldRay& ray = chosen.ray;
   RayTarget target = target_of(pixel);
+  target.turn = unpacked(chosen.turn);
   const float depth = std::abs(pixel.depth);
   const float band = band_at(depth);
   if (pixel.depth > 0) {
@@ -190,9 +192,11 @@ void RaySampler::append_measured(const WarpedPixel& chosen, Random& random, RayB
   batch.end_ray(target);
 }
 
-void RaySampler::append_unmeasured(const SeenPiece& chosen, Random& random, RayBatch& batch) const {
+void RaySampler::append_unmeasured(const UnmeasuredPiece& chosen, Random& random, RayBatch& batch) const {
   append_in_occupied(chosen.ray, chosen.piece, sampling_.unmeasured_samples, random, batch);
-  batch.end_ray(target_of(pixels_.pixels()[chosen.pixel]));
+  RayTarget target = target_of(pixels_.pixels()[chosen.pixel]);
+  target.turn = unpacked(chosen.turn);
+  batch.end_ray(target);
 }
 
 void RaySampler::append_empty(const SeenPiece& chosen, Random& random, RayBatch& batch) const {
@@ -202,7 +206,9 @@ void RaySampler::append_empty(const SeenPiece& chosen, Random& random, RayBatch&
   batch.end_ray(target);
 }
 
-WarpedPixel RaySampler::whole_ray(const PixelRef& ref) const { return {ref.pixel, ray_of(ref), {}}; }
+WarpedPixel RaySampler::whole_ray(const PixelRef& ref) const {
+  return {ref.pixel, ray_of(ref), {}, frames_[ref.frame].turn};
+}
 
 WarpedPixel RaySampler::measured(std::size_t index) const {
   return warped_own_.empty() ? whole_ray(own_[index]) : warped_own_[index];

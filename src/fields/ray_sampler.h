@@ -55,6 +55,7 @@ private:
     std::array<float, 3> origin;
     std::array<float, 9> rotation; // row-major, divided by the box's side
     float per_fx, per_fy, cx, cy;
+    PackedTurn turn;
   };
   struct PixelRef {
     std::uint32_t frame; // into frames_
@@ -75,7 +76,7 @@ private:
   const void* memory_of(bool own, std::size_t index) const;
   std::uint32_t pixel_of(std::size_t index) const;
   void append_measured(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
-  void append_unmeasured(const SeenPiece& chosen, Random& random, RayBatch& batch) const;
+  void append_unmeasured(const UnmeasuredPiece& chosen, Random& random, RayBatch& batch) const;
   void append_empty(const SeenPiece& chosen, Random& random, RayBatch& batch) const;
   void append_in_occupied(const FieldRay& ray, const Interval& depths, int count, Random& random,
                           RayBatch& batch) const;

@@ -4,7 +4,8 @@
 // A point: hash-grid encoding e (Müller et al. 2022, sec. 3), h = relu(eᵀ W₁), g = hᵀ W₂; g₀ is the raw density, or a
 // signed distance with g₀ = ln(Ψ(−exp(k) s)) + k its raw density (signed_distance.h; Ψ of Laplace's distribution, k the
 // sharpness); σ = exp(min(g₀, kMaxRawDensity)); g₁…g₁₅ are features. A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 −
-// exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([F / (A + ε), 1])).
+// exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([R F / (A + ε), 1])), where R turns
+// the vectors among the features as the layer is turned (turn.h).
 #pragma once
 
 #include <algorithm>
@@ -257,7 +258,9 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
     array<T, kG> input{};
     for (int f = 0; f < kG - 1; ++f) input[f] = features[f] * normaliser;
     input[kG - 1] = T(1);
-    const ColorState<T> color = evaluate_color<T>(p.color_net, input);
+    array<T, kG> turned = input;
+    turn_vectors(target.turn, turned.data());
+    const ColorState<T> color = evaluate_color<T>(p.color_net, turned);
     array<T, 3> color_gradient{};
     for (int c = 0; c < 3; ++c) {
       const T difference = color.color[c] - T(target.color[c]);
@@ -272,7 +275,8 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
       loss += T(weights.distance) * residual * residual;
     }
     if (gradient) {
-      const array<T, kG> input_gradient = color_backward<T>(p.color_net, color, color_gradient, gradient->color_net);
+      array<T, kG> input_gradient = color_backward<T>(p.color_net, color, color_gradient, gradient->color_net);
+      turn_vectors(turned_back(target.turn), input_gradient.data());
       opacity_gradient = -scale * T(2) * T(weights.opacity) * (T(1) - opacity);
       for (int f = 0; f < kG - 1; ++f) {
         feature_gradient[f] = input_gradient[f] * normaliser;

@@ -18,6 +18,7 @@ DrawableField::DrawableField(Field field, const tracking::DeformationGraph* grap
   auto derived = std::make_shared<Derived>();
   derived->levels = grid_levels(field.config);
   derived->surface_matrix = surface_matrix(field);
+  derived->vector_matrix = vector_matrix(field);
   derived->bricks = DensityBricks(field);
   derived->hull = BrickHull(derived->bricks, field.config.box);
   if (graph != nullptr) derived->hull.follow(*graph);

@@ -217,7 +217,7 @@ SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking
                              const FieldConfig& config, const Occupancy& occupancy, float near_depth, float noise) {
   constexpr float kPieceCells = 2; // so far a ray is taken as straight
   const bool deforms = motion.kind() == tracking::MotionKind::kDeforming;
-  Parts<SeenPiece> unmeasured;
+  Parts<UnmeasuredPiece> unmeasured;
   Parts<SeenPiece> empty;
   CarriedSpace space(motion, occupancy, config.box, pixels.frames().size());
   FrameLooks looks;
@@ -245,7 +245,7 @@ SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking
     });
     if (looks.without_depth.empty()) continue;
     const FirstSeen first(space, frame.camera.intrinsics);
-    unmeasured.append(looks.without_depth.size(), [&](const Chunk& chunk, std::vector<SeenPiece>& part) {
+    unmeasured.append(looks.without_depth.size(), [&](const Chunk& chunk, std::vector<UnmeasuredPiece>& part) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
         const std::uint32_t pixel = looks.without_depth[i];
         const CarriedPlace* place = first.at(pixels.pixels()[pixel]);
@@ -253,7 +253,7 @@ SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking
         const FieldRay ray = ray_at(*place, pixel);
         const float side = space.cell() / ray.metres_per_depth;
         const float begin = std::max(place->depth - side / 2, near_depth);
-        part.push_back({pixel, ray, {begin, begin + kPieceCells * side}});
+        part.push_back({{pixel, ray, {begin, begin + kPieceCells * side}}, packed(place->there.rotation)});
       }
     });
   }

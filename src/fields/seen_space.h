@@ -8,6 +8,7 @@
 #include "fields/field.h"
 #include "fields/occupancy.h"
 #include "fields/pixel_store.h"
+#include "fields/turn.h"
 #include "tracking/motion.h"
 
 namespace kinora::fields {
@@ -19,9 +20,13 @@ struct SeenPiece {
   Interval piece;      ///< depths for which `ray` holds; the rest of a deforming layer's ray is another line
 };
 
+struct UnmeasuredPiece : SeenPiece {
+  PackedTurn turn; ///< of the layer there
+};
+
 struct SeenSpace {
-  LargeBuffer<SeenPiece> unmeasured; ///< own pixels without depth, where their ray first meets the layer
-  LargeBuffer<SeenPiece> empty;      ///< pieces of rays before the measured surface
+  LargeBuffer<UnmeasuredPiece> unmeasured; ///< own pixels without depth, where their ray first meets the layer
+  LargeBuffer<SeenPiece> empty;            ///< pieces of rays before the measured surface
 };
 
 /// Occupied cells are carried to where they are in each frame, which needs no search for a way back: the pixel that

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "fields/turn.h"
+
 namespace kinora::fields {
 
 struct Surface {
@@ -12,6 +14,7 @@ struct Surface {
   std::uint32_t layer;
   std::array<float, 3> position; ///< relative to the field's box, where the light is taken away in the mean
   std::array<float, 3> spread;   ///< its standard deviation along the ray
+  Turn turn = kNoTurn;           ///< of the layer there
 };
 
 } // namespace kinora::fields

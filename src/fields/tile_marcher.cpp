@@ -28,6 +28,7 @@ bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, 
     if (!(direction.squaredNorm() > kStandstill * kStandstill)) continue; // it would never leave
     ray.depth_step = depth_step;
     ray.direction = direction;
+    ray.turn = place.turn;
     // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
     const float rung = std::ceil(steps - 0.5F);
     ray.entry_depth = rung * ray.depth_step;
@@ -39,7 +40,7 @@ bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, 
 }
 
 void TileMarcher::begin(const PixelRay& pixel_ray, std::uint32_t pixel) {
-  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNoTurn};
   float begin = 0;
   if (!enter(pixel_ray, 0, ray, begin)) return;
   rays_.push_back(ray);
@@ -95,8 +96,9 @@ void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
       Ray ray = rays_[i];
       const MarchRun& run = runs_[i];
       if (run.opacity > kNegligible) {
-        const Surface surface{ray.entry_depth + run.median * ray.depth_step, run.opacity, layer_,
-                              view.to_box(places_.at(i)), view.to_box(run.spread * ray.direction)};
+        const Surface surface{
+            ray.entry_depth + run.median * ray.depth_step, run.opacity, layer_, view.to_box(places_.at(i)),
+            view.to_box(run.spread * ray.direction),       ray.turn};
         surfaces.insert(ray.pixel, surface);
         if (ray.alone && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
           cells_.set(ray.pixel, surface);

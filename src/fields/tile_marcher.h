@@ -47,6 +47,7 @@ private:
     float entry_depth;
     float depth_step;
     Eigen::Vector3f origin, direction;
+    Turn turn;
   };
   // Stands the ray at its next entry that is not one of where it comes from; false if there is none.
   bool enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, float& begin) const;

@@ -26,6 +26,13 @@ void TileShader::shade() {
     const float normaliser = 1 / (opacities_[row] + kOpacityEpsilon);
     for (std::size_t h = 0; h < kHidden; ++h) input[h] = normaliser * sum[h];
     input[kHidden] = 1;
+    float* vectors = input + kHidden + 1;
+    std::fill_n(vectors, kSurfaceVectors, 0.0F);
+    const float* matrix = layer_->vector_matrix.data();
+    for (std::size_t h = 0; h < kHidden; ++h) {
+      for (int v = 0; v < kSurfaceVectors; ++v) vectors[v] += input[h] * *matrix++;
+    }
+    turn_vectors(turns_[row], vectors);
   }
   evaluate_surface_colors(layer_->field, layer_->surface_matrix, pixels_.size(), color_);
   colors_.resize(4 * pixels_.size());

@@ -22,6 +22,8 @@ public:
   void clear() {
     count_ = 0;
     opacities_.clear();
+    turns_.clear();
+    most_.clear();
     pixels_.clear();
   }
   /// Pixels in ascending order.
@@ -29,6 +31,12 @@ public:
     if (pixels_.empty() || pixels_.back() != pixel) {
       pixels_.push_back(pixel);
       opacities_.push_back(0);
+      turns_.push_back(surface.turn);
+      most_.push_back(0);
+    }
+    if (weight > most_.back()) {
+      most_.back() = weight;
+      turns_.back() = surface.turn;
     }
     opacities_.back() += weight;
     // Features hardly change there.
@@ -67,6 +75,8 @@ private:
   std::size_t count_ = 0;                      // points
   std::vector<std::uint32_t> pixels_;          // per row
   std::vector<float> opacities_;               // per row
+  std::vector<Turn> turns_;                    // per row, of the surface that weighs most
+  std::vector<float> most_;                    // per row: what that weighs
   PointBatch batch_;
   ColorBatch color_;
   std::vector<float> colors_; // rows × 4

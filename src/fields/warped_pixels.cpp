@@ -66,7 +66,8 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int labe
         part.push_back({static_cast<std::uint32_t>(numbers[k]),
                         relative_ray(config.box, origin, direction, to_vector(rays[k].direction).norm()),
                         {to_array(to_vector(back.bends[0]) / config.box.side),
-                         to_array(to_vector(back.bends[1]) / config.box.side)}});
+                         to_array(to_vector(back.bends[1]) / config.box.side)},
+                        packed(back.rotation)});
       }
     });
   }

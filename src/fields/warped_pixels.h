@@ -8,6 +8,7 @@
 #include "fields/field.h"
 #include "fields/occupancy.h"
 #include "fields/pixel_store.h"
+#include "fields/turn.h"
 #include "tracking/motion.h"
 
 namespace kinora::fields {
@@ -17,6 +18,7 @@ struct WarpedPixel {
   FieldRay ray;        ///< its ray about the measured depth, relative to the field's box
   /// What the ray leaves its straight line by, for each squared metre of depth before and behind the measured surface.
   std::array<std::array<float, 3>, 2> bends{};
+  PackedTurn turn{};
 };
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost

@@ -97,7 +97,7 @@ void BulkWarp::to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const 
   };
   std::vector<std::size_t> open; // rays without an answer that are worth a try
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    canonical[i] = {{nothing, nothing, nothing}, {}, {}};
+    canonical[i] = {{nothing, nothing, nothing}, {}, {}, {}};
     rays[i].start = node_near(rays[i].point);
     if (rays[i].start < 0) rays[i].start = nearest_node(rays[i], 0);
     if (rays[i].start >= 0) open.push_back(i);

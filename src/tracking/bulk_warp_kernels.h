@@ -29,6 +29,7 @@ struct CanonicalRay {
   std::array<float, 3> point; ///< not a number where there is no way back
   std::array<float, 3> direction;
   std::array<std::array<float, 3>, 2> bends;
+  std::array<float, 4> rotation; ///< from there to the world: a unit quaternion x y z w
 };
 
 void rays_to_canonical(const NodeMotion& motion, std::span<const Ray> rays, CanonicalRay* canonical);

@@ -131,6 +131,12 @@ HWY_INLINE Vec3 rotated_back(const Blend& blend, const Vec3& v) {
   return sub(v, mul(blend.twice_inverse_norm, cross(blend.real.v, turned)));
 }
 
+/// The rotation of a blend as a unit quaternion.
+HWY_INLINE Quat unit(const Blend& blend) {
+  const F to_unit = hn::Sqrt(hn::Mul(constant(0.5F), blend.twice_inverse_norm));
+  return {mul(to_unit, blend.real.v), hn::Mul(to_unit, blend.real.w)};
+}
+
 struct Moved {
   Vec3 point;
   Vec3 columns[3]; ///< of the derivative by the canonical point
@@ -172,6 +178,7 @@ struct WayBack {
   Vec3 point;
   Vec3 direction; ///< of what was asked for
   Mask found;
+  Quat rotation; ///< there, to the world
 };
 
 /// Newton's method from `start`. Nodes are looked for again once the point has gone farther than changes them.
@@ -183,7 +190,7 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
   const float radius_squared = 1 / motion.cells->inverse_squared_weight_radius;
   const F stale = constant(4e-4F * radius_squared);   // squared: a fiftieth of the weights' radius
   const F longest = constant(0.25F * radius_squared); // squared step
-  WayBack back{start, direction, hn::Ne(zero(), zero())};
+  WayBack back{start, direction, hn::Ne(zero(), zero()), {}};
   Nodes nodes;
   Blend blend;
   Vec3 found_at = start;
@@ -222,6 +229,7 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
       found_at = back.point;
     }
   }
+  back.rotation = unit(blend);
   return back;
 }
 
@@ -281,11 +289,13 @@ void rays_to_canonical_at(const NodeMotion& motion, const Ray* rays, std::size_t
     return mul(hn::IfThenElseZero(fits, per_square), off);
   };
   const F nothing = hn::NaN(Floats());
-  Lanes<12> result;
+  Lanes<16> result;
   result.set3(0, choose(middle.found, middle.point, {nothing, nothing, nothing}));
   result.set3(3, middle.direction);
   result.set3(6, bend_to(mul(constant(-1), ahead), hn::Neg(outer)));
   result.set3(9, bend_to(ahead, outer));
+  result.set3(12, middle.rotation.v);
+  result.set(15, middle.rotation.w);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
       out[i].point[a] = result.values[a][i];
@@ -293,6 +303,7 @@ void rays_to_canonical_at(const NodeMotion& motion, const Ray* rays, std::size_t
       out[i].bends[0][a] = result.values[6 + a][i];
       out[i].bends[1][a] = result.values[9 + a][i];
     }
+    for (std::size_t a = 0; a < 4; ++a) out[i].rotation[a] = result.values[12 + a][i];
   }
 }
 
@@ -319,11 +330,11 @@ void points_to_world(const NodeMotion& motion, const std::array<float, 3>* canon
     blend_at(motion, nodes, at, blend);
     const Vec3 moved = mul_add(blend.twice_inverse_norm, displacement(blend.real, blend.dual, at, turned), at);
     const F nothing = hn::NaN(Floats());
-    const F to_unit = hn::Sqrt(hn::Mul(constant(0.5F), blend.twice_inverse_norm));
+    const Quat rotation = unit(blend);
     Lanes<7> out;
     out.set3(0, choose(nodes.present[0], moved, {nothing, nothing, nothing}));
-    out.set3(3, mul(to_unit, blend.real.v));
-    out.set(6, hn::Mul(to_unit, blend.real.w));
+    out.set3(3, rotation.v);
+    out.set(6, rotation.w);
     for (std::size_t i = 0; i < here; ++i) {
       for (std::size_t a = 0; a < 3; ++a) world[begin + i].point[a] = out.values[a][i];
       for (std::size_t a = 0; a < 4; ++a) world[begin + i].rotation[a] = out.values[3 + a][i];

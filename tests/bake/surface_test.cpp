@@ -7,6 +7,7 @@
 #include "bake/surface.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/arrow_ball.h"
 
 namespace kinora::bake {
 namespace {
@@ -49,6 +50,21 @@ TEST(Surface, ColorsAreThoseOfTheField) {
     const bool left = mesh.positions[v].x() < 0;
     ASSERT_NEAR(mesh.colors[v][0], 255 * (left ? 0.8 : 0.2), 4);
     ASSERT_NEAR(mesh.colors[v][2], 255 * (left ? 0.3 : 0.8), 4);
+  }
+}
+
+TEST(Surface, ColorsAreThoseOfTheMeanFrame) {
+  const fields::testing::ArrowBall arrows;
+  std::vector<tracking::Motion::Pose> poses;
+  Eigen::Array3d expected = Eigen::Array3d::Zero();
+  for (int i = 0; i < 4; ++i) {
+    poses.push_back({arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix())});
+    expected += 0.25 * arrows.expected(poses.back().canonical_to_world.linear());
+  }
+  const encode::Layer layer{"ball", 1, arrows.field(), tracking::Motion::rigid(poses)};
+  const host::Mesh mesh = *bake_surface(layer, {}, Progress());
+  for (const auto& color : mesh.colors) {
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(color[c], 255 * expected[static_cast<Eigen::Index>(c)], 3);
   }
 }
 

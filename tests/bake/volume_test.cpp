@@ -5,6 +5,7 @@
 #include "bake/volume.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/arrow_ball.h"
 
 namespace kinora::bake {
 namespace {
@@ -66,6 +67,29 @@ TEST(Volume, OfARigidLayerFollowsIt) {
   for (const int frame : {0, 3}) {
     const Eigen::Vector3d expected = clip.layers[0].motion.canonical_to_world(frame).translation();
     EXPECT_LT((middle_of(volume_of(clip, frame)) - expected).norm(), 0.005);
+  }
+}
+
+TEST(Volume, ColorsTurnWithTheLayer) {
+  const fields::testing::ArrowBall arrows;
+  std::vector<tracking::Motion::Pose> poses;
+  for (int i = 0; i < 3; ++i) {
+    poses.push_back({arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix())});
+  }
+  encode::Clip clip = testing::sample_clip(3);
+  clip.layers = {{"ball", 1, arrows.field(), tracking::Motion::rigid(poses)}};
+  for (int i = 0; i < 3; ++i) {
+    const host::Volume volume = volume_of(clip, i);
+    const Eigen::Array3d expected = arrows.expected(poses[static_cast<std::size_t>(i)].canonical_to_world.linear());
+    std::size_t inside = 0;
+    for (std::size_t v = 0; v < volume.voxels.size(); ++v) {
+      if ((place_of(volume, v) - arrows.ball.centre).norm() > arrows.ball.radius - 2 * kVoxel) continue;
+      ++inside;
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_NEAR(volume.color[v][static_cast<std::size_t>(c)], std::pow((expected[c] + 0.055) / 1.055, 2.4), 0.02);
+      }
+    }
+    EXPECT_GT(inside, 500U);
   }
 }
 

@@ -126,7 +126,8 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
     for (const int v : values) bad[i++] = static_cast<std::byte>(v);
     return bad;
   };
-  expect_corrupt(with(0, {3}));           // version
+  expect_corrupt(with(0, {1}));           // version
+  expect_corrupt(with(0, {5}));           // version
   expect_corrupt(with(1, {0}));           // levels
   expect_corrupt(with(1, {255}));         // levels
   expect_corrupt(with(2, {31}));          // table size

@@ -172,13 +172,21 @@ TEST_P(Hull, ColoursOfSurfacesAreThoseOfTheWholeNets) {
   evaluate_points(field, levels, points, whole);
   evaluate_hidden(field, levels, points, hidden);
   ColorBatch expected, colors;
+  const std::vector<float> vectors = vector_matrix(field);
   for (std::size_t i = 0; i < kPoints; ++i) {
     const float* features = whole.geometry.data() + i * FieldConfig::kGeometry;
     expected.input.insert(expected.input.end(), features + 1, features + FieldConfig::kGeometry);
     expected.input.push_back(1);
+    const Turn turn = testing::random_turn(random);
+    turn_vectors(turn, expected.input.data() + i * FieldConfig::kGeometry);
     const float* row = hidden.hidden.data() + i * FieldConfig::kHidden;
     colors.input.insert(colors.input.end(), row, row + FieldConfig::kHidden);
     colors.input.push_back(1);
+    std::array<float, kSurfaceVectors> turned{};
+    for (std::size_t k = 0; k < vectors.size(); ++k)
+      turned[k % kSurfaceVectors] += row[k / kSurfaceVectors] * vectors[k];
+    turn_vectors(turn, turned.data());
+    colors.input.insert(colors.input.end(), turned.begin(), turned.end());
   }
   evaluate_colors(field, kPoints, expected);
   evaluate_surface_colors(field, surface_matrix(field), kPoints, colors);

@@ -18,8 +18,10 @@ struct Paint {
 constexpr int kPaintedCells = 64;
 
 /// Raw density falls from `inside` to −`inside` within a cell on both sides of the surface; everything within two cells
-/// of the inside is occupied. The finer level is stored densely, nets pass its features on unchanged.
-template <class Shape> Field painted_field(const FieldBox& box, const Shape& shape, float inside = 8) {
+/// of the inside is occupied. The finer level is stored densely, nets pass its features on unchanged. With `turning`
+/// the colour is a vector that turns with the layer, and grey is added to it.
+template <class Shape>
+Field painted_field(const FieldBox& box, const Shape& shape, float inside = 8, bool turning = false) {
   FieldConfig config;
   config.box = box;
   config.levels = 2;
@@ -62,12 +64,14 @@ template <class Shape> Field painted_field(const FieldBox& box, const Shape& sha
   for (int i = 0; i < 5; ++i) density(kFirst + i, i) = 1;
   density(kSecond + 0, 0) = 1;
   density(kSecond + 1, 0) = -1;
-  for (int c = 0; c < 3; ++c) density(kSecond + 2 + c, 1 + c) = 1;
+  const int first_color = turning ? 0 : 3 * FieldConfig::kVectors; // of the features
+  for (int c = 0; c < 3; ++c) density(kSecond + 2 + c, 1 + first_color + c) = 1;
   // Before the sigmoid: 8 · colour − 4.
   float* net = field.color_net.data();
   constexpr int kOne = FieldConfig::kGeometry - 1;
   for (int c = 0; c < 3; ++c) {
-    net[kColorFirst + c * kC + c] = 1;
+    net[kColorFirst + (first_color + c) * kC + c] = 1;
+    if (turning) net[kColorFirst + kOne * kC + c] = 0.5F;
     net[kColorSecond + c * kC + c] = 1;
     net[kColorThird + c * FieldConfig::kColorOutputs + c] = 8;
     net[kColorThird + 3 * FieldConfig::kColorOutputs + c] = -4;

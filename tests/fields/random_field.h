@@ -29,6 +29,13 @@ inline Field random_field(std::uint64_t seed, float table_scale = 0.5F, Geometry
   return field;
 }
 
+inline Turn random_turn(Random& random) {
+  Eigen::Vector4f q;
+  for (float& x : q) x = random.uniform() - 0.5F;
+  q.normalize();
+  return {q[0], q[1], q[2], q[3]};
+}
+
 /// Rays with 0 to 9 samples, here and there or, every other ray, close to each other; own ones with and without depth,
 /// and rays of other layers.
 inline RayBatch random_rays(std::uint64_t seed, std::size_t count) {
@@ -53,6 +60,7 @@ inline RayBatch random_rays(std::uint64_t seed, std::size_t count) {
       target.lengths_per_depth = 9;
     }
     for (float& c : target.color) c = random.uniform();
+    target.turn = random_turn(random);
     batch.targets.push_back(target);
   }
   return batch;

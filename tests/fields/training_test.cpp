@@ -1,6 +1,8 @@
 // A small analytic scene is learnt from its frames and drawn again: the whole room, end to end.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "core/metrics.h"
 #include "fields/analytic_scene.h"
 #include "fields/renderer.h"
@@ -109,6 +111,42 @@ TEST(Renderer, AcceptsEveryCamera) {
   EXPECT_EQ(render({}, camera).color.at(0, 0, 3), 0);
   camera.intrinsics.width = 0;
   EXPECT_ANY_THROW(render({&posed, 1}, camera));
+}
+
+// A white ball that turns by 15° from frame to frame, in light from the left.
+TEST(Training, LearnsTheLightThatALayerTurnsIn) {
+  const Scene scene;
+  PixelStore store(1'000'000, 12);
+  std::vector<tracking::Motion::Pose> poses;
+  ingest::Frame held_out;
+  for (int i = 0; i < 12; ++i) {
+    ingest::Frame frame = scene.frame(i, 0);
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        if (frame.labels.at(u, v) != 2) continue;
+        const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, frame.depth.at(u, v));
+        const double light = std::max(0.0, (point - scene.centre).normalized().dot(Eigen::Vector3d(-0.8, 0, -0.6)));
+        std::fill_n(frame.color.pixel(u, v), 3, static_cast<std::uint8_t>(std::lround(40 + 200 * light)));
+      }
+    }
+    tracking::Motion::Pose pose;
+    pose.canonical_to_world.linear() =
+        Eigen::AngleAxisd(i * std::numbers::pi / 12, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    pose.canonical_to_world.translation() = scene.centre - pose.canonical_to_world.linear() * scene.centre;
+    poses.push_back(pose);
+    if (i == 6) {
+      held_out = frame;
+    } else {
+      store.add(frame, i);
+    }
+  }
+  const auto motion = tracking::Motion::rigid(poses);
+  Progress progress;
+  const DrawableField field(
+      train_field(store, 2, motion, choose_field_config(store, 2, motion), short_training(), progress));
+  const PosedField posed = pose(field, motion.warp(6));
+  const Picture picture = render({&posed, 1}, held_out.camera);
+  EXPECT_GT(compare_images(picture.color, held_out.color, held_out.labels).psnr_inside, 33);
 }
 
 } // namespace

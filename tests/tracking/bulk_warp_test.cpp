@@ -42,6 +42,7 @@ struct Bulk {
 
   struct Back {
     Vector3d point, direction, before, behind;
+    Eigen::Matrix3d rotation; // to the world
     Vector3d at(double t) const { return point + t * direction + t * t * (t > 0 ? behind : before); }
   };
   std::optional<Back> to_canonical(const Vector3d& world, const Vector3d& direction, double reach) const {
@@ -50,7 +51,7 @@ struct Bulk {
     bulk.to_canonical({&ray, 1}, &back);
     if (std::isnan(back.point[0])) return std::nullopt;
     return Back{to_vector(back.point) + bulk.canonical_origin(), to_vector(back.direction), to_vector(back.bends[0]),
-                to_vector(back.bends[1])};
+                to_vector(back.bends[1]), Eigen::Quaternionf(back.rotation.data()).cast<double>().toRotationMatrix()};
   }
 };
 
@@ -104,6 +105,7 @@ TEST_P(BulkWarpOnEveryInstructionSet, WaysBackLeadToTheSamePoint) {
         const Vector3d world = *bulk.warp.to_world(canonical);
         const auto back = bulk.to_canonical(world, Vector3d::UnitZ(), 0.01);
         ASSERT_TRUE(back) << "angle " << angle << " at " << canonical.transpose();
+        EXPECT_LT((back->rotation - bulk.warp.at(back->point)->linear()).norm(), 0.02);
         EXPECT_LT((*bulk.warp.to_world(back->point) - world).norm(), 1e-4);
         EXPECT_LT((back->point - canonical).norm(), 1e-3);
       }
