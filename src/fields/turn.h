@@ -44,13 +44,7 @@ inline PackedTurn packed(const Turn& turn) {
 }
 inline Turn unpacked(const PackedTurn& packed) {
   Turn turn{};
-  float squared = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    turn[i] = static_cast<float>(packed[i]);
-    squared += turn[i] * turn[i];
-  }
-  const float scale = squared > 0 ? 1 / std::sqrt(squared) : 0;
-  for (float& q : turn) q *= scale;
+  for (std::size_t i = 0; i < 4; ++i) turn[i] = static_cast<float>(packed[i]) / 32767.0F;
   return turn;
 }
 
