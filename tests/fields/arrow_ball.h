@@ -1,6 +1,7 @@
 // A field that shows by its colour how it is turned.
 #pragma once
 
+#include "core/camera.h"
 #include "fields/painted_field.h"
 
 namespace kinora::fields::testing {
