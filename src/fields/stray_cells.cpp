@@ -63,32 +63,37 @@ struct Votes {
 };
 
 /// What one pixel tells of a cell at a depth.
-Votes look_at(const StoredPixel* pixel, int label, float depth, float thickness) {
-  if (pixel == nullptr) return {};
+Votes look_at(const StoredPixel& pixel, int label, float depth, float thickness) {
   const float tolerance = three_sigma(depth) + thickness;
-  if (pixel->label != label) return {0, depth + tolerance < empty_until(*pixel) ? 1 : 0};
-  if (pixel->depth == 0) return {};
-  const float beyond = std::abs(pixel->depth) - depth;
+  if (pixel.label != label) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
+  if (pixel.depth == 0) return {};
+  const float beyond = std::abs(pixel.depth) - depth;
   return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
 }
 
-/// What a frame tells of a cell that it sees about a point: past it only if all of it lies before what is farther.
+/// What a frame tells of a cell that it sees about a point: past it only if all of it lies before what is farther. Of
+/// the pixels about the point's, some may not be stored.
 Votes look_at(const Eigen::Vector3d& world, double side, const StoredFrame& frame, const PixelMap& map, int label) {
   const Eigen::Vector3d p = frame.camera.camera_to_world.inverse() * world;
   const Intrinsics& k = frame.camera.intrinsics;
   if (!(p.z() > side)) return {};
   const Eigen::Vector2d at = k.project(p);
-  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < k.width - 0.5 && at.y() < k.height - 0.5)) return {};
+  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < k.width && at.y() < k.height)) return {};
   const int u = static_cast<int>(std::lround(at.x()));
   const int v = static_cast<int>(std::lround(at.y()));
   const int reach = static_cast<int>(std::ceil(side / 2 * k.fx / p.z()));
+  if (map.at(u, v) == nullptr) return {};
+  int looks = 0;
   Votes all;
   for (const int dv : {-reach, 0, reach}) {
     for (const int du : {-reach, 0, reach}) {
-      all.add(look_at(map.at(u + du, v + dv), label, static_cast<float>(p.z()), static_cast<float>(kThickness * side)));
+      const StoredPixel* pixel = map.at(u + du, v + dv);
+      if (pixel == nullptr) continue;
+      ++looks;
+      all.add(look_at(*pixel, label, static_cast<float>(p.z()), static_cast<float>(kThickness * side)));
     }
   }
-  return {all.met > 0 ? 1 : 0, all.past == 9 ? 1 : 0};
+  return {all.met > 0 ? 1 : 0, all.past == looks ? 1 : 0};
 }
 
 std::vector<Votes> votes_on(const std::vector<Eigen::Vector3d>& points, const PixelStore& pixels, int label,

@@ -59,6 +59,16 @@ TEST(StrayCells, ACrumbThatIsSeenPastIsDropped) {
   EXPECT_TRUE(holds(field, kScene.centre - Eigen::Vector3d(0, 0, kScene.radius)));
 }
 
+TEST(StrayCells, ACrumbIsDroppedWhereASixthOfThePixelsIsStored) {
+  PixelStore store(kWidth * kHeight * 2, 12);
+  for (int i = 0; i < 12; ++i) store.add(kScene.frame(i, 0.05 * (i - 6)), i);
+  const Eigen::Vector3d crumb = kScene.centre + Eigen::Vector3d(0, -0.43, 0);
+  Field field = with_crumb(crumb);
+  drop(field, store);
+  EXPECT_FALSE(holds(field, crumb));
+  EXPECT_TRUE(holds(field, kScene.centre - Eigen::Vector3d(0, 0, kScene.radius)));
+}
+
 TEST(StrayCells, AWebThatHangsTogetherWithTheLayerIsDropped) {
   const Eigen::Vector3d web = kScene.centre + Eigen::Vector3d(0, -0.34, 0);
   Field field = with_crumb(web);
