@@ -1,0 +1,148 @@
+#include "fields/stray_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+#include "fields/pixel_map.h"
+#include "fields/surface_band.h"
+
+namespace kinora::fields {
+namespace {
+
+using Cell = std::array<int, 3>;
+
+constexpr std::size_t kMostFrames = 64;
+constexpr std::size_t kPointsPerChunk = 512;
+constexpr double kThickness = 2; // cells: a surface is occupied some cells deep
+constexpr int kClearly = 2;      // times as many looks see past a cell as meet it
+
+// Connected parts, each cell once, the largest first. Empties the occupancy.
+std::vector<std::vector<Cell>> take_parts(Occupancy& occupancy) {
+  const int r = occupancy.resolution();
+  const auto width = static_cast<std::size_t>(r);
+  std::vector<std::vector<Cell>> parts;
+  std::vector<std::uint64_t>& words = occupancy.words();
+  for (std::size_t w = 0; w < words.size(); ++w) {
+    while (words[w] != 0) {
+      const std::size_t i = 64 * w + static_cast<std::size_t>(std::countr_zero(words[w]));
+      std::vector<Cell> part{
+          {static_cast<int>(i % width), static_cast<int>(i / width % width), static_cast<int>(i / (width * width))}};
+      occupancy.set(part[0][0], part[0][1], part[0][2], false);
+      for (std::size_t next = 0; next < part.size(); ++next) {
+        const Cell at = part[next];
+        for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, r - 1); ++z) {
+          for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, r - 1); ++y) {
+            for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, r - 1); ++x) {
+              if (!occupancy.at(x, y, z)) continue;
+              occupancy.set(x, y, z, false);
+              part.push_back({x, y, z});
+            }
+          }
+        }
+      }
+      parts.push_back(std::move(part));
+    }
+  }
+  std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return parts;
+}
+
+/// Looks that meet the layer at a cell, and looks that see past it.
+struct Votes {
+  int met = 0;
+  int past = 0;
+
+  void add(const Votes& other) {
+    met += other.met;
+    past += other.past;
+  }
+};
+
+/// What one pixel tells of a cell at a depth.
+Votes look_at(const StoredPixel& pixel, int label, float depth, float thickness) {
+  const float tolerance = three_sigma(depth) + thickness;
+  if (pixel.label != label) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
+  if (pixel.depth == 0) return {};
+  const float beyond = std::abs(pixel.depth) - depth;
+  return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
+}
+
+/// What a frame tells of a cell that it sees about a point: past it only if all of it lies before what is farther. Of
+/// the pixels about the point's, some may not be stored.
+Votes look_at(const Eigen::Vector3d& world, double side, const StoredFrame& frame, const PixelMap& map, int label) {
+  const Eigen::Vector3d p = frame.camera.camera_to_world.inverse() * world;
+  const Intrinsics& k = frame.camera.intrinsics;
+  if (!(p.z() > side)) return {};
+  const Eigen::Vector2d at = k.project(p);
+  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < k.width && at.y() < k.height)) return {};
+  const int u = static_cast<int>(std::lround(at.x()));
+  const int v = static_cast<int>(std::lround(at.y()));
+  const int reach = static_cast<int>(std::ceil(side / 2 * k.fx / p.z()));
+  if (map.at(u, v) == nullptr) return {};
+  int looks = 0;
+  Votes all;
+  for (const int dv : {-reach, 0, reach}) {
+    for (const int du : {-reach, 0, reach}) {
+      const StoredPixel* pixel = map.at(u + du, v + dv);
+      if (pixel == nullptr) continue;
+      ++looks;
+      all.add(look_at(*pixel, label, static_cast<float>(p.z()), static_cast<float>(kThickness * side)));
+    }
+  }
+  return {all.met > 0 ? 1 : 0, all.past == looks ? 1 : 0};
+}
+
+std::vector<Votes> votes_on(const std::vector<Eigen::Vector3d>& points, const PixelStore& pixels, int label,
+                            const tracking::Motion& motion, double side) {
+  std::vector<Votes> votes(points.size());
+  const std::size_t frames = pixels.frames().size();
+  const std::size_t looking = std::min(frames, kMostFrames);
+  for (std::size_t n = 0; n < looking; ++n) {
+    const StoredFrame& frame = pixels.frames()[n * frames / looking];
+    if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
+    const PixelMap map(pixels, frame);
+    const tracking::Warp warp = motion.warp(frame.frame);
+    parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+      for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+        if (const auto world = warp.to_world(points[i])) votes[i].add(look_at(*world, side, frame, map, label));
+      }
+    });
+  }
+  return votes;
+}
+
+} // namespace
+
+std::size_t drop_stray_cells(const PixelStore& pixels, int label, const tracking::Motion& motion, Field& field) {
+  const std::vector<std::vector<Cell>> parts = take_parts(field.occupancy);
+  const double side = field.config.box.side / field.config.occupancy_resolution;
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& part : parts) {
+    for (const Cell& cell : part) {
+      points.push_back(field.config.box.origin + side * Eigen::Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
+    }
+  }
+  const std::vector<Votes> votes = votes_on(points, pixels, label, motion, side);
+  std::size_t emptied = 0;
+  auto own = votes.begin();
+  for (const auto& part : parts) {
+    Votes all;
+    for (std::size_t k = 0; k < part.size(); ++k) all.add(own[static_cast<std::ptrdiff_t>(k)]);
+    const bool is_crumb = &part != &parts.front() && all.past > all.met;
+    for (const Cell& cell : part) {
+      if (is_crumb || own->past > kClearly * own->met) {
+        ++emptied;
+      } else {
+        field.occupancy.set(cell[0], cell[1], cell[2]);
+      }
+      ++own;
+    }
+  }
+  return emptied;
+}
+
+} // namespace kinora::fields
