@@ -57,7 +57,9 @@ void train_and_judge(const Setting& setting) {
   trainer.largest_log2_table_size = whole("largest_log2_table_size");
   trainer.sampling.surface_samples = whole("surface_samples");
   trainer.sampling.free_samples = whole("free_samples");
-  trainer.loss = fields::weights_for(fields::agreement_of_views(store, 1, motion));
+  const fields::ViewAgreement agreement = fields::agreement_of_views(store, 1, motion);
+  trainer.loss = fields::weights_for(agreement);
+  trainer.drop_stray_cells = fields::contradicts(agreement);
   Progress progress;
   fields::TrainingReport report;
   const std::clock_t cpu_begin = std::clock();

@@ -29,6 +29,7 @@ Json config_json(const fields::TrainerConfig& config) {
           {"final_learning_rate", config.final_learning_rate},
           {"negligible_gradient", config.negligible_gradient},
           {"largest_log2_table_size", config.largest_log2_table_size},
+          {"drop_stray_cells", config.drop_stray_cells},
           {"loss_weights",
            {{"color", config.loss.color},
             {"opacity", config.loss.opacity},

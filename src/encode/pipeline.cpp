@@ -181,8 +181,13 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   fields::TrainerConfig trainer;
   trainer.seed = options.seed;
   trainer.rays = job.rays;
-  fields::ViewAgreement agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
-  trainer.loss = fields::weights_for(agreement);
+  fields::ViewAgreement agreement;
+  const auto compare_views = [&] {
+    agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
+    trainer.loss = fields::weights_for(agreement);
+    trainer.drop_stray_cells = fields::contradicts(agreement);
+  };
+  compare_views();
   fields::GeometryTrial trial;
   if (options.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
@@ -194,8 +199,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   MotionRefinement refinement;
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
     refinement = refine_layer(tracked, config, trainer, pass, layer, progress);
-    agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
-    trainer.loss = fields::weights_for(agreement);
+    compare_views();
   }
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);
@@ -228,7 +232,8 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                                 {"steps", training.steps},
                                 {"bytes", training.bytes},
                                 {"final_loss", training.final_loss},
-                                {"restarts", training.restarts}}}});
+                                {"restarts", training.restarts},
+                                {"stray_cells", training.stray_cells}}}});
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
     report["layers"].back()["refinement"] = refinement_json(refinement);
   }

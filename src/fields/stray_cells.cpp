@@ -4,11 +4,15 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/parallel.h"
 #include "fields/pixel_map.h"
 #include "fields/surface_band.h"
+#include "tracking/bulk_warp.h"
 
 namespace kinora::fields {
 namespace {
@@ -71,32 +75,76 @@ Votes look_at(const StoredPixel& pixel, int label, float depth, float thickness)
   return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
 }
 
-/// What a frame tells of a cell that it sees about a point: past it only if all of it lies before what is farther. Of
-/// the pixels about the point's, some may not be stored.
-Votes look_at(const Eigen::Vector3d& world, double side, const StoredFrame& frame, const PixelMap& map, int label) {
-  const Eigen::Vector3d p = frame.camera.camera_to_world.inverse() * world;
-  const Intrinsics& k = frame.camera.intrinsics;
+/// What a frame tells of a cell, in the camera's frame: what the pixel in its middle does, and that it is past it only
+/// if all of it lies before what is farther. Of the pixels about that, some may not be stored.
+Votes look_at(const Eigen::Vector3d& p, double side, const Intrinsics& k, const PixelMap& map, int label) {
   if (!(p.z() > side)) return {};
   const Eigen::Vector2d at = k.project(p);
   if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < k.width && at.y() < k.height)) return {};
   const int u = static_cast<int>(std::lround(at.x()));
   const int v = static_cast<int>(std::lround(at.y()));
+  const auto votes_of = [&](const StoredPixel& pixel) {
+    return look_at(pixel, label, static_cast<float>(p.z()), static_cast<float>(kThickness * side));
+  };
+  const StoredPixel* middle = map.at(u, v);
+  if (middle == nullptr) return {};
+  Votes votes = votes_of(*middle);
+  if (votes.past == 0) return votes;
   const int reach = static_cast<int>(std::ceil(side / 2 * k.fx / p.z()));
-  if (map.at(u, v) == nullptr) return {};
-  int looks = 0;
-  Votes all;
   for (const int dv : {-reach, 0, reach}) {
     for (const int du : {-reach, 0, reach}) {
       const StoredPixel* pixel = map.at(u + du, v + dv);
       if (pixel == nullptr) continue;
-      ++looks;
-      all.add(look_at(*pixel, label, static_cast<float>(p.z()), static_cast<float>(kThickness * side)));
+      const Votes beside = votes_of(*pixel);
+      if (beside.met > 0) return beside;
+      votes.past = std::min(votes.past, beside.past);
     }
   }
-  return {all.met > 0 ? 1 : 0, all.past == looks ? 1 : 0};
+  return votes;
 }
 
-std::vector<Votes> votes_on(const std::vector<Eigen::Vector3d>& points, const PixelStore& pixels, int label,
+/// Points of a layer, in any frame.
+class CarriedPoints {
+public:
+  CarriedPoints(const tracking::Motion& motion, std::vector<Eigen::Vector3d> points)
+      : motion_(motion), points_(std::move(points)) {
+    if (motion.graph() == nullptr) return;
+    table_ = std::make_shared<const tracking::InfluenceTable>(motion.graph());
+    for (const Eigen::Vector3d& point : points_) {
+      const Eigen::Vector3f p = (point - table_->origin()).cast<float>();
+      canonical_.push_back({p.x(), p.y(), p.z()});
+    }
+  }
+
+  std::size_t size() const { return points_.size(); }
+  /// In the world; not a number where nothing moves the point.
+  std::vector<Eigen::Vector3d> at(int frame) const {
+    std::vector<Eigen::Vector3d> world(points_.size());
+    const tracking::Warp warp = motion_.warp(frame);
+    std::optional<tracking::BulkWarp> bulk;
+    if (table_ != nullptr) bulk.emplace(table_, warp);
+    parallel_for(world.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+      if (!bulk) {
+        for (std::size_t i = chunk.begin; i < chunk.end; ++i) world[i] = warp.rigid() * points_[i];
+        return;
+      }
+      std::vector<tracking::BulkWarp::Carried> there(chunk.end - chunk.begin);
+      bulk->to_world(std::span(canonical_).subspan(chunk.begin, there.size()), there.data());
+      for (std::size_t k = 0; k < there.size(); ++k) {
+        world[chunk.begin + k] = Eigen::Vector3f(there[k].point.data()).cast<double>() + bulk->world_origin();
+      }
+    });
+    return world;
+  }
+
+private:
+  const tracking::Motion& motion_;
+  std::vector<Eigen::Vector3d> points_;
+  std::shared_ptr<const tracking::InfluenceTable> table_; // of a layer that deforms
+  std::vector<std::array<float, 3>> canonical_;           // relative to its origin
+};
+
+std::vector<Votes> votes_on(const CarriedPoints& points, const PixelStore& pixels, int label,
                             const tracking::Motion& motion, double side) {
   std::vector<Votes> votes(points.size());
   const std::size_t frames = pixels.frames().size();
@@ -105,10 +153,11 @@ std::vector<Votes> votes_on(const std::vector<Eigen::Vector3d>& points, const Pi
     const StoredFrame& frame = pixels.frames()[n * frames / looking];
     if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
     const PixelMap map(pixels, frame);
-    const tracking::Warp warp = motion.warp(frame.frame);
-    parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    const SE3 camera_from_world = frame.camera.camera_to_world.inverse();
+    const std::vector<Eigen::Vector3d> world = points.at(frame.frame);
+    parallel_for(world.size(), kPointsPerChunk, [&](const Chunk& chunk) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        if (const auto world = warp.to_world(points[i])) votes[i].add(look_at(*world, side, frame, map, label));
+        votes[i].add(look_at(camera_from_world * world[i], side, frame.camera.intrinsics, map, label));
       }
     });
   }
@@ -126,7 +175,7 @@ std::size_t drop_stray_cells(const PixelStore& pixels, int label, const tracking
       points.push_back(field.config.box.origin + side * Eigen::Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
     }
   }
-  const std::vector<Votes> votes = votes_on(points, pixels, label, motion, side);
+  const std::vector<Votes> votes = votes_on({motion, std::move(points)}, pixels, label, motion, side);
   std::size_t emptied = 0;
   auto own = votes.begin();
   for (const auto& part : parts) {

@@ -305,7 +305,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   progress.advance(run.rays(), fmt::format("loss {:.4f}", result.final_loss));
   Field field = run.take_field();
   prune(field);
-  drop_stray_cells(pixels, label, motion, field);
+  if (trainer.drop_stray_cells) result.stray_cells = drop_stray_cells(pixels, label, motion, field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;

@@ -26,6 +26,7 @@ struct TrainerConfig {
   SamplingConfig sampling;
   float negligible_gradient = 1e-4F; ///< FieldOptimizer
   int largest_log2_table_size = 17;  ///< up to which tables may grow (GrowthTrial)
+  bool drop_stray_cells = true;      ///< in the end; finds nothing where all views agree
 
   static constexpr int kRaysPerChunk = 128;
 };
@@ -64,7 +65,8 @@ struct TrainingReport {
   std::size_t bytes = 0; ///< of parameters, their gradients and both moments: what a step works on
   double seconds = 0;    ///< for people; no decision depends on it
   double final_loss = 0;
-  std::size_t restarts = 0; ///< times a dead or diverged field was begun anew
+  std::size_t restarts = 0;    ///< times a dead or diverged field was begun anew
+  std::size_t stray_cells = 0; ///< that were dropped
   std::vector<GrowthTrial> growth;
 };
 

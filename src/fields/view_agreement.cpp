@@ -13,6 +13,8 @@
 namespace kinora::fields {
 namespace {
 
+constexpr double kDoubt = 0.001; // share of the looks from which on space about silhouettes has to be emptied
+
 /// How a point meets what another frame shows.
 struct Look {
   bool through = false; ///< all pixels about the point's see something behind it
@@ -97,9 +99,10 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
   return agreement;
 }
 
+bool contradicts(const ViewAgreement& agreement) { return agreement.seen_through >= kDoubt; }
+
 LossWeights weights_for(const ViewAgreement& agreement) {
   constexpr double kRough = 0.005; // from so many looks on, opaque silhouettes would grow
-  constexpr double kDoubt = 0.001; // from so many on, space about them would not be emptied
   constexpr double kMostNoise = 6; // beyond it bands would hold more than one surface
   const auto trust = [&](double bound) {
     return static_cast<float>(agreement.looks == 0 ? 0 : std::max(0.0, 1 - agreement.seen_through / bound));

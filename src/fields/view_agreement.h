@@ -28,4 +28,7 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
 /// (docs/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
 LossWeights weights_for(const ViewAgreement& agreement);
 
+/// Whether enough looks see past what others meet for cells to be seen past as well (stray_cells.h).
+bool contradicts(const ViewAgreement& agreement);
+
 } // namespace kinora::fields

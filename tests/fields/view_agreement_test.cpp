@@ -25,6 +25,7 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
   const ViewAgreement agreement = agreement_of_views(misplaced(0), kBall, tracking::Motion::still());
   EXPECT_GT(agreement.looks, 1000U);
   EXPECT_EQ(agreement.seen_through, 0);
+  EXPECT_FALSE(contradicts(agreement));
   const LossWeights weights = weights_for(agreement);
   EXPECT_FLOAT_EQ(weights.opacity, 2 * LossWeights{}.opacity);
   EXPECT_FLOAT_EQ(weights.depth, 2 * LossWeights{}.depth);
@@ -35,6 +36,7 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
 TEST(ViewAgreement, IsLostWithWrongPoses) {
   const ViewAgreement agreement = agreement_of_views(misplaced(0.2), kBall, tracking::Motion::still());
   EXPECT_GT(agreement.seen_through, 0.05);
+  EXPECT_TRUE(contradicts(agreement));
   EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
 }
 
