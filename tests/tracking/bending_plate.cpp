@@ -63,15 +63,7 @@ Eigen::Vector3d Plate::place(double x, double y) const {
 }
 
 ingest::Frame render_plate(const Plate& plate, const SE3& camera_to_world, int index, const SceneOptions& options) {
-  ingest::Frame frame;
-  frame.index = index;
-  frame.time = index / 30.0;
-  frame.camera.intrinsics = {options.width, options.height,           options.focal,
-                             options.focal, options.width / 2.0 - .5, options.height / 2.0 - .5};
-  frame.camera.camera_to_world = camera_to_world;
-  frame.color = ColorImage(options.width, options.height, 3, 128);
-  frame.depth = DepthImage(options.width, options.height);
-  frame.labels = LabelImage(options.width, options.height);
+  ingest::Frame frame = grey_frame(camera_to_world, index, options);
   const SE3 camera_to_plate = plate.to_world.inverse() * camera_to_world;
   Random random(options.seed, static_cast<std::uint64_t>(index));
   for (int v = 0; v < options.height; ++v) {

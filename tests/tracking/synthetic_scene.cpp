@@ -77,8 +77,7 @@ double distance_to(const Shape& shape, const Eigen::Vector3d& point) {
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-ingest::Frame render_frame(const Shape& shape, const SE3& object_to_world, const SE3& camera_to_world, int index,
-                           const SceneOptions& options) {
+ingest::Frame grey_frame(const SE3& camera_to_world, int index, const SceneOptions& options) {
   ingest::Frame frame;
   frame.index = index;
   frame.time = index / 30.0;
@@ -88,6 +87,12 @@ ingest::Frame render_frame(const Shape& shape, const SE3& object_to_world, const
   frame.color = ColorImage(options.width, options.height, 3, 128);
   frame.depth = DepthImage(options.width, options.height);
   frame.labels = LabelImage(options.width, options.height);
+  return frame;
+}
+
+ingest::Frame render_frame(const Shape& shape, const SE3& object_to_world, const SE3& camera_to_world, int index,
+                           const SceneOptions& options) {
+  ingest::Frame frame = grey_frame(camera_to_world, index, options);
   const SE3 camera_to_object = object_to_world.inverse() * camera_to_world;
   const Eigen::Vector3d eye = camera_to_object.translation();
   Random random(options.seed, static_cast<std::uint64_t>(index));

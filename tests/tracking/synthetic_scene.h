@@ -30,6 +30,9 @@ struct SceneOptions {
   double light = 1;               ///< factor on the colours
 };
 
+/// A frame of 1/30 s in which nothing is seen.
+ingest::Frame grey_frame(const SE3& camera_to_world, int index, const SceneOptions& options);
+
 /// The frame that a camera at `camera_to_world` sees of the shape (label 2) before a wall (label 0) at 4 m.
 ingest::Frame render_frame(const Shape& shape, const SE3& object_to_world, const SE3& camera_to_world, int index,
                            const SceneOptions& options = {});
