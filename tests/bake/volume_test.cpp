@@ -72,9 +72,10 @@ TEST(Volume, OfARigidLayerFollowsIt) {
 
 TEST(Volume, ColorsTurnWithTheLayer) {
   const fields::testing::ArrowBall arrows;
-  std::vector<tracking::Motion::Pose> poses;
+  std::vector<tracking::Motion::Pose> poses(3);
   for (int i = 0; i < 3; ++i) {
-    poses.push_back({arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix())});
+    poses[static_cast<std::size_t>(i)].canonical_to_world =
+        arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
   encode::Clip clip = testing::sample_clip(3);
   clip.layers = {{"ball", 1, arrows.field(), tracking::Motion::rigid(poses)}};

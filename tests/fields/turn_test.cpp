@@ -66,8 +66,13 @@ TEST(Turn, OfARigidLayerTurnsItsVectors) {
 TEST(Turn, OfADeformingLayerTurnsItsVectorsWhereTheyAre) {
   const testing::ArrowBall arrows;
   std::vector<Eigen::Vector3d> nodes;
-  for (int i = 0; i < 343; ++i)
-    nodes.push_back(arrows.ball.centre + 0.1 * Eigen::Vector3d(i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3));
+  for (const double x : {-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3}) {
+    for (const double y : {-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3}) {
+      for (const double z : {-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3}) {
+        nodes.emplace_back(arrows.ball.centre + Eigen::Vector3d(x, y, z));
+      }
+    }
+  }
   const auto graph = std::make_shared<const tracking::DeformationGraph>(nodes, 0.12, 0.25);
   const DrawableField field(arrows.field(), graph.get());
   Random random(5);
