@@ -1,12 +1,12 @@
 // Speed against error of a field's training and drawing in a scene that is known exactly, beside the machine's own
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [bias=0] [shift=0] [rays_per_step=4096]
-//                [surface_samples=4] [free_samples=4] [levels=0] [log2_table_size=0] [largest_log2_table_size=17]
-//                [geometry=density] [target=avx2]
+//                [surface_samples=0] [free_samples=0] [exact_depth=-1] [levels=0] [log2_table_size=0]
+//                [largest_log2_table_size=17] [geometry=density] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
 // (bench/instruction_set.h) instead of the best that there are. noise, bias: standard deviation and offset of
-// depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels or table size: as the encoder
-// chooses. geometry: density (0) or sdf (1), a signed distance.
+// depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels, samples or table size, and
+// exact_depth −1: as the encoder chooses. geometry: density (0) or sdf (1), a signed distance.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -55,11 +55,11 @@ void train_and_judge(const Setting& setting) {
   trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
   trainer.rays_per_step = whole("rays_per_step");
   trainer.largest_log2_table_size = whole("largest_log2_table_size");
-  trainer.sampling.surface_samples = whole("surface_samples");
-  trainer.sampling.free_samples = whole("free_samples");
   const fields::ViewAgreement agreement = fields::agreement_of_views(store, 1, motion);
-  trainer.loss = fields::weights_for(agreement);
-  trainer.drop_stray_cells = fields::contradicts(agreement);
+  fields::adapt_to(agreement, trainer);
+  if (whole("surface_samples") > 0) trainer.sampling.surface_samples = whole("surface_samples");
+  if (whole("free_samples") > 0) trainer.sampling.free_samples = whole("free_samples");
+  if (whole("exact_depth") >= 0) trainer.exact_depth = whole("exact_depth") > 0;
   Progress progress;
   fields::TrainingReport report;
   const std::clock_t cpu_begin = std::clock();
@@ -124,9 +124,19 @@ bool set_knob(const std::string& argument, Knobs& knobs) {
 } // namespace
 
 int main(int argc, char** argv) {
-  Knobs knobs{{"threads", {1}}, {"million_rays", {2}}, {"noise", {0, 0.005}},    {"rays_per_step", {4096}},
-              {"bias", {0}},    {"shift", {0}},        {"surface_samples", {4}}, {"free_samples", {4}},
-              {"levels", {0}},  {"geometry", {0}},     {"log2_table_size", {0}}, {"largest_log2_table_size", {17}}};
+  Knobs knobs{{"threads", {1}},
+              {"million_rays", {2}},
+              {"noise", {0, 0.005}},
+              {"rays_per_step", {4096}},
+              {"bias", {0}},
+              {"shift", {0}},
+              {"surface_samples", {0}},
+              {"free_samples", {0}},
+              {"exact_depth", {-1}},
+              {"levels", {0}},
+              {"geometry", {0}},
+              {"log2_table_size", {0}},
+              {"largest_log2_table_size", {17}}};
   try {
     for (int i = 1; i < argc; ++i) {
       if (set_knob(argv[i], knobs)) continue;

@@ -30,6 +30,7 @@ Json config_json(const fields::TrainerConfig& config) {
           {"negligible_gradient", config.negligible_gradient},
           {"largest_log2_table_size", config.largest_log2_table_size},
           {"drop_stray_cells", config.drop_stray_cells},
+          {"exact_depth", config.exact_depth},
           {"loss_weights",
            {{"color", config.loss.color},
             {"opacity", config.loss.opacity},

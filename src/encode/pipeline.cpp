@@ -184,8 +184,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   fields::ViewAgreement agreement;
   const auto compare_views = [&] {
     agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
-    trainer.loss = fields::weights_for(agreement);
-    trainer.drop_stray_cells = fields::contradicts(agreement);
+    fields::adapt_to(agreement, trainer);
   };
   compare_views();
   fields::GeometryTrial trial;

@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t kLooksOfColumn = 16;
 
+// About an exact depth (docs/fields.md).
+constexpr float kCloseBand = 0.3F;
+constexpr int kCloseSamples = 2;
+
 // Takes every so many-th of a list, at most about four thousand, and leaves the others in order.
 template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
   constexpr std::size_t kMost = 4096;
@@ -162,7 +166,7 @@ void RaySampler::append_in_occupied(const FieldRay& ray, const Interval& depths,
   batch.samples.resize(end);
 }
 
-void RaySampler::append_measured(const WarpedPixel& chosen, Random& random, RayBatch& batch) const {
+void RaySampler::append_measured(const WarpedPixel& chosen, bool closely, Random& random, RayBatch& batch) const {
   const StoredPixel& pixel = pixels_.pixels()[chosen.pixel];
   const FieldRay& ray = chosen.ray;
   RayTarget target = target_of(pixel);
@@ -177,9 +181,11 @@ void RaySampler::append_measured(const WarpedPixel& chosen, Random& random, RayB
     if (warped_own_.empty()) {
       append_in_occupied(ray, {sampling_.near_depth, depth - band}, sampling_.free_samples, random, batch);
     }
-    const float step = 2 * band / static_cast<float>(sampling_.surface_samples);
-    for (int i = 0; i < sampling_.surface_samples; ++i) {
-      const float at = depth - band + step * (static_cast<float>(i) + random.uniform());
+    const float half = closely ? kCloseBand * band : band;
+    const int count = closely ? kCloseSamples : sampling_.surface_samples;
+    const float step = 2 * half / static_cast<float>(count);
+    for (int i = 0; i < count; ++i) {
+      const float at = depth - half + step * (static_cast<float>(i) + random.uniform());
       batch.samples.push_back(sample_at(ray, at, step));
       const float behind = at - depth;
       const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
@@ -229,11 +235,11 @@ std::uint32_t RaySampler::pixel_of(std::size_t index) const {
 
 void RaySampler::judge(std::size_t begin, std::size_t end, RayBatch& batch) const {
   Random random(0x7E57, begin);
-  for (std::size_t i = begin; i < end; ++i) append_measured(held_apart_[i], random, batch);
+  for (std::size_t i = begin; i < end; ++i) append_measured(held_apart_[i], false, random, batch);
 }
 
 void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float empty_share,
-                      RayBatch& batch) const {
+                      bool closely, RayBatch& batch) const {
   const std::size_t empty =
       space_.empty.empty() ? 0 : static_cast<std::size_t>(static_cast<float>(count) * empty_share);
   std::vector<std::size_t> indices;
@@ -256,7 +262,7 @@ void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std
     for (const std::size_t index : indices) __builtin_prefetch(&pixels_.pixels()[pixel_of(index)]);
     for (const std::size_t index : indices) {
       if (index < measured_count()) {
-        append_measured(measured(index), random, batch);
+        append_measured(measured(index), closely, random, batch);
       } else {
         append_unmeasured(space_.unmeasured[index - measured_count()], random, batch);
       }

@@ -41,8 +41,8 @@ public:
 
   /// Appends the `count` rays of one of a step's `chunks` chunks, a share of them (if there are any) from space that is
   /// seen to be empty. Together the chunks take one random ray from each of count · chunks equal parts of the lists;
-  /// each takes neighbouring parts.
-  void draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float empty_share,
+  /// each takes neighbouring parts. `closely`: fewer samples, in a narrower band about measured depths.
+  void draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float empty_share, bool closely,
             RayBatch& batch) const;
 
   /// Own rays that are never drawn, spread over the whole surface: what training is judged by.
@@ -75,7 +75,7 @@ private:
   WarpedPixel measured(std::size_t index) const;
   const void* memory_of(bool own, std::size_t index) const;
   std::uint32_t pixel_of(std::size_t index) const;
-  void append_measured(const WarpedPixel& chosen, Random& random, RayBatch& batch) const;
+  void append_measured(const WarpedPixel& chosen, bool closely, Random& random, RayBatch& batch) const;
   void append_unmeasured(const UnmeasuredPiece& chosen, Random& random, RayBatch& batch) const;
   void append_empty(const SeenPiece& chosen, Random& random, RayBatch& batch) const;
   void append_in_occupied(const FieldRay& ray, const Interval& depths, int count, Random& random,

@@ -210,13 +210,16 @@ private:
     return static_cast<double>(rays_) / static_cast<double>(std::max<std::size_t>(trainer_->rays, 1));
   }
   StepRays next_rays() const {
+    const bool fused = share_done() >= kFused;
+    const bool closely = fused && trainer_->exact_depth;
     const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
     return {chunks,
-            [this, step = steps_, chunks](std::size_t chunk, RayBatch& batch) {
+            [this, step = steps_, chunks, closely](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
-              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, batch);
+              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, closely,
+                             batch);
             },
-            share_done() >= kFused};
+            fused && !trainer_->exact_depth};
   }
 
   const RaySampler* sampler_;

@@ -27,6 +27,7 @@ struct TrainerConfig {
   float negligible_gradient = 1e-4F; ///< FieldOptimizer
   int largest_log2_table_size = 17;  ///< up to which tables may grow (GrowthTrial)
   bool drop_stray_cells = true;      ///< in the end; finds nothing where all views agree
+  bool exact_depth = false;          ///< later steps sample closely about measured depths; else these are refined first
 
   static constexpr int kRaysPerChunk = 128;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -38,10 +37,11 @@ public:
     // The point itself may be off by the sensor's noise, which this camera may see from the side.
     const int reach = 1 + static_cast<int>(std::ceil(ingest::depth_sigma(p.z()) * k.fx / p.z()));
     if (!(u >= reach && v >= reach && u < k.width - reach && v < k.height - reach)) return std::nullopt;
-    const StoredPixel* seen = map_.at(static_cast<int>(u), static_cast<int>(v));
-    if (seen == nullptr) return std::nullopt;
+    if (map_.at(static_cast<int>(u), static_cast<int>(v)) == nullptr) return std::nullopt;
     Look look{true, 0};
-    if (seen->label == label) look.before = std::max(0.0F, 3 * (seen->depth - depth) / three_sigma(depth));
+    if (const float seen = depth_between(u - 0.5, v - 0.5, label); seen > depth) {
+      look.before = 3 * (seen - depth) / three_sigma(depth);
+    }
     for (int y = static_cast<int>(v) - reach; y <= static_cast<int>(v) + reach; ++y) {
       for (int x = static_cast<int>(u) - reach; x <= static_cast<int>(u) + reach; ++x) {
         const StoredPixel* pixel = map_.at(x, y);
@@ -52,6 +52,21 @@ public:
   }
 
 private:
+  /// Between the four pixels about a place, as of a plane through them; 0 unless all are the layer's and measured.
+  float depth_between(double u, double v, int label) const {
+    const int left = static_cast<int>(u);
+    const int top = static_cast<int>(v);
+    double inverse = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+      const int x = left + corner % 2;
+      const int y = top + corner / 2;
+      const StoredPixel* pixel = map_.at(x, y);
+      if (pixel == nullptr || pixel->label != label || !(pixel->depth > 0)) return 0;
+      inverse += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) / static_cast<double>(pixel->depth);
+    }
+    return static_cast<float>(1 / inverse);
+  }
+
   static float empty_before(const StoredPixel& pixel, int label) {
     if (pixel.label != label) return empty_until(pixel);
     return pixel.depth > 0 ? pixel.depth - three_sigma(pixel.depth) : 0;
@@ -66,7 +81,8 @@ private:
 ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion) {
   constexpr std::size_t kPoints = 4096;
   constexpr std::size_t kCameras = 12;
-  constexpr double kMedianOfDifference = 0.6745 * std::numbers::sqrt2; // of two normal errors' absolute difference
+  // Of the absolute difference of two normal errors, one of them weighed between four pixels: Σ w² is 4/9 on average.
+  const double median_of_difference = 0.6745 * std::sqrt(1 + 4.0 / 9);
   const std::vector<LayerPoint> points = measured_points(pixels, label, motion, kPoints);
   const std::size_t frames = pixels.frames().size();
   const std::size_t cameras = std::min(kCameras, frames);
@@ -94,12 +110,10 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
   if (!before.empty()) {
     const auto middle = before.begin() + static_cast<std::ptrdiff_t>(before.size() / 2);
     std::nth_element(before.begin(), middle, before.end());
-    agreement.noise = static_cast<double>(*middle) / kMedianOfDifference;
+    agreement.noise = static_cast<double>(*middle) / median_of_difference;
   }
   return agreement;
 }
-
-bool contradicts(const ViewAgreement& agreement) { return agreement.seen_through >= kDoubt; }
 
 LossWeights weights_for(const ViewAgreement& agreement) {
   constexpr double kRough = 0.005; // from so many looks on, opaque silhouettes would grow
@@ -113,6 +127,15 @@ LossWeights weights_for(const ViewAgreement& agreement) {
   weights.empty_rays /= 1 + trust(kDoubt);
   weights.noise = static_cast<float>(std::clamp(agreement.noise, 1.0, kMostNoise));
   return weights;
+}
+
+void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer) {
+  constexpr double kExact = 0.25; // standard deviations of the sensor: less than a quarter of a pixel's footprint
+  const bool contradict = agreement.looks == 0 || agreement.seen_through >= kDoubt;
+  trainer.loss = weights_for(agreement);
+  trainer.drop_stray_cells = contradict;
+  trainer.sampling.surface_samples = contradict ? SamplingConfig{}.surface_samples : 3;
+  trainer.exact_depth = !contradict && agreement.noise > 0 && agreement.noise < kExact;
 }
 
 } // namespace kinora::fields

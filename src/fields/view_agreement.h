@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fields/pixel_store.h"
-#include "fields/ray_batch.h"
+#include "fields/trainer.h"
 #include "tracking/motion.h"
 
 namespace kinora::fields {
@@ -28,7 +28,10 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
 /// (docs/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
 LossWeights weights_for(const ViewAgreement& agreement);
 
-/// Whether enough looks see past what others meet for cells to be seen past as well (stray_cells.h).
-bool contradicts(const ViewAgreement& agreement);
+/// A training that asks of the views what they hold: weights_for, and
+/// - unless enough looks agree, cells that are seen past are dropped in the end (stray_cells.h);
+/// - where they do, three samples tell as much of a surface as four;
+/// - where they agree far better than the sensor's noise lets expect, depths are taken as exact.
+void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer);
 
 } // namespace kinora::fields

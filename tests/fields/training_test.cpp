@@ -57,6 +57,29 @@ TEST_P(EitherGeometry, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
   EXPECT_GT(static_cast<double>(right_layer) / errors.size(), 0.97);
 }
 
+TEST(Training, NeedsFewerSamplesWhereDepthIsExact) {
+  const Scene scene;
+  const PixelStore store = store_of(scene);
+  const auto still = tracking::Motion::still();
+  const FieldConfig config = choose_field_config(store, 2, still);
+  const ingest::Frame held_out = scene.frame(0, 0.125);
+  std::array<double, 2> psnr{};
+  std::array<std::size_t, 2> samples{};
+  for (const bool exact : {false, true}) {
+    TrainerConfig trainer = short_training();
+    trainer.exact_depth = exact;
+    Progress progress;
+    TrainingReport report;
+    const DrawableField field(train_field(store, 2, still, config, trainer, progress, &report));
+    const PosedField posed{&field, SE3::Identity(), nullptr};
+    const Picture ball = render({&posed, 1}, held_out.camera);
+    psnr[exact] = compare_images(ball.color, held_out.color, held_out.labels).psnr_inside;
+    samples[exact] = report.samples;
+  }
+  EXPECT_GT(psnr[1], psnr[0] - 0.3);
+  EXPECT_LT(static_cast<double>(samples[1]), 0.9 * static_cast<double>(samples[0]));
+}
+
 TEST(Training, FollowsARigidLayerThatMoves) {
   // The same ball, but now the ball moves and the camera stands: canonical space is that of frame 0.
   const Scene scene;
