@@ -134,7 +134,6 @@ void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer) {
   const bool contradict = agreement.looks == 0 || agreement.seen_through >= kDoubt;
   trainer.loss = weights_for(agreement);
   trainer.drop_stray_cells = contradict;
-  trainer.sampling.surface_samples = contradict ? SamplingConfig{}.surface_samples : 3;
   trainer.exact_depth = !contradict && agreement.noise > 0 && agreement.noise < kExact;
 }
 

@@ -30,8 +30,7 @@ LossWeights weights_for(const ViewAgreement& agreement);
 
 /// A training that asks of the views what they hold: weights_for, and
 /// - unless enough looks agree, cells that are seen past are dropped in the end (stray_cells.h);
-/// - where they do, three samples tell as much of a surface as four;
-/// - where they agree far better than the sensor's noise lets expect, depths are taken as exact.
+/// - where they do, and far better than the sensor's noise lets expect, depths are taken as exact.
 void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer);
 
 } // namespace kinora::fields

@@ -30,7 +30,6 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
   adapt_to(agreement, trainer);
   EXPECT_TRUE(trainer.exact_depth);
   EXPECT_FALSE(trainer.drop_stray_cells);
-  EXPECT_LT(trainer.sampling.surface_samples, SamplingConfig{}.surface_samples);
   const LossWeights weights = weights_for(agreement);
   EXPECT_FLOAT_EQ(weights.opacity, 2 * LossWeights{}.opacity);
   EXPECT_FLOAT_EQ(weights.depth, 2 * LossWeights{}.depth);
@@ -45,7 +44,6 @@ TEST(ViewAgreement, IsLostWithWrongPoses) {
   adapt_to(agreement, trainer);
   EXPECT_FALSE(trainer.exact_depth);
   EXPECT_TRUE(trainer.drop_stray_cells);
-  EXPECT_EQ(trainer.sampling.surface_samples, SamplingConfig{}.surface_samples);
   EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
 }
 
