@@ -12,6 +12,15 @@ namespace {
 
 constexpr Gates kGates{0.10, 0.7};
 constexpr double kMinSamples = 30;
+constexpr int kRim = 2; // pixels that a silhouette may be wrong by
+
+// Beside the label, where the camera sees past it.
+bool is_outside(const ProjectedPoint& p, const ObjectView& view) {
+  const std::int16_t* offset = view.to_silhouette.pixel(p.pixel_u, p.pixel_v);
+  if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
+  const double z = p.point.z();
+  return view.depth.at(p.pixel_u, p.pixel_v) > z + std::max(0.03, 3 * ingest::depth_sigma(z));
+}
 
 /// Pearson's correlation, from sums.
 class Correlation {
@@ -83,6 +92,7 @@ PoseQuality judge_pose(std::span<const ModelPoint> points, const ObjectView& vie
   for (const ModelPoint& point : points) {
     const auto p = project(point, view, model_to_camera);
     if (!p) continue;
+    quality.outside += is_outside(*p, view) ? 1 : 0;
     if (view.planes.weights.at(p->pixel_u, p->pixel_v) > 0) {
       ++quality.on_label;
       coverage.add(*p);

@@ -12,8 +12,11 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 16;
 constexpr double kKeyframeAngle = 0.4;       // radians between stored directions of view
+constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
+constexpr double kCertainCorrelation = 0.85; // they are not, whatever the silhouette
+constexpr double kOtherSilhouette = 0.05;    // change of shares: likewise
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
@@ -49,6 +52,7 @@ struct RigidTracker::Past {
   ObjectView view;
   SE3 model_to_camera;
   SE3 model_to_world;
+  PoseQuality quality;
   double time = 0;
   /// The tracked pose before, if it was the frame before.
   std::optional<SE3> earlier_model_to_world;
@@ -91,6 +95,7 @@ void RigidTracker::begin(const ingest::Frame& frame, const ObjectView& view, Rig
   past_ = std::make_unique<Past>();
   fuse(frame, view);
   past_->view = view;
+  past_->quality.explained_share = 1;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
   past_->time = frame.time;
@@ -136,7 +141,8 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   const std::vector<ModelPoint> seen = visible_points(view, pose);
   candidate.quality = judge_pose(seen, view, pose);
   const PoseQuality& quality = candidate.quality;
-  candidate.score = quality.inlier_share() + quality.explained_share + quality.texture_correlation;
+  candidate.score =
+      quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.outside_share();
   return candidate;
 }
 
@@ -145,15 +151,23 @@ bool RigidTracker::is_healthy(const PoseQuality& quality) const {
          (!quality.has_texture() || quality.texture_correlation >= config_.min_correlation);
 }
 
+// Where texture does not tell, a shape may have slid along itself, and its silhouette says so.
+bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
+  if (quality.has_texture() && quality.texture_correlation < kDoubtfulCorrelation) return true;
+  if (quality.texture_correlation > kCertainCorrelation) return false;
+  return quality.explained_share < past_->quality.explained_share - kOtherSilhouette ||
+         quality.outside_share() > past_->quality.outside_share() + kOtherSilhouette;
+}
+
 // Without the support of the last frame the view itself must be convincing.
 bool RigidTracker::is_found_again(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
-// Other places to look, as poses of the model in the camera: where it was last, and there moved so that the visible
-// points' mean meets the measured one; everywhere: also as each key frame saw it.
-std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_to_world, bool everywhere) const {
+// Other places to look, as poses of the model in the camera: where it was last, and moved so that the visible points'
+// mean meets the measured one, turned as it was last, as each key frame saw it, or farther than a frame's motion goes.
+std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_to_world, Where where) const {
   std::vector<SE3> result;
   const SE3 last = camera_to_world.inverse() * model_to_world_;
   const auto add_centred = [&](const Eigen::Matrix3d& rotation) {
@@ -167,10 +181,21 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
     pose.translation() += view.centroid - sum / static_cast<double>(points.size());
     result.push_back(pose);
   };
-  result.push_back(last);
-  add_centred(last.linear());
-  if (everywhere) {
+  switch (where) {
+  case Where::kNear:
+    result.push_back(last);
+    add_centred(last.linear());
+    break;
+  case Where::kAsBefore:
     for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
+    break;
+  case Where::kTurned:
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double angle : {-kTurn, kTurn}) {
+        add_centred(Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)) * last.linear());
+      }
+    }
+    break;
   }
   return result;
 }
@@ -180,20 +205,23 @@ void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, Ri
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
   Candidate best = attempt(view, prior, prior);
-  bool believed = unseen_ == 0 && is_healthy(best.quality);
-  const bool doubtful = best.quality.has_texture() && best.quality.texture_correlation < kDoubtfulCorrelation;
-  if (!believed || doubtful) {
-    bool elsewhere = false;
-    for (const SE3& start : starts(view, frame.camera.camera_to_world, unseen_ > 0)) {
+  bool elsewhere = false;
+  const auto try_starts = [&](Where where) {
+    for (const SE3& start : starts(view, frame.camera.camera_to_world, where)) {
       Candidate other = attempt(view, start, start);
       if (other.score < best.score + kClearlyBetter) continue;
       best = std::move(other);
       elsewhere = true;
     }
-    if (elsewhere || unseen_ > 0) believed = is_found_again(best.quality);
-  }
+  };
+  const auto believed = [&] {
+    return unseen_ == 0 && !elsewhere ? is_healthy(best.quality) : is_found_again(best.quality);
+  };
+  if (!believed() || is_doubtful(best.quality)) try_starts(Where::kNear);
+  if (unseen_ > 0) try_starts(Where::kAsBefore);
+  if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   result.quality = best.quality;
-  if (believed) {
+  if (believed()) {
     accept(frame, view, best, result);
   } else {
     result.pose.health = Health::kLost;
@@ -220,6 +248,7 @@ void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, co
   }
   model_to_world_ = renormalized(frame.camera.camera_to_world * best.alignment.model_to_camera);
   past_->view = view;
+  past_->quality = best.quality;
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;

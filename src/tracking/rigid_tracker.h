@@ -60,6 +60,7 @@ public:
 private:
   struct Candidate;
   struct Past; ///< what is kept of the last tracked frame
+  enum class Where { kNear, kAsBefore, kTurned };
 
   void begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
   void follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
@@ -67,9 +68,10 @@ private:
   void fuse(const ingest::Frame& frame, const ObjectView& view);
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
-  std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, bool everywhere) const;
+  std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, Where where) const;
   std::vector<ModelPoint> visible_points(const ObjectView& view, const SE3& model_to_camera) const;
   bool is_healthy(const PoseQuality& quality) const;
+  bool is_doubtful(const PoseQuality& quality) const;
   bool is_found_again(const PoseQuality& quality) const;
 
   int label_;
