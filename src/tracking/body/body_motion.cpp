@@ -30,14 +30,14 @@ SE3 BodyMotion::canonical_to_world(std::size_t frame, Joint bone) const {
   return now ? (*now)[bone] * canonical_.bones[bone].inverse() : SE3::Identity();
 }
 
-std::optional<BoneHold> BodyMotion::hold_of(const Eigen::Vector3d& canonical, double reach) const {
+std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach) {
   constexpr double kBlend = 0.05; // metres that one bone is nearer than the other where it begins to hold alone
   std::array<double, kJoints> distances;
   distances.fill(1e9);
   for (std::size_t i = 0; i < kBodyParts; ++i) {
     const Joint bone = body_parts()[i].bone;
-    const Eigen::Vector3d local = canonical_.bones[bone].inverse() * canonical;
-    distances[bone] = std::min(distances[bone], closest_surface(canonical_.parts[i], local).distance);
+    const Eigen::Vector3d local = body.bones[bone].inverse() * point;
+    distances[bone] = std::min(distances[bone], closest_surface(body.parts[i], local).distance);
   }
   const auto nearest = std::min_element(distances.begin(), distances.end());
   if (*nearest > reach) return std::nullopt;

@@ -21,6 +21,9 @@ struct BoneHold {
   double weight; ///< in [0.5, 1]
 };
 
+/// The bones of a point beside the body; nothing if it is farther than `reach` metres from the body's surface.
+std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach = 0.08);
+
 /// Plain data; thread-safe to read. Canonical space = world at the first frame that the person was seen in.
 class BodyMotion {
 public:
@@ -32,8 +35,6 @@ public:
   std::optional<Bones> bones(std::size_t frame) const;
   /// Carries a canonical point of the bone to where it is in the frame (world); before the first frame, as in that.
   SE3 canonical_to_world(std::size_t frame, Joint bone) const;
-  /// The bones of a canonical point; nothing if it is farther than `reach` metres from the body's surface.
-  std::optional<BoneHold> hold_of(const Eigen::Vector3d& canonical, double reach = 0.08) const;
 
 private:
   Shape shape_;

@@ -26,7 +26,9 @@ struct BodyTrackerConfig {
 struct BodyTrackingResult {
   Health health = Health::kLost;
   std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
-  double explained = 0;                   ///< share of the measured surface
+  double explained = 0;                   ///< share of the measured surface that the body lies on
+  double empty = 0;      ///< share of the body's surface, of what nothing hides, that the camera sees past
+  bool refitted = false; ///< size and pose were fitted anew: what was known of the bones does not go on
 };
 
 /// Not thread-safe. Same views, same bits, for any number of threads.
@@ -52,6 +54,7 @@ private:
   void learn_shape(const BodyEvidence& evidence, const BodyState& in_camera);
   void search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state, BodyTrackingResult& result);
   double explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
+  double empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
 
   BodyTrackerConfig config_;
   bool started_ = false;
