@@ -54,6 +54,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
   const ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
+  if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time);
   if (volume_ == nullptr) {
     if (view.depth_pixels >= config_.first_pixels) {
       begin(frame, view);
@@ -63,7 +64,6 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
     }
   } else {
     records_.push_back({records_.back().nodes, Health::kHeld});
-    if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time);
     if (view.depth_pixels >= config_.min_pixels) records_.back().health = follow(frame, view, result);
     if (records_.back().health == Health::kTracked) {
       unseen_ = 0;
@@ -96,7 +96,6 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
-  if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time);
   bind_body({});
 }
 
@@ -157,7 +156,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
   selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
   const LayerModel model{nodes_, edges_, selection.points};
-  const std::vector<NodePull> binding = body_.pulls(frame.camera.camera_to_world.inverse());
+  const std::vector<NodePull> binding = body_.pulls(records_.size() - 1, frame.camera.camera_to_world.inverse());
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);

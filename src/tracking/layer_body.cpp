@@ -23,16 +23,22 @@ BodyVerdict LayerBody::verdict() const {
 void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time) {
   if (verdict() == BodyVerdict::kNobody) return;
   last_ = tracker_.track(view, camera_to_world, time);
-  if (last_.health == Health::kHeld || !tracker_.started()) return;
+  records_.emplace_back();
+  if (!tracker_.started()) return;
+  const BodyState& state = tracker_.state();
+  records_.back() = Record{place_bones(state.pose, state.shape), last_.limbs,
+                           last_.health == Health::kTracked && !last_.refitted};
+  if (last_.health == Health::kHeld) return;
   ++frames_;
   explained_ += last_.explained;
   empty_ += last_.empty;
 }
 
-std::vector<NodePull> LayerBody::pulls(const SE3& from_world) const {
-  if (verdict() != BodyVerdict::kPerson || last_.health != Health::kTracked || last_.refitted) return {};
-  const BodyState& state = tracker_.state();
-  return binding_.pulls(place_bones(state.pose, state.shape), last_.limbs, from_world, config_.binding_sigma);
+std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world) const {
+  if (verdict() != BodyVerdict::kPerson || frame >= records_.size()) return {};
+  const std::optional<Record>& record = records_[frame];
+  if (!record || !record->trusted) return {};
+  return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
 }
 
 void LayerBody::learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen) {

@@ -33,12 +33,13 @@ class LayerBody {
 public:
   explicit LayerBody(const LayerBodyConfig& config = {}) : config_(config), tracker_(config.tracker) {}
 
-  /// The next frame of the layer; time in seconds. A layer that has turned out to be nobody is not followed on.
+  /// The next frame, whether the layer is seen in it or not; time in seconds. A layer that has turned out to be nobody
+  /// is not followed on.
   void track(const ObjectView& view, const SE3& camera_to_world, double time);
 
-  /// Where the bones would have the graph's nodes in the last frame, in the space that `from_world` leads to; none if
-  /// there is no body to trust.
-  std::vector<NodePull> pulls(const SE3& from_world) const;
+  /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
+  /// none if there is no body to trust.
+  std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
   /// Where the nodes are in the last frame, and how much of each the view shows (both one for each node); nodes that
   /// were not there before are bound.
   void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);
@@ -52,6 +53,12 @@ private:
   BodyTracker tracker_;
   BodyBinding binding_;
   BodyTrackingResult last_;
+  struct Record {
+    Bones bones;
+    std::array<LimbHealth, kLimbs> limbs;
+    bool trusted; ///< it goes on from the frame before, and lies on what is seen
+  };
+  std::vector<std::optional<Record>> records_; ///< of all frames; nothing before the first that shows a body
   int frames_ = 0; ///< that count
   double explained_ = 0, empty_ = 0; ///< sums
 };
