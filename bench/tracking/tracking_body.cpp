@@ -133,9 +133,10 @@ void run(const std::string& folder, int label) {
     if (found != truth.end()) compare(bones, found->second, frame->index, differences);
   }
   const auto frames = static_cast<double>(std::max<std::size_t>(1, milliseconds.size()));
-  std::printf("frames,not_tracked,explained,empty,median_ms,p99_ms,median_processor_ms\n%zu,%d,%.3f,%.3f,%.2f,%.2f,%.2f\n",
-              milliseconds.size(), not_tracked, explained / frames, empty / frames, at_fraction(milliseconds, 0.5),
-              at_fraction(milliseconds, 0.99), at_fraction(processor, 0.5));
+  std::printf(
+      "frames,not_tracked,explained,empty,median_ms,p99_ms,median_processor_ms\n%zu,%d,%.3f,%.3f,%.2f,%.2f,%.2f\n",
+      milliseconds.size(), not_tracked, explained / frames, empty / frames, at_fraction(milliseconds, 0.5),
+      at_fraction(milliseconds, 0.99), at_fraction(processor, 0.5));
   if (!truth.empty()) print(differences);
 }
 

@@ -19,8 +19,8 @@ void BodyBinding::bind(const PosedBody& body, std::span<const Eigen::Vector3d> p
     nodes_.emplace_back();
     const std::optional<BoneHold> hold = hold_of(body, places[n]);
     if (!hold) continue;
-    nodes_.back() = Bound{*hold, body.bones[hold->bone].inverse() * places[n],
-                          body.bones[hold->second].inverse() * places[n]};
+    nodes_.back() =
+        Bound{*hold, body.bones[hold->bone].inverse() * places[n], body.bones[hold->second].inverse() * places[n]};
   }
 }
 

@@ -8,7 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "tracking/body/body_motion.h"
+#include "tracking/body/bone_hold.h"
+#include "tracking/body/limb_search.h"
 #include "tracking/deforming_problem.h"
 
 namespace kinora::tracking {

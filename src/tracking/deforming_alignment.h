@@ -50,9 +50,9 @@ struct DeformingQuality {
   }
 };
 
-/// Refines `start`; nodes that nothing holds stay near `prior`, and go where `binding` (one pull for each node, or none)
-/// draws them: the less, the more of their points lie on measured surface. Energy never rises from a step that is taken.
-/// `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
+/// Refines `start`; nodes that nothing holds stay near `prior`, and go where `binding` (one pull for each node, or
+/// none) draws them: the less, the more of their points lie on measured surface. Energy never rises from a step that is
+/// taken. `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
 /// Deterministic for any number of threads.
 DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& start, const NodeStates& prior,

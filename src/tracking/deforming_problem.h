@@ -29,7 +29,7 @@ struct PointTerms {
   Eigen::Vector3d plane_normal = Eigen::Vector3d::Zero(); ///< of the measured surface, in the camera
   double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
   double plane_scale = 0;
-  bool on_surface = false; ///< the plane is of measured surface, no border of a silhouette
+  bool on_surface = false;                  ///< the plane is of measured surface, no border of a silhouette
   std::array<double, kTextures> expected{}; ///< textures at the point
   std::array<double, kTextures> texture_scale{};
 };

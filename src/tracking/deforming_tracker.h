@@ -29,7 +29,7 @@ struct DeformingTrackerConfig {
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
   double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost
-  bool use_body = true; ///< false: no skeleton is looked for
+  bool use_body = true;           ///< false: no skeleton is looked for
   DeformingAlignmentConfig alignment;
   LayerBodyConfig body;
 };

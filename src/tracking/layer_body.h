@@ -1,5 +1,5 @@
-// The skeleton of a layer that bends, if the layer is a person: followed beside the graph, bound to it, and kept only if
-// it explains what is seen.
+// The skeleton of a layer that bends, if the layer is a person: followed beside the graph, bound to it, and kept only
+// if it explains what is seen.
 #pragma once
 
 #include <optional>
@@ -9,6 +9,7 @@
 
 #include "tracking/body/body_tracker.h"
 #include "tracking/body_binding.h"
+#include "tracking/joint_paths.h"
 
 namespace kinora::tracking {
 
@@ -22,10 +23,10 @@ std::string_view name_of(BodyVerdict verdict);
 
 struct LayerBodyConfig {
   BodyTrackerConfig tracker;
-  int deciding_frames = 10;     ///< in which the body is only looked at
-  double min_explained = 0.85;  ///< of what is measured, in the mean over all frames so far
-  double max_empty = 0.1;       ///< of the body that nothing hides, likewise
-  double binding_sigma = 0.02;  ///< metres
+  int deciding_frames = 10;    ///< in which the body is only looked at
+  double min_explained = 0.75; ///< of what is measured, in the mean over all frames so far
+  double max_empty = 0.15;     ///< of the body that nothing hides, likewise
+  double binding_sigma = 0.02; ///< metres
 };
 
 /// Places are in the world, metres. Not thread-safe. Same views, same bits, for any number of threads.
@@ -45,6 +46,8 @@ public:
   void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);
 
   BodyVerdict verdict() const;
+  /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.
+  std::optional<JointPaths> joint_paths() const;
   double explained() const { return frames_ > 0 ? explained_ / frames_ : 0.0; }
   double empty() const { return frames_ > 0 ? empty_ / frames_ : 0.0; }
 
@@ -59,8 +62,8 @@ private:
     bool trusted; ///< it goes on from the frame before, and lies on what is seen
   };
   std::vector<std::optional<Record>> records_; ///< of all frames; nothing before the first that shows a body
-  int frames_ = 0; ///< that count
-  double explained_ = 0, empty_ = 0; ///< sums
+  int frames_ = 0;                             ///< that count
+  double explained_ = 0, empty_ = 0;           ///< sums
 };
 
 } // namespace kinora::tracking

@@ -64,6 +64,11 @@ void expect_equal(const Clip& a, const Clip& b) {
     if (x.confidence) {
       EXPECT_EQ(x.confidence->levels(), y.confidence->levels());
     }
+    ASSERT_EQ(x.joints.has_value(), y.joints.has_value());
+    if (x.joints) {
+      EXPECT_EQ(x.joints->names, y.joints->names);
+      EXPECT_EQ(x.joints->places, y.joints->places);
+    }
     ASSERT_EQ(x.motion.kind(), y.motion.kind());
     ASSERT_EQ(x.motion.poses().size(), y.motion.poses().size());
     for (std::size_t i = 0; i < x.motion.poses().size(); ++i) {
@@ -125,8 +130,8 @@ TEST(ClipFile, AccountsForEveryByte) {
   }
   EXPECT_EQ(sum, account.total);
   EXPECT_EQ(names, (std::vector<std::string>{"camera", "field background", "confidence background", "field object",
-                                             "motion object", "field person", "motion person", "timeline",
-                                             "calibration", "metadata", "container"}));
+                                             "motion object", "field person", "motion person", "joints person",
+                                             "timeline", "calibration", "metadata", "container"}));
 }
 
 TEST(ClipFile, StoresNoMotionForAStillLayer) {
@@ -263,6 +268,7 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.camera_to_world.pop_back(); });
   expect_refused([](Clip& clip) { clip.layers[1].name = clip.layers[0].name; });
   expect_refused([](Clip& clip) { clip.layers[1].confidence = clip.layers[0].confidence; });
+  expect_refused([](Clip& clip) { clip.layers[1].joints = testing::random_joints(1, clip.times.size()); });
   expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });

@@ -53,7 +53,6 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
     follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, result);
     lost_frames_ = result.health == Health::kLost ? lost_frames_ + 1 : 0;
   }
-  frames_.push_back(started_ ? std::optional(BodyFrame{state_.pose, result.limbs}) : std::nullopt);
   return result;
 }
 

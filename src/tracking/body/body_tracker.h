@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tracking/body/body_energy.h"
-#include "tracking/body/body_motion.h"
+#include "tracking/body/limb_search.h"
 #include "tracking/motion.h"
 
 namespace kinora::tracking {
@@ -42,8 +42,6 @@ public:
   bool started() const { return started_; }
   /// The body in the last frame; the pose's root is in the world.
   const BodyState& state() const { return state_; }
-  /// Over all frames so far, with the measures as they are known now. Throws Error(kFailure) before the first.
-  BodyMotion motion() const { return {state_.shape, frames_}; }
 
 private:
   void begin(const ObjectView& view, const SE3& camera_to_world);
@@ -67,7 +65,6 @@ private:
   int shape_frames_ = 0;
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
   std::array<int, kLimbs> search_pause_{}; ///< frames until it is worth another search
-  std::vector<std::optional<BodyFrame>> frames_;
 };
 
 } // namespace kinora::tracking
