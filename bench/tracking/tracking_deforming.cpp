@@ -155,7 +155,6 @@ void run(const std::string& folder, int label) {
   const auto capture = ingest::Capture::open(plugins, folder, options, silent);
   tracking::DeformingTrackerConfig config;
   config.use_body = std::getenv("KINORA_BENCH_NO_BODY") == nullptr;
-  if (getenv("SIGMA")) config.body.binding_sigma = atof(getenv("SIGMA"));
   tracking::DeformingTracker tracker(label, config);
   std::vector<double> milliseconds;
   std::vector<int> frames;

@@ -1,6 +1,6 @@
 // Follows one layer that bends through a capture, fuses what it sees of it, and grows its deformation graph.
 // Sources: Newcombe et al., "DynamicFusion", CVPR 2015; Innmann et al., "VolumeDeform", ECCV 2016; Jiang et al.,
-// "Instant-NVR", CVPR 2023, eq. 1–2 without the terms of the body.
+// "Instant-NVR", CVPR 2023, eq. 1–2; the body, if there is one, is fitted before the graph (layer_body.h).
 #pragma once
 
 #include <cstddef>

@@ -43,8 +43,8 @@ LayerBody body_after(const std::vector<ingest::Frame>& frames, int label) {
 }
 
 std::vector<ingest::Frame> person() {
-  std::vector<ingest::Frame> frames;
-  for (int i = 0; i < 12; ++i) frames.push_back(frame_of(bending(i), i));
+  std::vector<ingest::Frame> frames(12);
+  for (int i = 0; i < 12; ++i) frames[static_cast<std::size_t>(i)] = frame_of(bending(i), i);
   return frames;
 }
 
