@@ -109,6 +109,7 @@ void run(const std::string& folder, int label) {
   std::vector<double> processor;
   Differences differences;
   double explained = 0;
+  double empty = 0;
   int not_tracked = 0;
   while (const auto frame = capture->next()) {
     const tracking::ObjectView view = tracking::view_layer(*frame, label);
@@ -118,12 +119,13 @@ void run(const std::string& folder, int label) {
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     processor.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
     explained += result.explained;
+    empty += result.empty;
     if (result.health != tracking::Health::kTracked) ++not_tracked;
     if (!tracker.started()) continue;
     const tracking::Bones bones = tracking::place_bones(tracker.state().pose, tracker.state().shape);
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
-      std::printf("health,%d,%s,%.3f", frame->index, std::string(tracking::name_of(result.health)).c_str(),
-                  result.explained);
+      std::printf("health,%d,%s,%.3f,%.3f", frame->index, std::string(tracking::name_of(result.health)).c_str(),
+                  result.explained, result.empty);
       for (const tracking::LimbHealth limb : result.limbs) std::printf(",%s", std::string(name_of(limb)).c_str());
       std::printf(",%.1f\n", milliseconds.back());
     }
@@ -131,9 +133,10 @@ void run(const std::string& folder, int label) {
     if (found != truth.end()) compare(bones, found->second, frame->index, differences);
   }
   const auto frames = static_cast<double>(std::max<std::size_t>(1, milliseconds.size()));
-  std::printf("frames,not_tracked,explained,median_ms,p99_ms,median_processor_ms\n%zu,%d,%.3f,%.2f,%.2f,%.2f\n",
-              milliseconds.size(), not_tracked, explained / frames, at_fraction(milliseconds, 0.5),
-              at_fraction(milliseconds, 0.99), at_fraction(processor, 0.5));
+  std::printf(
+      "frames,not_tracked,explained,empty,median_ms,p99_ms,median_processor_ms\n%zu,%d,%.3f,%.3f,%.2f,%.2f,%.2f\n",
+      milliseconds.size(), not_tracked, explained / frames, empty / frames, at_fraction(milliseconds, 0.5),
+      at_fraction(milliseconds, 0.99), at_fraction(processor, 0.5));
   if (!truth.empty()) print(differences);
 }
 

@@ -1,7 +1,7 @@
 // Follows a deforming layer of a capture and compares it with the ground truth beside it: material tracks
 // (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame), and milliseconds per frame.
 // Usage: bench_tracking_deforming CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame; with
-// KINORA_BENCH_UNSETTLED set, without DeformingTracker::settle_past.
+// KINORA_BENCH_UNSETTLED set, without DeformingTracker::settle_past; with KINORA_BENCH_NO_BODY set, without a skeleton.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -153,7 +153,9 @@ void run(const std::string& folder, int label) {
   ingest::CaptureOptions options;
   options.use_masks = flow.values.empty();
   const auto capture = ingest::Capture::open(plugins, folder, options, silent);
-  tracking::DeformingTracker tracker(label);
+  tracking::DeformingTrackerConfig config;
+  config.use_body = std::getenv("KINORA_BENCH_NO_BODY") == nullptr;
+  tracking::DeformingTracker tracker(label, config);
   std::vector<double> milliseconds;
   std::vector<int> frames;
   int not_tracked = 0;
@@ -176,6 +178,9 @@ void run(const std::string& folder, int label) {
   }
   std::printf("frames %zu, not tracked %d, spacing %.1f mm\n", frames.size(), not_tracked,
               1e3 * tracker.node_spacing());
+  std::printf("body: %s, explained %.3f, empty %.3f\n",
+              std::string(tracking::name_of(tracker.body().verdict())).c_str(), tracker.body().explained(),
+              tracker.body().empty());
   const auto start = std::chrono::steady_clock::now();
   if (std::getenv("KINORA_BENCH_UNSETTLED") == nullptr) tracker.settle_past();
   const double settling = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

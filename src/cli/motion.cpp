@@ -42,6 +42,15 @@ Json nodes_json(const tracking::Motion& motion, std::size_t frame) {
   return nodes;
 }
 
+Json joints_json(const tracking::JointPaths& joints, std::size_t frame) {
+  Json result = Json::array();
+  for (std::size_t j = 0; j < joints.names.size(); ++j) {
+    const Eigen::Vector3d& p = joints.places[frame][j];
+    result.push_back({{"name", joints.names[j]}, {"position", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}});
+  }
+  return result;
+}
+
 Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
   const std::size_t count = clip.times.size();
   const bool rigid = layer.motion.kind() == tracking::MotionKind::kRigid;
@@ -56,6 +65,7 @@ Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
                   {"health", tracking::name_of(layer.motion.health(i))}};
     if (rigid) entry["transform"] = matrix_json(layer.motion.canonical_to_world(frame) * world_to_canonical);
     if (layer.motion.graph()) entry["nodes"] = nodes_json(layer.motion, i);
+    if (layer.joints) entry["joints"] = joints_json(*layer.joints, i);
     if (clip.camera_to_world.size() > 1) {
       entry["camera_to_world"] = matrix_json(clip.capture_camera(frame).camera_to_world);
     }

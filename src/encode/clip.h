@@ -10,6 +10,7 @@
 #include "core/camera.h"
 #include "fields/confidence.h"
 #include "fields/field.h"
+#include "tracking/joint_paths.h"
 #include "tracking/motion.h"
 
 namespace kinora::encode {
@@ -20,6 +21,7 @@ struct Layer {
   fields::Field field;
   tracking::Motion motion = tracking::Motion::still();
   std::optional<fields::Confidence> confidence = std::nullopt; ///< of the field; files of earlier versions have none
+  std::optional<tracking::JointPaths> joints = std::nullopt;   ///< of a deforming layer that is a person
 };
 
 struct Clip {

@@ -96,6 +96,11 @@ LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken,
   layer.kind = *known;
   if (layer.kind != MotionKind::kStill) layer.motion_track = track(object, "motion_track", taken, place);
   if (object.contains("confidence_track")) layer.confidence_track = track(object, "confidence_track", taken, place);
+  if (object.contains("joints_track")) {
+    if (layer.kind != MotionKind::kDeforming)
+      corrupt(place, fmt::format("layer {} has joints, but does not deform", layer.name));
+    layer.joints_track = track(object, "joints_track", taken, place);
+  }
   return layer;
 }
 
@@ -136,6 +141,7 @@ Bytes to_json(const ClipDescription& clip) {
                   {"field_track", layer.field_track}};
     if (layer.kind != tracking::MotionKind::kStill) entry["motion_track"] = layer.motion_track;
     if (layer.confidence_track != 0) entry["confidence_track"] = layer.confidence_track;
+    if (layer.joints_track != 0) entry["joints_track"] = layer.joints_track;
     layers.push_back(std::move(entry));
   }
   return text_of({{"version", kVersion},

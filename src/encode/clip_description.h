@@ -28,6 +28,7 @@ struct LayerDescription {
   std::uint16_t field_track = 0;
   std::uint16_t motion_track = 0;     ///< only if the layer moves
   std::uint16_t confidence_track = 0; ///< 0: the file does not say
+  std::uint16_t joints_track = 0;     ///< 0: the layer has no skeleton
 };
 
 struct ClipDescription {

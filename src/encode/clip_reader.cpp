@@ -14,6 +14,7 @@
 #include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
+#include "encode/joints_codec.h"
 #include "encode/pose_codec.h"
 
 namespace kinora::encode {
@@ -125,6 +126,7 @@ private:
       add_destination(layer.field_track, kFieldCodec, l, false);
       if (layer.motion_track != 0) add_destination(layer.motion_track, kMotionCodec, l, true);
       if (layer.confidence_track != 0) add_destination(layer.confidence_track, kConfidenceCodec, l, false);
+      if (layer.joints_track != 0) add_destination(layer.joints_track, kJointsCodec, l, false);
     }
   }
 
@@ -170,6 +172,8 @@ private:
       clip_.layers[destination.layer].field = decode_field(payload.bytes, place, budget_);
     } else if (destination.codec == kConfidenceCodec) {
       destination.confidence = payload.bytes;
+    } else if (destination.codec == kJointsCodec) {
+      clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), place, budget_);
     } else if (destination.decoder) {
       if (frame != destination.deformations.size()) {
         throw Error(ErrorCode::kCorruptInput,

@@ -14,6 +14,7 @@
 #include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
+#include "encode/joints_codec.h"
 #include "encode/pose_codec.h"
 
 namespace kinora::encode {
@@ -64,6 +65,10 @@ void check(const Clip& clip) {
     if (layer.motion.kind() != tracking::MotionKind::kStill && moved != frames) {
       refuse(fmt::format("layer {} moves in {} of {} frames", layer.name, moved, frames));
     }
+    if (layer.joints &&
+        (layer.motion.kind() != tracking::MotionKind::kDeforming || layer.joints->places.size() != frames)) {
+      refuse(fmt::format("the joints of layer {} are not of its motion", layer.name));
+    }
     if (layer.confidence &&
         layer.confidence->blocks().words() != fields::Confidence(layer.field.occupancy).blocks().words()) {
       refuse(fmt::format("the confidence of layer {} is of another field", layer.name));
@@ -83,6 +88,7 @@ ClipDescription describe(const Clip& clip) {
     LayerDescription entry{layer.name, layer.label, layer.motion.kind(), next_track++, 0};
     if (entry.kind != tracking::MotionKind::kStill) entry.motion_track = next_track++;
     if (layer.confidence) entry.confidence_track = next_track++;
+    if (layer.joints) entry.joints_track = next_track++;
     description.layers.push_back(std::move(entry));
   }
   return description;
@@ -112,6 +118,9 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
     }
     if (layer.confidence_track != 0) {
       head.tracks.push_back({layer.confidence_track, std::string(kConfidenceCodec), "confidence " + layer.name, {}});
+    }
+    if (layer.joints_track != 0) {
+      head.tracks.push_back({layer.joints_track, std::string(kJointsCodec), "joints " + layer.name, {}});
     }
   }
   constexpr const char* kJson = "application/json";
@@ -155,6 +164,7 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
     if (layer.confidence) {
       add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
     }
+    if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
     motions.emplace_back(layer.motion);
   }
   for (std::size_t frame = 0; frame < clip.times.size(); ++frame) {
@@ -184,10 +194,19 @@ void check_memory(const Clip& clip, const std::vector<Payload>& payloads) {
     if (layer.confidence && !budget.try_take(decoding_memory(*layer.confidence))) {
       refuse(fmt::format("layer {} fills far more space than its field needs; train it again", layer.name));
     }
+    if (layer.joints && !budget.try_take(decoding_memory(*layer.joints))) {
+      refuse(fmt::format("layer {} has far more joints than its motion needs", layer.name));
+    }
     if (layer.motion.graph() && !budget.try_take(decoding_memory(*layer.motion.graph(), clip.times.size()))) {
       refuse(fmt::format("layer {} has far more nodes than its motion needs; give it fewer", layer.name));
     }
   }
+}
+
+tracking::JointPaths stored_joints(const tracking::JointPaths& joints) {
+  const Bytes bytes = encode_joints(joints);
+  AllocationBudget budget(bytes.size());
+  return decode_joints(bytes, joints.places.size(), "joints", budget);
 }
 
 tracking::Motion stored_motion(const Layer& layer) {
@@ -231,6 +250,7 @@ Clip as_stored(const Clip& clip) {
   for (Layer& layer : stored.layers) {
     layer.field = quantised(layer.field);
     layer.motion = stored_motion(layer);
+    if (layer.joints) layer.joints = stored_joints(*layer.joints);
   }
   return stored;
 }

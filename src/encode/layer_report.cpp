@@ -62,6 +62,29 @@ Json geometry_json(const fields::GeometryTrial& trial) {
           {fields::name_of(fields::Geometry::kSignedDistance), error(trial.signed_distance)}};
 }
 
+namespace {
+
+Json body_json(const tracking::LayerBody& body) {
+  using tracking::BodyVerdict;
+  const auto why = [&] {
+    switch (body.verdict()) {
+    case BodyVerdict::kPerson:
+      return "a skeleton lies on what is measured, and nowhere that the camera sees past: joints are stored";
+    case BodyVerdict::kNobody:
+      return "no skeleton explains it: it either leaves much unexplained, or would be where the camera sees past";
+    case BodyVerdict::kUndecided:
+      break;
+    }
+    return "too few frames show enough of it to tell whether it is a person";
+  };
+  return {{"verdict", tracking::name_of(body.verdict())},
+          {"why", why()},
+          {"explained", round4(body.explained())},
+          {"empty", round4(body.empty())}};
+}
+
+} // namespace
+
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   Json out = {{"kind", tracking::name_of(motion.kind())}};
   if (motion.kind() == tracking::MotionKind::kStill && label.poses.empty()) return out;
@@ -72,6 +95,7 @@ Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   if (motion.graph() != nullptr) {
     out["nodes"] = motion.graph()->nodes().size();
     out["node_spacing_m"] = round4(label.bending->node_spacing());
+    out["body"] = body_json(label.bending->body());
     return out;
   }
   out["relocalised"] = label.relocalised;

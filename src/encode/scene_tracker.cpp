@@ -108,6 +108,14 @@ double SceneTracker::largest_move(const TrackedLabel& label) {
   return largest;
 }
 
+std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& label) {
+  if (!label.bending) return std::nullopt;
+  auto joints = label.bending->body().joint_paths();
+  if (joints)
+    joints->places.insert(joints->places.begin(), static_cast<std::size_t>(label.first_frame), joints->places.front());
+  return joints;
+}
+
 tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
   if (label.bending) return with_frames_before(label.bending->motion(), label.first_frame);
   const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;

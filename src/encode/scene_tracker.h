@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ public:
   const std::map<int, TrackedLabel>& labels() const { return labels_; }
   /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.
   tracking::Motion motion_of(const TrackedLabel& label) const;
+  /// Of the label's skeleton over the whole timeline, if it is a person.
+  static std::optional<tracking::JointPaths> joints_of(const TrackedLabel& label);
   /// Greatest distance (metres) of the label's points from where they were in its first frame; only if rigid.
   static double largest_move(const TrackedLabel& label);
 

@@ -70,6 +70,7 @@ void set_plane(const Seen& seen, const ObjectView& view, double gate, PointTerms
   if (seen.normal.dot(normal) < kNormalCosine) return;
   terms.plane_normal = normal;
   terms.plane_offset = -normal.dot(measured);
+  terms.on_surface = true;
   terms.plane_scale = 1 / (ingest::depth_sigma(measured.z()) *
                            std::max(kMinIncidence, std::abs(normal.dot(measured)) / measured.norm()));
 }
@@ -168,6 +169,29 @@ private:
   double growth_ = 2;
 };
 
+// A node that carries less than one point counts as if the rest of that were not seen.
+std::vector<double> seen_shares(const LayerModel& model, std::span<const PointTerms> terms) {
+  std::vector<double> seen(model.nodes.size(), 0);
+  std::vector<double> carried(model.nodes.size(), 0);
+  for (std::size_t p = 0; p < model.points.size(); ++p) {
+    const Influence& influence = model.points[p].influence;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+      const auto node = static_cast<std::size_t>(influence.nodes[k]);
+      carried[node] += influence.weights[k];
+      if (terms[p].on_surface) seen[node] += influence.weights[k];
+    }
+  }
+  for (std::size_t n = 0; n < seen.size(); ++n) seen[n] /= std::max(1.0, carried[n]);
+  return seen;
+}
+
+// Measurements go before bones.
+std::vector<NodePull> bowed(std::span<const NodePull> binding, std::span<const double> seen) {
+  std::vector<NodePull> result(binding.begin(), binding.end());
+  for (std::size_t n = 0; n < result.size(); ++n) result[n].scale *= 1 - seen[n];
+  return result;
+}
+
 Eigen::Vector3d mean_place(const NodeStates& states) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& place : states.positions) sum += place;
@@ -245,7 +269,8 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
 
 DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& start, const NodeStates& prior,
-                                   double spacing, const DeformingAlignmentConfig& config) {
+                                   double spacing, const DeformingAlignmentConfig& config,
+                                   std::span<const NodePull> binding) {
   DeformingAlignment result;
   result.nodes = start;
   DeformingProblem problem(model, view, weights_of(spacing, config));
@@ -259,6 +284,8 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
     problem.set_level(stage.level);
     for (int i = 0; i < stage.iterations; ++i) {
       associate(model, textures, view, result.nodes, stage.level, stage.gate, config, problem.terms());
+      result.seen = seen_shares(model, problem.terms());
+      problem.set_binding(bowed(binding, result.seen));
       if (!damped.step(problem, config, result)) break;
     }
   }

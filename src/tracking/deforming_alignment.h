@@ -33,6 +33,7 @@ struct DeformingAlignment {
   NodeStates nodes; ///< canonical (relative to the origin) to camera
   std::vector<double>
       energies; ///< of each try: before, after, before, after …; within a pair correspondences are the same
+  std::vector<double> seen; ///< for each node, share of the points it carries that lie on measured surface
 };
 
 /// How well node states explain a view.
@@ -49,12 +50,14 @@ struct DeformingQuality {
   }
 };
 
-/// Refines `start`; nodes that nothing holds stay near `prior`. Energy never rises from a step that is taken.
-/// `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
+/// Refines `start`; nodes that nothing holds stay near `prior`, and go where `binding` (one pull for each node, or
+/// none) draws them: the less, the more of their points lie on measured surface. Energy never rises from a step that is
+/// taken. `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
 /// Deterministic for any number of threads.
 DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& start, const NodeStates& prior,
-                                   double spacing, const DeformingAlignmentConfig& config = {});
+                                   double spacing, const DeformingAlignmentConfig& config = {},
+                                   std::span<const NodePull> binding = {});
 
 /// One rigid motion of all nodes that brings the model nearer to the view; correspondences within `gate` metres.
 NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,

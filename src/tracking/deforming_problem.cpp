@@ -121,10 +121,20 @@ double DeformingProblem::energy(const NodeStates& states) const {
     sum += huber(edge_residual(edge.a, edge.b, states).norm() / weights_.rigidity_sigma, weights_.huber);
     sum += huber(edge_residual(edge.b, edge.a, states).norm() / weights_.rigidity_sigma, weights_.huber);
   }
-  for (std::size_t i = 0; i < prior_.size(); ++i) {
-    sum += huber((states.positions[i] - prior_[i]).norm() / weights_.prior_sigma, weights_.huber);
+  return sum + pull_energy(prior_, states) + pull_energy(binding_, states);
+}
+
+double DeformingProblem::pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < pulls.size(); ++i) {
+    sum += huber(pulls[i].scale * (states.positions[i] - pulls[i].place).norm(), weights_.huber);
   }
   return sum;
+}
+
+void DeformingProblem::set_prior(const NodeStates& prior) {
+  prior_.clear();
+  for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
 BlockSystem DeformingProblem::linearise(const NodeStates& states) const {
@@ -158,6 +168,8 @@ BlockSystem DeformingProblem::linearise(const NodeStates& states) const {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       add_points(i, jacobians, system);
       add_edges(i, states, system);
+      if (!prior_.empty()) add_pull(i, prior_[i], states, system);
+      if (!binding_.empty()) add_pull(i, binding_[i], states, system);
     }
   });
   return system;
@@ -206,10 +218,13 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
       system.gradient[node].noalias() += weight * by_own.transpose() * residual;
     }
   }
-  if (prior_.empty()) return;
-  const Eigen::Vector3d off = states.positions[node] - prior_[node];
-  const double weight =
-      huber_weight(off.norm() / weights_.prior_sigma, weights_.huber) / (weights_.prior_sigma * weights_.prior_sigma);
+}
+
+void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states,
+                                BlockSystem& system) const {
+  const Eigen::Vector3d off = states.positions[node] - pull.place;
+  const double weight = huber_weight(pull.scale * off.norm(), weights_.huber) * pull.scale * pull.scale;
+  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
   system.blocks[diagonal].diagonal().head<3>().array() += weight;
   system.gradient[node].head<3>() += weight * off;
 }

@@ -29,8 +29,15 @@ struct PointTerms {
   Eigen::Vector3d plane_normal = Eigen::Vector3d::Zero(); ///< of the measured surface, in the camera
   double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
   double plane_scale = 0;
+  bool on_surface = false;                  ///< the plane is of measured surface, no border of a silhouette
   std::array<double, kTextures> expected{}; ///< textures at the point
   std::array<double, kTextures> texture_scale{};
+};
+
+/// A place that something beside the view would have a node at.
+struct NodePull {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero(); ///< in the camera
+  double scale = 0;                                ///< one over the standard deviation, metres; zero: no pull
 };
 
 struct ProblemWeights {
@@ -58,7 +65,9 @@ public:
   /// Pyramid level that textures are compared at.
   void set_level(int level) { level_ = level; }
   /// Where the prior would have the nodes.
-  void set_prior(const NodeStates& prior) { prior_ = prior.positions; }
+  void set_prior(const NodeStates& prior);
+  /// Where a skeleton would have them: one pull for each node, or none.
+  void set_binding(std::span<const NodePull> binding) { binding_.assign(binding.begin(), binding.end()); }
   void set_rigidity_sigma(double sigma) { weights_.rigidity_sigma = sigma; }
 
   /// Half the sum of squares of all terms, in standard deviations, with Huber's bend.
@@ -93,6 +102,8 @@ private:
   double point_energy(std::size_t point, const NodeStates& states) const;
   void add_points(std::size_t node, std::span<const PointJacobians> jacobians, BlockSystem& system) const;
   void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
+  void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states, BlockSystem& system) const;
+  double pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const;
   Eigen::Vector3d edge_residual(int from, int to, const NodeStates& states) const;
 
   LayerModel model_;
@@ -101,7 +112,8 @@ private:
   int level_ = 0;
   BlockPattern pattern_;
   std::vector<PointTerms> terms_;
-  std::vector<Eigen::Vector3d> prior_;
+  std::vector<NodePull> prior_;
+  std::vector<NodePull> binding_;
   std::vector<std::vector<PointUse>> point_uses_;
   std::vector<std::vector<EdgeUse>> edge_uses_;
 };

@@ -44,7 +44,8 @@ struct DeformingTracker::Past {
   bool has_earlier = false; ///< the frame before it was tracked as well
 };
 
-DeformingTracker::DeformingTracker(int label, const DeformingTrackerConfig& config) : label_(label), config_(config) {}
+DeformingTracker::DeformingTracker(int label, const DeformingTrackerConfig& config)
+    : label_(label), config_(config), body_(config.body) {}
 DeformingTracker::~DeformingTracker() = default;
 DeformingTracker::DeformingTracker(DeformingTracker&&) noexcept = default;
 DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = default;
@@ -53,6 +54,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
   const ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
+  if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time);
   if (volume_ == nullptr) {
     if (view.depth_pixels >= config_.first_pixels) {
       begin(frame, view);
@@ -94,6 +96,18 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
+  bind_body({});
+}
+
+// To be called after the last frame's alignment; the nodes that it has brought were not `seen` in it as yet.
+void DeformingTracker::bind_body(std::vector<double> seen) {
+  if (!config_.use_body) return;
+  seen.resize(nodes_.size(), 0);
+  std::vector<Eigen::Vector3d> places;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    places.emplace_back(volume_->origin() + records_.back().nodes[n] * nodes_[n]);
+  }
+  body_.learn(places, seen);
 }
 
 SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {
@@ -142,8 +156,9 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
   selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
   const LayerModel model{nodes_, edges_, selection.points};
+  const std::vector<NodePull> binding = body_.pulls(records_.size() - 1, frame.camera.camera_to_world.inverse());
   DeformingAlignment alignment =
-      align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment);
+      align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   const bool doubtful =
       result.quality.empty_share() > kMuchEmpty ||
@@ -154,7 +169,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     // Without a frame just before, there is farther to go.
     for (int pass = 0; pass < kPassesWhenFound; ++pass) {
       elsewhere = align_deforming(model, selection.textures, view, elsewhere.nodes, elsewhere.nodes, spacing_,
-                                  config_.alignment);
+                                  config_.alignment, binding);
     }
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
@@ -172,6 +187,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->view = view;
   past_->world_to_camera = world_to_camera;
   fuse(view, alignment.nodes);
+  bind_body(std::move(alignment.seen));
   return Health::kTracked;
 }
 

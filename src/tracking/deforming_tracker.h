@@ -1,6 +1,6 @@
 // Follows one layer that bends through a capture, fuses what it sees of it, and grows its deformation graph.
 // Sources: Newcombe et al., "DynamicFusion", CVPR 2015; Innmann et al., "VolumeDeform", ECCV 2016; Jiang et al.,
-// "Instant-NVR", CVPR 2023, eq. 1–2 without the terms of the body.
+// "Instant-NVR", CVPR 2023, eq. 1–2; the body, if there is one, is fitted before the graph (layer_body.h).
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 #include "ingest/frame.h"
 #include "tracking/deforming_alignment.h"
 #include "tracking/frame_memory.h"
+#include "tracking/layer_body.h"
 #include "tracking/motion.h"
 #include "tracking/new_pieces.h"
 #include "tracking/surface_graph.h"
@@ -28,7 +29,9 @@ struct DeformingTrackerConfig {
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
   double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost
+  bool use_body = true;           ///< false: no skeleton is looked for
   DeformingAlignmentConfig alignment;
+  LayerBodyConfig body;
 };
 
 /// One frame's answer.
@@ -68,6 +71,8 @@ public:
   double node_spacing() const { return spacing_; }
   /// Which nodes of the motion's graph hold each other.
   const std::vector<GraphEdge>& edges() const { return edges_; }
+  /// The skeleton beside the graph.
+  const LayerBody& body() const { return body_; }
 
 private:
   struct Past;
@@ -81,6 +86,7 @@ private:
   NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
   void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);
   void fuse(const ObjectView& view, NodeStates states);
+  void bind_body(std::vector<double> seen);
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
   void renew_surface();
@@ -105,6 +111,7 @@ private:
   FrameMemory memory_;              ///< of the frames of records_
   std::vector<std::size_t> births_; ///< for each node, the first record that is not a guess
   std::unique_ptr<Past> past_;
+  LayerBody body_;
   int unseen_ = 0;
   struct SeenPiece {
     Eigen::Vector3d centroid; ///< in the camera

@@ -193,6 +193,28 @@ TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
   }
 }
 
+TEST_F(Tool, MotionOfAPersonHasItsJoints) {
+  encode::Clip clip = encode::testing::bending_clip(1, 4, true);
+  const tracking::JointPaths& joints = *clip.layers[2].joints;
+  encode::write_clip(clip, path("clip.mkv"));
+  EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
+  const Json layers = Json::parse(contents_of(path("m.json"))).at("layers");
+  EXPECT_FALSE(layers.at(1).at("frames").at(0).contains("joints"));
+  for (std::size_t f = 0; f < 4; ++f) {
+    const Json& printed = layers.at(2).at("frames").at(f).at("joints");
+    ASSERT_EQ(printed.size(), joints.names.size());
+    for (std::size_t j = 0; j < joints.names.size(); ++j) {
+      EXPECT_EQ(printed[j].at("name"), joints.names[j]);
+      const auto p = printed[j].at("position").get<std::array<double, 3>>();
+      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - joints.places[f][j]).norm(), 2e-3);
+    }
+  }
+  clip.layers[2].joints.reset();
+  encode::write_clip(clip, path("nobody.mkv"));
+  EXPECT_EQ(run({"motion", path("nobody.mkv"), "--out", path("n.json"), "-q"}).code, 0);
+  EXPECT_FALSE(Json::parse(contents_of(path("n.json")))["layers"][2]["frames"][0].contains("joints"));
+}
+
 TEST_F(Tool, InfoOfADeformingLayerCountsItsNodes) {
   const encode::Clip clip = encode::testing::bending_clip(1, 4, true);
   encode::write_clip(clip, path("clip.mkv"));

@@ -47,31 +47,33 @@ TEST(ClipDescription, IsReadAsItIsWritten) {
   const ClipDescription bent = parse_clip_description(bytes_of(changed("rigid", "deforming")), "a.mkv: clip.json");
   EXPECT_EQ(bent.layers[1].kind, tracking::MotionKind::kDeforming);
   EXPECT_EQ(bent.layers[1].motion_track, 4);
+  EXPECT_EQ(bent.layers[1].joints_track, 0);
   EXPECT_EQ(text_of(to_json(clip)), text_of(to_json(parse_clip_description(to_json(clip), "again"))));
 }
 
 TEST(ClipDescription, RejectsWhatDoesNotFitTogether) {
-  for (const auto& [from, to] :
-       std::vector<std::pair<std::string, std::string>>{{"[0, 5, 9]", "[0, 5, 5]"},
-                                                        {"[0, 5, 9]", "[-1, 5, 9]"},
-                                                        {"[0, 5, 9]", "[0, 5, 9.5]"},
-                                                        {"[0, 5, 9]", "[0, 5, 99999999999999999999]"},
-                                                        {"[0, 5, 9]", "[]"},
-                                                        {"[0, 5, 9]", "7"},
-                                                        {"[0, 2, 4]", "[0, 2]"},
-                                                        {"[0, 2, 4]", "[0, 2, 4294967296]"},
-                                                        {"[1]", "[3]"},
-                                                        {"[1]", "[-1]"},
-                                                        {"\"track\": 1", "\"track\": 70000"},
-                                                        {"\"track\": 1", "\"track\": 2"},
-                                                        {"\"moves\": false", "\"moves\": 0"},
-                                                        {"\"background\"", "\"object\""},
-                                                        {"\"background\"", "\"\""},
-                                                        {"\"background\"", "5"},
-                                                        {"\"still\"", "\"boiling\""},
-                                                        {", \"motion_track\": 4", ""},
-                                                        {"\"version\": 1, ", ""},
-                                                        {"{\"version\": 1", "[{\"version\": 1"}}) {
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"[0, 5, 9]", "[0, 5, 5]"},
+           {"[0, 5, 9]", "[-1, 5, 9]"},
+           {"[0, 5, 9]", "[0, 5, 9.5]"},
+           {"[0, 5, 9]", "[0, 5, 99999999999999999999]"},
+           {"[0, 5, 9]", "[]"},
+           {"[0, 5, 9]", "7"},
+           {"[0, 2, 4]", "[0, 2]"},
+           {"[0, 2, 4]", "[0, 2, 4294967296]"},
+           {"[1]", "[3]"},
+           {"[1]", "[-1]"},
+           {"\"track\": 1", "\"track\": 70000"},
+           {"\"track\": 1", "\"track\": 2"},
+           {"\"moves\": false", "\"moves\": 0"},
+           {"\"background\"", "\"object\""},
+           {"\"background\"", "\"\""},
+           {"\"background\"", "5"},
+           {"\"still\"", "\"boiling\""},
+           {", \"motion_track\": 4", ""},
+           {"\"motion_track\": 4", "\"motion_track\": 4, \"joints_track\": 5"},
+           {"\"version\": 1, ", ""},
+           {"{\"version\": 1", "[{\"version\": 1"}}) {
     expect_code(changed(from, to), ErrorCode::kCorruptInput);
   }
 }

@@ -64,6 +64,11 @@ void expect_equal(const Clip& a, const Clip& b) {
     if (x.confidence) {
       EXPECT_EQ(x.confidence->levels(), y.confidence->levels());
     }
+    ASSERT_EQ(x.joints.has_value(), y.joints.has_value());
+    if (x.joints) {
+      EXPECT_EQ(x.joints->names, y.joints->names);
+      EXPECT_EQ(x.joints->places, y.joints->places);
+    }
     ASSERT_EQ(x.motion.kind(), y.motion.kind());
     ASSERT_EQ(x.motion.poses().size(), y.motion.poses().size());
     for (std::size_t i = 0; i < x.motion.poses().size(); ++i) {
@@ -125,8 +130,8 @@ TEST(ClipFile, AccountsForEveryByte) {
   }
   EXPECT_EQ(sum, account.total);
   EXPECT_EQ(names, (std::vector<std::string>{"camera", "field background", "confidence background", "field object",
-                                             "motion object", "field person", "motion person", "timeline",
-                                             "calibration", "metadata", "container"}));
+                                             "motion object", "field person", "motion person", "joints person",
+                                             "timeline", "calibration", "metadata", "container"}));
 }
 
 TEST(ClipFile, StoresNoMotionForAStillLayer) {
@@ -144,14 +149,18 @@ TEST(ClipFile, RefusesADeformingLayerWhoseFramesAreOutOfOrder) {
   container::Reader reader(folder / "a.mkv");
   container::FileHead head;
   head.kind = "clip";
-  for (const container::StoredTrack& track : reader.tracks()) head.tracks.push_back(track.track);
+  std::uint16_t motion_of_person = 0;
+  for (const container::StoredTrack& track : reader.tracks()) {
+    head.tracks.push_back(track.track);
+    if (track.track.name == "motion person") motion_of_person = track.track.id;
+  }
   for (const container::StoredAttachment& stored : reader.attachments()) {
     head.attachments.push_back({stored.name, stored.media_type, stored.description, reader.read_attachment(stored)});
   }
   container::Writer writer(folder / "b.mkv", head);
   container::Payload payload;
   for (bool first = true; reader.next(payload);) {
-    const bool person = payload.track == head.tracks.back().id;
+    const bool person = payload.track == motion_of_person;
     if (!person || !first) writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
     if (person) first = false;
   }
@@ -263,6 +272,7 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.camera_to_world.pop_back(); });
   expect_refused([](Clip& clip) { clip.layers[1].name = clip.layers[0].name; });
   expect_refused([](Clip& clip) { clip.layers[1].confidence = clip.layers[0].confidence; });
+  expect_refused([](Clip& clip) { clip.layers[1].joints = testing::random_joints(1, clip.times.size()); });
   expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });

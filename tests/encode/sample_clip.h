@@ -1,6 +1,8 @@
 // Clips with random contents that look like trained ones: parameters near zero, a few large, occupancy in blobs.
 #pragma once
 
+#include <string>
+
 #include "core/random.h"
 #include "encode/clip.h"
 #include "sample_motion.h"
@@ -87,7 +89,25 @@ inline Clip sample_clip(std::uint64_t seed, std::size_t frames, bool camera_move
   return clip;
 }
 
-/// The same with a third layer, which deforms.
+/// Joints that wander, two hundredths of a metre from frame to frame.
+inline tracking::JointPaths random_joints(std::uint64_t seed, std::size_t frames) {
+  Random random(seed, 3);
+  tracking::JointPaths joints;
+  std::vector<Eigen::Vector3d> places;
+  for (int j = 0; j < 19; ++j) {
+    joints.names.push_back("joint_" + std::to_string(j));
+    places.emplace_back(random.normal(), random.normal(), 2 + random.normal());
+  }
+  for (std::size_t f = 0; f < frames; ++f) {
+    for (Eigen::Vector3d& place : places) {
+      place += 0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    }
+    joints.places.push_back(places);
+  }
+  return joints;
+}
+
+/// The same with a third layer, which deforms and has a skeleton.
 inline Clip bending_clip(std::uint64_t seed, std::size_t frames, bool camera_moves) {
   Clip clip = sample_clip(seed, frames, camera_moves);
   WalkerOptions options;
@@ -95,6 +115,7 @@ inline Clip bending_clip(std::uint64_t seed, std::size_t frames, bool camera_mov
   options.frames = frames;
   options.seed = seed;
   clip.layers.push_back({"person", 1, random_field(seed * 10 + 2), walker(options)});
+  clip.layers.back().joints = random_joints(seed, frames);
   return clip;
 }
 

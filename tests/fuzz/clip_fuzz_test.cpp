@@ -10,6 +10,7 @@
 #include "encode/confidence_codec.h"
 #include "encode/deformation_codec.h"
 #include "encode/field_codec.h"
+#include "encode/joints_codec.h"
 #include "encode/pose_codec.h"
 #include "encode/sample_clip.h"
 #include "fuzz/mutate.h"
@@ -93,6 +94,22 @@ TEST(ClipFuzz, ConfidenceDecoderRefusesOrDecodesMutatedPayloads) {
       for (const auto& levels : confidence.levels()) {
         for (const std::uint8_t level : levels) ASSERT_LE(level, fields::Confidence::kMost);
       }
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, JointsDecoderRefusesOrDecodesMutatedPayloads) {
+  const Bytes payload = encode_joints(testing::random_joints(2, 10));
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    Random random(14, i);
+    const Bytes mutated = fuzz::mutate(payload, random);
+    AllocationBudget budget(mutated.size());
+    try {
+      const tracking::JointPaths joints = decode_joints(mutated, 10, "mutated", budget);
+      ASSERT_EQ(joints.places.size(), 10U);
+      for (const auto& places : joints.places) ASSERT_EQ(places.size(), joints.names.size());
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
     }

@@ -110,6 +110,20 @@ TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
   expect_gradient(problem, disturbed(scene, 0.02, 4), 1e-6, 1e-4);
 }
 
+TEST(DeformingProblem, GradientOfTheBindingAgreesWithDifferences) {
+  const Scene scene(0.8);
+  const LayerModel model = scene.model();
+  DeformingProblem problem(model, scene.view, {});
+  std::vector<NodePull> binding;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    const double away = n % 2 == 0 ? 0.01 : 0.2; // some within the bend of the loss, some beyond
+    binding.push_back({scene.start.positions[n] + Eigen::Vector3d(away, 0, away), n % 3 == 0 ? 0 : 50.0});
+  }
+  problem.set_binding(binding);
+  problem.set_rigidity_sigma(1);
+  expect_gradient(problem, disturbed(scene, 0.02, 6), 1e-6, 1e-4);
+}
+
 TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
   Scene scene(0.8);
   // A ramp of brightness: its interpolation and its slope are exact.
@@ -177,6 +191,29 @@ TEST(DeformingAlignment, SilhouetteHoldsAPlateWithoutTexture) {
   config.silhouette_share = DeformingAlignmentConfig().silhouette_share;
   const auto held = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
   EXPECT_LT(mean_error(scene, held.nodes, 0), 0.035);
+}
+
+// The right half of the plate is not seen: bones may bend it. What is seen does not give way to them.
+TEST(DeformingAlignment, BonesMoveWhatIsNotSeen) {
+  Scene scene(0);
+  for (std::size_t p = scene.points.size(); p-- > 0;) {
+    if (scene.points[p].position.x() <= 0) continue;
+    scene.points.erase(scene.points.begin() + static_cast<std::ptrdiff_t>(p));
+    scene.textures.erase(scene.textures.begin() + static_cast<std::ptrdiff_t>(p));
+  }
+  const Eigen::Vector3d away(0, 0, 0.08);
+  std::vector<NodePull> binding;
+  for (const Eigen::Vector3d& place : scene.start.positions) binding.push_back({place + away, 50});
+  const auto alone = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
+  const auto bound =
+      align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing, {}, binding);
+  const std::size_t left = 28;
+  const std::size_t right = 35;
+  EXPECT_LT((alone.nodes.positions[right] - scene.start.positions[right]).norm(), 0.02);
+  EXPECT_LT((bound.nodes.positions[right] - binding[right].place).norm(), 0.02);
+  EXPECT_LT((bound.nodes.positions[left] - scene.start.positions[left]).norm(), 0.005);
+  EXPECT_GT(bound.seen[left], 0.8);
+  EXPECT_EQ(bound.seen[right], 0);
 }
 
 TEST(DeformingAlignment, EnergyNeverRises) {

@@ -53,7 +53,6 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
     follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, result);
     lost_frames_ = result.health == Health::kLost ? lost_frames_ + 1 : 0;
   }
-  frames_.push_back(started_ ? std::optional(BodyFrame{state_.pose, result.limbs}) : std::nullopt);
   return result;
 }
 
@@ -92,7 +91,9 @@ void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_worl
   prior.pose_precision = pose_precision(seconds);
   minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
   search_limbs(evidence, prior, state, result);
+  result.refitted = fresh_;
   result.explained = explained_share(evidence, state);
+  result.empty = empty_share(evidence, state);
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
   move_to(transformed(camera_to_world, state), seconds);
@@ -160,6 +161,18 @@ double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyStat
     if (body.match(point, config_.energy.normal_length, least).part >= 0) explained += point.weight;
   }
   return total > 0 ? explained / total : 0.0;
+}
+
+double BodyTracker::empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const {
+  const BodyInCamera body(in_camera);
+  double total = 0;
+  double empty = 0;
+  for (const BodySample& sample : body_samples()) {
+    const SampleResidual r = look_at(body, sample, *evidence.view, config_.energy);
+    if (r.sight == Sight::kSeen || r.sight == Sight::kEmpty) total += r.weight;
+    if (r.sight == Sight::kEmpty && r.value > config_.energy.sigma) empty += r.weight;
+  }
+  return total > 0 ? empty / total : 1.0;
 }
 
 } // namespace kinora::tracking

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tracking/body/body_energy.h"
-#include "tracking/body/body_motion.h"
+#include "tracking/body/limb_search.h"
 #include "tracking/motion.h"
 
 namespace kinora::tracking {
@@ -26,7 +26,9 @@ struct BodyTrackerConfig {
 struct BodyTrackingResult {
   Health health = Health::kLost;
   std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
-  double explained = 0;                   ///< share of the measured surface
+  double explained = 0;                   ///< share of the measured surface that the body lies on
+  double empty = 0;      ///< share of the body's surface, of what nothing hides, that the camera sees past
+  bool refitted = false; ///< size and pose were fitted anew: what was known of the bones does not go on
 };
 
 /// Not thread-safe. Same views, same bits, for any number of threads.
@@ -40,8 +42,6 @@ public:
   bool started() const { return started_; }
   /// The body in the last frame; the pose's root is in the world.
   const BodyState& state() const { return state_; }
-  /// Over all frames so far, with the measures as they are known now. Throws Error(kFailure) before the first.
-  BodyMotion motion() const { return {state_.shape, frames_}; }
 
 private:
   void begin(const ObjectView& view, const SE3& camera_to_world);
@@ -52,6 +52,7 @@ private:
   void learn_shape(const BodyEvidence& evidence, const BodyState& in_camera);
   void search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state, BodyTrackingResult& result);
   double explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
+  double empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
 
   BodyTrackerConfig config_;
   bool started_ = false;
@@ -64,7 +65,6 @@ private:
   int shape_frames_ = 0;
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
   std::array<int, kLimbs> search_pause_{}; ///< frames until it is worth another search
-  std::vector<std::optional<BodyFrame>> frames_;
 };
 
 } // namespace kinora::tracking

@@ -1,0 +1,35 @@
+#include "tracking/body/bone_hold.h"
+
+#include <algorithm>
+
+namespace kinora::tracking {
+namespace {
+
+bool are_neighbours(Joint a, Joint b) { return joints()[a].parent == b || joints()[b].parent == a; }
+
+} // namespace
+
+std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach) {
+  constexpr double kBlend = 0.05; // metres that one bone is nearer than the other where it begins to hold alone
+  std::array<double, kJoints> distances;
+  distances.fill(1e9);
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    const Joint bone = body_parts()[i].bone;
+    const Eigen::Vector3d local = body.bones[bone].inverse() * point;
+    distances[bone] = std::min(distances[bone], closest_surface(body.parts[i], local).distance);
+  }
+  const auto nearest = std::min_element(distances.begin(), distances.end());
+  if (*nearest > reach) return std::nullopt;
+  const auto bone = static_cast<Joint>(nearest - distances.begin());
+  BoneHold hold{bone, bone, 1};
+  double gap = kBlend;
+  for (int j = 0; j < kJoints; ++j) {
+    const auto other = static_cast<Joint>(j);
+    if (!are_neighbours(bone, other) || distances[other] - *nearest >= gap) continue;
+    gap = distances[other] - *nearest;
+    hold = {bone, other, 0.5 + 0.5 * gap / kBlend};
+  }
+  return hold;
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,19 @@
+// Which bone a point of a person goes with.
+#pragma once
+
+#include <optional>
+
+#include "tracking/body/body_model.h"
+
+namespace kinora::tracking {
+
+/// A point's bones: `bone` holds it by `weight`, `second` (its parent or child) by the rest.
+struct BoneHold {
+  Joint bone, second;
+  double weight; ///< in [0.5, 1]
+};
+
+/// The bones of a point beside the body; nothing if it is farther than `reach` metres from the body's surface.
+std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach = 0.08);
+
+} // namespace kinora::tracking

@@ -1,0 +1,43 @@
+// Which bones carry the nodes of a deformation graph, and where these bones would have each node: what the graph goes
+// by where the camera sees nothing of it.
+// Sources: Jiang et al., "Instant-NVR", CVPR 2023, eq. 2 (binding); Yu et al., "BodyFusion", ICCV 2017 (skeleton and
+// graph, each bound to the other).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tracking/body/bone_hold.h"
+#include "tracking/body/limb_search.h"
+#include "tracking/deforming_problem.h"
+
+namespace kinora::tracking {
+
+/// Nodes by their number in the graph. All places are in the world, metres. Not thread-safe.
+class BodyBinding {
+public:
+  /// Binds the nodes that are not yet known, which lie at `places` (one for each node, known or not), to the bones of
+  /// the body's surface that is nearest to them. A node too far from the body is bound to nothing.
+  void bind(const PosedBody& body, std::span<const Eigen::Vector3d> places);
+
+  /// Where a node lies beside its bones, anew: the more of it the view shows (`seen`, for each node, in [0, 1]), the
+  /// nearer it comes to `places`.
+  void renew(const Bones& bones, std::span<const Eigen::Vector3d> places, std::span<const double> seen);
+
+  /// Where the bones have the node; nothing if it is not bound.
+  std::optional<Eigen::Vector3d> place_of(std::size_t node, const Bones& bones) const;
+  /// The same for all nodes as pulls for the solver, in the space that `from_world` leads to; `sigma` in metres. A limb
+  /// that is lost pulls nothing.
+  std::vector<NodePull> pulls(const Bones& bones, const std::array<LimbHealth, kLimbs>& limbs, const SE3& from_world,
+                              double sigma) const;
+
+private:
+  struct Bound {
+    BoneHold hold;
+    Eigen::Vector3d beside_bone, beside_second; ///< place in the space of either
+  };
+  std::vector<std::optional<Bound>> nodes_;
+};
+
+} // namespace kinora::tracking

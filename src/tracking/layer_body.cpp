@@ -1,0 +1,67 @@
+#include "tracking/layer_body.h"
+
+#include <algorithm>
+
+namespace kinora::tracking {
+
+std::string_view name_of(BodyVerdict verdict) {
+  switch (verdict) {
+  case BodyVerdict::kPerson:
+    return "person";
+  case BodyVerdict::kNobody:
+    return "nobody";
+  case BodyVerdict::kUndecided:
+    break;
+  }
+  return "undecided";
+}
+
+BodyVerdict LayerBody::verdict() const {
+  if (frames_ < config_.deciding_frames) return BodyVerdict::kUndecided;
+  const bool fits = explained() >= config_.min_explained && empty() <= config_.max_empty;
+  return fits ? BodyVerdict::kPerson : BodyVerdict::kNobody;
+}
+
+void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time) {
+  if (verdict() == BodyVerdict::kNobody) return;
+  last_ = tracker_.track(view, camera_to_world, time);
+  records_.emplace_back();
+  if (!tracker_.started()) return;
+  const BodyState& state = tracker_.state();
+  records_.back() =
+      Record{place_bones(state.pose, state.shape), last_.limbs, last_.health == Health::kTracked && !last_.refitted};
+  if (last_.health == Health::kHeld) return;
+  ++frames_;
+  explained_ += last_.explained;
+  empty_ += last_.empty;
+}
+
+std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world) const {
+  if (verdict() != BodyVerdict::kPerson || frame >= records_.size()) return {};
+  const std::optional<Record>& record = records_[frame];
+  if (!record || !record->trusted) return {};
+  return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
+}
+
+std::optional<JointPaths> LayerBody::joint_paths() const {
+  const auto first =
+      std::find_if(records_.begin(), records_.end(), [](const auto& record) { return record.has_value(); });
+  if (verdict() != BodyVerdict::kPerson || first == records_.end()) return std::nullopt;
+  JointPaths paths;
+  for (const JointInfo& joint : joints()) paths.names.emplace_back(joint.name);
+  for (const std::optional<Record>& record : records_) {
+    std::vector<Eigen::Vector3d>& places = paths.places.emplace_back();
+    for (const SE3& bone : (record ? *record : **first).bones) places.emplace_back(bone.translation());
+  }
+  return paths;
+}
+
+void LayerBody::learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen) {
+  if (verdict() == BodyVerdict::kNobody || last_.health != Health::kTracked) return;
+  const PosedBody body = pose_body(tracker_.state().pose, tracker_.state().shape);
+  if (last_.refitted) binding_ = {};
+  binding_.renew(body.bones, places, seen);
+  binding_.bind(body, places);
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,69 @@
+// The skeleton of a layer that bends, if the layer is a person: followed beside the graph, bound to it, and kept only
+// if it explains what is seen.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "tracking/body/body_tracker.h"
+#include "tracking/body_binding.h"
+#include "tracking/joint_paths.h"
+
+namespace kinora::tracking {
+
+/// Whether a layer is a person.
+enum class BodyVerdict {
+  kUndecided, ///< too few frames
+  kPerson,    ///< the body lies on what is measured, and is nowhere that the camera sees past
+  kNobody     ///< it does not
+};
+std::string_view name_of(BodyVerdict verdict);
+
+struct LayerBodyConfig {
+  BodyTrackerConfig tracker;
+  int deciding_frames = 10;    ///< in which the body is only looked at
+  double min_explained = 0.75; ///< of what is measured, in the mean over all frames so far
+  double max_empty = 0.15;     ///< of the body that nothing hides, likewise
+  double binding_sigma = 0.02; ///< metres
+};
+
+/// Places are in the world, metres. Not thread-safe. Same views, same bits, for any number of threads.
+class LayerBody {
+public:
+  explicit LayerBody(const LayerBodyConfig& config = {}) : config_(config), tracker_(config.tracker) {}
+
+  /// The next frame, whether the layer is seen in it or not; time in seconds. A layer that has turned out to be nobody
+  /// is not followed on.
+  void track(const ObjectView& view, const SE3& camera_to_world, double time);
+
+  /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
+  /// none if there is no body to trust.
+  std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
+  /// Where the nodes are in the last frame, and how much of each the view shows (both one for each node); nodes that
+  /// were not there before are bound.
+  void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);
+
+  BodyVerdict verdict() const;
+  /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.
+  std::optional<JointPaths> joint_paths() const;
+  double explained() const { return frames_ > 0 ? explained_ / frames_ : 0.0; }
+  double empty() const { return frames_ > 0 ? empty_ / frames_ : 0.0; }
+
+private:
+  LayerBodyConfig config_;
+  BodyTracker tracker_;
+  BodyBinding binding_;
+  BodyTrackingResult last_;
+  struct Record {
+    Bones bones;
+    std::array<LimbHealth, kLimbs> limbs;
+    bool trusted; ///< it goes on from the frame before, and lies on what is seen
+  };
+  std::vector<std::optional<Record>> records_; ///< of all frames; nothing before the first that shows a body
+  int frames_ = 0;                             ///< that count
+  double explained_ = 0, empty_ = 0;           ///< sums
+};
+
+} // namespace kinora::tracking

@@ -1,0 +1,34 @@
+#include "tracking/body/bone_hold.h"
+
+#include <gtest/gtest.h>
+
+#include "tracking/body/synthetic_body.h"
+
+namespace kinora::tracking {
+namespace {
+
+PosedBody somebody() {
+  const BodyState state = testing::standing(0);
+  return pose_body(state.pose, state.shape);
+}
+
+TEST(BoneHold, GivesAPointToTheBoneThatItLiesOn) {
+  const PosedBody body = somebody();
+  const auto middle = hold_of(body, body.bones[kLeftElbow] * Eigen::Vector3d(0.13, 0, 0.04));
+  ASSERT_TRUE(middle);
+  EXPECT_EQ(middle->bone, kLeftElbow);
+  EXPECT_EQ(middle->weight, 1);
+  const auto joint = hold_of(body, body.bones[kLeftElbow] * Eigen::Vector3d(0.005, 0, 0.045));
+  ASSERT_TRUE(joint);
+  EXPECT_TRUE(joint->bone == kLeftElbow || joint->bone == kLeftShoulder);
+  EXPECT_NE(joint->second, joint->bone);
+  EXPECT_LT(joint->weight, 0.8);
+}
+
+TEST(BoneHold, GivesWhatIsFarFromTheBodyToNoBone) {
+  const PosedBody body = somebody();
+  EXPECT_FALSE(hold_of(body, body.bones[kHead] * Eigen::Vector3d(0, 0.5, 0)));
+}
+
+} // namespace
+} // namespace kinora::tracking

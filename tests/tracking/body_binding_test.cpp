@@ -1,0 +1,84 @@
+#include "tracking/body_binding.h"
+
+#include <gtest/gtest.h>
+
+#include "tracking/body/synthetic_body.h"
+
+namespace kinora::tracking {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr std::array<LimbHealth, kLimbs> kAllSeen = {LimbHealth::kSeen, LimbHealth::kSeen, LimbHealth::kSeen,
+                                                     LimbHealth::kSeen};
+
+PosedBody somebody(double bend) {
+  BodyState state = testing::standing(0);
+  state.pose.angles[joints()[kLeftElbow].first_angle] += bend;
+  return pose_body(state.pose, state.shape);
+}
+
+/// A node on the left forearm, one on the head, one beside nobody.
+std::vector<Vec> three_places(const PosedBody& body) {
+  return {body.bones[kLeftElbow] * Vec(0.13, 0, 0.04), body.bones[kHead] * Vec(0, 0.1, 0.1),
+          body.bones[kHead] * Vec(0, 0.6, 0)};
+}
+
+TEST(BodyBinding, CarriesANodeWithItsBone) {
+  const PosedBody straight = somebody(0);
+  const PosedBody bent = somebody(1);
+  BodyBinding binding;
+  binding.bind(straight, three_places(straight));
+  EXPECT_GT((three_places(bent)[0] - three_places(straight)[0]).norm(), 0.05);
+  for (const std::size_t n : {0U, 1U}) {
+    const auto place = binding.place_of(n, bent.bones);
+    ASSERT_TRUE(place);
+    EXPECT_LT((*place - three_places(bent)[n]).norm(), 1e-9) << n;
+  }
+  EXPECT_FALSE(binding.place_of(2, bent.bones));
+}
+
+TEST(BodyBinding, BindsOnlyNodesThatAreNew) {
+  const PosedBody straight = somebody(0);
+  const PosedBody bent = somebody(1);
+  BodyBinding binding;
+  std::vector<Vec> places = three_places(straight);
+  binding.bind(straight, places);
+  places.push_back(three_places(bent)[0]);
+  binding.bind(bent, places);
+  EXPECT_LT((*binding.place_of(0, straight.bones) - places[0]).norm(), 1e-9);
+  EXPECT_LT((*binding.place_of(3, straight.bones) - places[0]).norm(), 1e-9);
+}
+
+TEST(BodyBinding, GoesByWhatIsSeenAndKeepsWhatIsNot) {
+  const PosedBody body = somebody(0);
+  const Vec slipped(0, 0.03, 0);
+  std::vector<Vec> places = three_places(body);
+  BodyBinding binding;
+  binding.bind(body, places);
+  for (Vec& place : places) place += slipped;
+  for (int frame = 0; frame < 60; ++frame) binding.renew(body.bones, places, std::vector<double>{1, 0, 0});
+  EXPECT_LT((*binding.place_of(0, body.bones) - places[0]).norm(), 1e-3);
+  EXPECT_LT((*binding.place_of(1, body.bones) - (places[1] - slipped)).norm(), 1e-9);
+}
+
+TEST(BodyBinding, ALostLimbPullsNothing) {
+  const PosedBody body = somebody(0);
+  BodyBinding binding;
+  binding.bind(body, three_places(body));
+  SE3 from_world = SE3::Identity();
+  from_world.translation() = Vec(1, 2, 3);
+  const auto pulls = binding.pulls(body.bones, kAllSeen, from_world, 0.02);
+  ASSERT_EQ(pulls.size(), 3U);
+  EXPECT_LT((pulls[0].place - from_world * three_places(body)[0]).norm(), 1e-9);
+  EXPECT_DOUBLE_EQ(pulls[0].scale, 50);
+  EXPECT_EQ(pulls[2].scale, 0);
+  std::array<LimbHealth, kLimbs> limbs = kAllSeen;
+  limbs[kLeftArm] = LimbHealth::kLost;
+  const auto without = binding.pulls(body.bones, limbs, from_world, 0.02);
+  EXPECT_EQ(without[0].scale, 0);
+  EXPECT_DOUBLE_EQ(without[1].scale, 50);
+}
+
+} // namespace
+} // namespace kinora::tracking
