@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "encode/capture_camera.h"
 #include "encode/layer_report.h"
 #include "encode/motion_refinement.h"
 #include "encode/scene_tracker.h"
@@ -27,6 +28,7 @@ using Json = nlohmann::json;
 /// What one pass over the frames leaves behind.
 struct Pass {
   fields::PixelStore pixels;
+  CaptureCamera camera;
   SceneTracker scene;
   ingest::StreamEstimates streams;
   Clip clip;                  ///< timeline and camera path
@@ -38,13 +40,21 @@ bool is_held_out(std::size_t frame, int holdout) {
   return holdout > 0 && (frame + 1) % static_cast<std::size_t>(holdout) == 0;
 }
 
-void add_to_timeline(const ingest::Frame& frame, const ingest::CaptureInfo& info, bool held_out, Clip& clip) {
+void add_to_timeline(const ingest::Frame& frame, bool held_out, Clip& clip) {
   const double start = clip.capture_frames.empty() ? frame.time : clip.metadata["start_seconds"].get<double>();
   clip.metadata["start_seconds"] = start;
   clip.times.push_back(frame.time - start);
   clip.capture_frames.push_back(frame.index);
   clip.held_out.push_back(held_out);
-  if (info.has_poses || clip.camera_to_world.empty()) clip.camera_to_world.push_back(frame.camera.camera_to_world);
+}
+
+// Where the camera has been is known in the end: layers and pixels that were followed as it was thought to be go along.
+void settle_camera(Pass& pass) {
+  pass.clip.camera_to_world = pass.camera.path();
+  const std::vector<SE3> corrections = pass.camera.corrections();
+  if (corrections.empty()) return;
+  pass.scene.carry_along(corrections);
+  pass.pixels.set_poses(pass.clip.camera_to_world);
 }
 
 void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pass& pass, Progress& progress) {
@@ -55,7 +65,8 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     auto frame = pass.times.measure("read", [&] { return capture.next(); });
     if (!frame) break;
     const bool held_out = is_held_out(i, options.holdout);
-    add_to_timeline(*frame, info, held_out, pass.clip);
+    add_to_timeline(*frame, held_out, pass.clip);
+    pass.camera.place(*frame, pass.times);
     const bool labelled = !info.has_masks || !frame->labels.empty();
     pass.streams.add(*frame);
     pass.scene.add(*frame, pass.times);
@@ -68,6 +79,7 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     progress.advance(i + 1, "");
   }
   pass.scene.finish(pass.times);
+  settle_camera(pass);
   pass.clip.intrinsics = info.intrinsics;
   if (pass.clip.times.empty()) {
     throw Error(ErrorCode::kCorruptInput, "the capture has no usable frame in the range; look at the warnings above");
@@ -269,16 +281,12 @@ Json streams_json(const ingest::StreamEstimates& estimates) {
           {"depth_behind_color_s", report.time_offset ? Json(round4(*report.time_offset)) : Json(nullptr)}};
 }
 
-Json camera_json(const ingest::CaptureInfo& info) {
-  return info.has_poses ? Json{{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}}
-                        : Json{{"path", "still"}, {"why", "the capture brings no camera poses"}};
-}
-
 } // namespace
 
 EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
   Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
+            CaptureCamera(info.has_poses),
             SceneTracker(info, progress),
             {},
             {},
@@ -301,7 +309,7 @@ EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& optio
   report["version"] = KINORA_VERSION;
   report["config"] = options.json();
   report["capture"] = capture_json(capture, pass);
-  report["camera"] = camera_json(info);
+  report["camera"] = pass.camera.json();
   report["streams"] = streams_json(pass.streams);
   report["timing"] = {{"stages", pass.times.json(frames)}};
   return {std::move(pass.clip), std::move(report)};

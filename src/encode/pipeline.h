@@ -19,10 +19,10 @@ struct EncodeResult {
 };
 
 /// Models what the capture shows and no more. Without labels everything is the still layer `background`; a capture's
-/// poses are used where it has them, else the camera stands still. Same capture and options, same clip, for any number
-/// of threads; times are in the report alone. Memory: the stored pixels, one frame, a TSDF per rigid layer and the
-/// field in training.
-/// Throws Error: kCorruptInput if no frame is usable, kFailure if nothing can be modelled, kInterrupted.
+/// poses are used where it has them, else they are found (CameraTracker). Same capture and options, same clip, for any
+/// number of threads; times are in the report alone. Memory: the stored pixels, one frame, a TSDF per rigid layer and
+/// the field in training. Throws Error: kCorruptInput if no frame is usable, kFailure if nothing can be modelled,
+/// kInterrupted.
 EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress);
 
 } // namespace kinora::encode

@@ -134,7 +134,7 @@ Json evaluate_against(const std::filesystem::path& capture, const host::PluginTa
   }
   auto opened = ingest::Capture::open(plugins, capture, how, progress);
   std::optional<MovingPixels> moving;
-  if (!opened->info().has_masks) {
+  if (!opened->info().has_masks && player.clip().camera_to_world.size() == 1) {
     progress.stage("telling what moves", 0);
     moving = MovingPixels::of(*opened);
     opened = ingest::Capture::open(plugins, capture, how, progress);

@@ -51,20 +51,6 @@ LabelImage cut_mask(const LabelImage& labels, int label, const Box& box) {
   return inner;
 }
 
-// Logarithm of luminance: a surface that turns in the light changes by an offset only.
-Image<float> log_luminance(const ColorImage& color, const Box& box) {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(i) / 255.0F;
-  Image<float> result(box.u1 - box.u0, box.v1 - box.v0);
-  for (int v = 0; v < result.height(); ++v) {
-    for (int u = 0; u < result.width(); ++u) {
-      const std::uint8_t* c = color.pixel(box.u0 + u, box.v0 + v);
-      result.at(u, v) = std::log(0.08F + 0.299F * table[c[0]] + 0.587F * table[c[1]] + 0.114F * table[c[2]]);
-    }
-  }
-  return result;
-}
-
 // Binomial 3×3 over the pixels of the mask.
 Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
   Image<float> result(values.width(), values.height());
@@ -85,51 +71,6 @@ Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
     }
   }
   return result;
-}
-
-// Off the label, its mean: what lies beside the object must not leak into the coarse levels.
-void fill_outside(Image<float>& values, const LabelImage& mask) {
-  double sum = 0;
-  double count = 0;
-  for (std::size_t i = 0; i < mask.values().size(); ++i) {
-    if (mask.values()[i] == 0) continue;
-    sum += values.values()[i];
-    count += 1;
-  }
-  const float mean = count > 0 ? static_cast<float>(sum / count) : 0.0F;
-  for (std::size_t i = 0; i < mask.values().size(); ++i) {
-    if (mask.values()[i] == 0) values.values()[i] = mean;
-  }
-}
-
-Image<float> halved(const Image<float>& values) {
-  Image<float> result(std::max(1, values.width() / 2), std::max(1, values.height() / 2));
-  for (int v = 0; v < result.height(); ++v) {
-    for (int u = 0; u < result.width(); ++u) {
-      const int u1 = std::min(2 * u + 1, values.width() - 1);
-      const int v1 = std::min(2 * v + 1, values.height() - 1);
-      result.at(u, v) =
-          0.25F * (values.at(2 * u, 2 * v) + values.at(u1, 2 * v) + values.at(2 * u, v1) + values.at(u1, v1));
-    }
-  }
-  return result;
-}
-
-TextureLevel with_gradient(const Image<float>& values, float scale) {
-  TextureLevel level{Image<float>(values.width(), values.height(), 3), scale};
-  for (int v = 0; v < values.height(); ++v) {
-    for (int u = 0; u < values.width(); ++u) {
-      const int u0 = std::max(0, u - 1);
-      const int v0 = std::max(0, v - 1);
-      const int u1 = std::min(values.width() - 1, u + 1);
-      const int v1 = std::min(values.height() - 1, v + 1);
-      float* out = level.values.pixel(u, v);
-      out[0] = values.at(u, v);
-      out[1] = u1 > u0 ? scale * (values.at(u1, v) - values.at(u0, v)) / static_cast<float>(u1 - u0) : 0.0F;
-      out[2] = v1 > v0 ? scale * (values.at(u, v1) - values.at(u, v0)) / static_cast<float>(v1 - v0) : 0.0F;
-    }
-  }
-  return level;
 }
 
 template <class T> Image<T> cut(const Image<T>& image, const Box& box) {
@@ -209,13 +150,9 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   view.planes = fit_depth_planes(cut(frame.clean_depth, box), view.intrinsics, view.mask);
   measure_depth(view);
   if (view.empty()) return view;
-  view.texture = smoothed(log_luminance(frame.color, box), view.mask);
+  view.texture = smoothed(log_luminance(frame.color, box.u0, box.v0, view.mask.width(), view.mask.height()), view.mask);
   fill_outside(view.texture, view.mask);
-  Image<float> level = view.texture;
-  for (std::size_t l = 0; l < view.pyramid.size(); ++l) {
-    view.pyramid[l] = with_gradient(level, 1.0F / static_cast<float>(1U << l));
-    level = halved(level);
-  }
+  view.pyramid = texture_pyramid(view.texture, 1);
   return view;
 }
 

@@ -1,20 +1,12 @@
 // What one frame shows of one label: a crop with depth, fitted planes and texture.
 #pragma once
 
-#include <array>
-
 #include "ingest/frame.h"
 #include "tracking/depth_planes.h"
 #include "tracking/silhouette.h"
+#include "tracking/texture.h"
 
 namespace kinora::tracking {
-
-/// One level of the texture pyramid: 3 channels (value, d/du, d/dv), sampled bilinearly.
-/// Pixel (u, v) of the crop lies at ((u + ½)/2ˡ − ½, (v + ½)/2ˡ − ½) of level l.
-struct TextureLevel {
-  Image<float> values;
-  float scale = 1; ///< 2⁻ˡ
-};
 
 /// Value and gradient per crop pixel of the texture at a point.
 struct TextureSample {
@@ -24,7 +16,7 @@ struct TextureSample {
 
 /// Plain data; thread-safe to read. All images have the size of `intrinsics`, the camera's view cut to the crop.
 struct ObjectView {
-  static constexpr int kLevels = 3;
+  static constexpr int kLevels = kTextureLevels;
 
   Intrinsics intrinsics;
   DepthImage depth; ///< all measured depth in the crop: what may stand in front
@@ -32,7 +24,7 @@ struct ObjectView {
   Image<std::int16_t> to_silhouette; ///< offsets to the nearest pixel of the label, or of one that may hide it
   DepthPlanes planes;                ///< of the label's clean depth
   Image<float> texture;              ///< log luminance, slightly smoothed; its mean off the label
-  std::array<TextureLevel, kLevels> pyramid;
+  TexturePyramid pyramid;
   std::size_t depth_pixels = 0;                       ///< pixels with a plane
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero(); ///< mean of their points, in the camera
 

@@ -60,12 +60,13 @@ struct System {
 };
 
 System build_system(std::span<const ModelPoint> points, const ObjectView& view, const SE3& pose, const Pivot& pivot,
-                    const Stage& stage, const TextureModel& texture, double photometric_share) {
+                    const Stage& stage, const TextureModel& texture, const AlignmentConfig& config) {
+  const double photometric_share = config.photometric_share;
   System system;
   for (const ModelPoint& point : points) {
     const auto p = project(point, view, pose);
     if (!p) {
-      system.cost += largest_cost(stage.huber) + photometric_share * largest_cost(kHuber);
+      system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * largest_cost(kHuber));
       continue;
     }
     if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
@@ -73,7 +74,8 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
       system.normal_information += huber_weight(r->value / r->sigma, stage.huber) / (r->sigma * r->sigma);
       ++system.geometric;
     } else {
-      system.cost += largest_cost(stage.huber);
+      const bool unseen = view.planes.weights.at(p->pixel_u, p->pixel_v) <= 0;
+      system.cost += (unseen ? config.unseen_cost : 1.0) * largest_cost(stage.huber);
     }
     if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
       const double footprint = p->point.z() / view.intrinsics.fx;
@@ -82,7 +84,7 @@ System build_system(std::span<const ModelPoint> points, const ObjectView& view, 
         ++system.photometric;
       }
     } else {
-      system.cost += photometric_share * largest_cost(kHuber);
+      system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
     }
   }
   system.depth_information = system.depth_information.selfadjointView<Eigen::Lower>();
@@ -119,7 +121,7 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
   Pivot pivot = pivot_at(alignment.model_to_camera);
   const TextureModel texture = measure_texture(points, view, alignment.model_to_camera, stage.level);
   const auto build = [&](const SE3& pose) {
-    return build_system(points, view, pose, pivot_at(pose), stage, texture, config.photometric_share);
+    return build_system(points, view, pose, pivot_at(pose), stage, texture, config);
   };
   System system = build(alignment.model_to_camera);
   double damping = 1e-3;
@@ -187,7 +189,7 @@ Alignment align(std::span<const ModelPoint> points, const ObjectView& view, cons
   alignment.model_to_camera = start;
   const Extent extent = extent_of(points);
   for (const Stage& stage : kStages) {
-    if (config.coarse || stage.level == 0) run_stage(points, view, stage, extent, prior, config, alignment);
+    if (stage.level <= config.coarsest_level) run_stage(points, view, stage, extent, prior, config, alignment);
   }
   return alignment;
 }

@@ -12,11 +12,13 @@
 namespace kinora::tracking {
 
 struct AlignmentConfig {
-  bool coarse = true;       ///< false: only the finest stage
+  int coarsest_level = 2;   ///< of the texture, from 2 to 0: how far from the solution it may start
   double weak_share = 0.01; ///< a direction is weak if its information is below this share of what the same points
                             ///< would give along their normals
   double texture_tolerance = 0.003; ///< metres; texture that fixes a direction to this supports it, whatever depth says
-  double photometric_share = 0.3;   ///< neighbouring pixels are not independent: weight of the texture term
+  double unseen_cost = 1; ///< of a point where the view shows nothing, to the most that a point can cost: an object's
+                          ///< are lost by a wrong pose, a room's come and go with every motion of the camera
+  double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of the texture term
 };
 
 struct Alignment {

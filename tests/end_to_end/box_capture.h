@@ -22,6 +22,7 @@ struct BoxScene {
   bool masks = true;
   double color_zoom = 1; ///< focal length of the colour camera over that of depth, which calibration gives for both
   bool poses = false;    ///< a camera that moves sideways and tells where it is, over a scene that stands still
+  bool carried = false;  ///< a camera that moves sideways and does not tell, over a scene that moves too
 
   Intrinsics color_intrinsics() const {
     Intrinsics k = intrinsics();
@@ -32,7 +33,7 @@ struct BoxScene {
   Intrinsics intrinsics() const { return {width, height, 120, 120, (width - 1) / 2.0, (height - 1) / 2.0}; }
   SE3 camera_to_world(int frame) const {
     SE3 pose = SE3::Identity();
-    if (poses) pose.translation().x() = 0.02 * frame;
+    if (poses || carried) pose.translation().x() = 0.02 * frame;
     return pose;
   }
   SE3 box_to_world(int frame) const {
@@ -143,7 +144,7 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
   if (scene.masks) folder.write("mask/" + name + ".png", encode_png(labels));
 }
 
-/// All frames, calibration, and the box's true poses in gt/.
+/// All frames, calibration, and the box's true poses in the camera in gt/.
 inline void write_box_capture(const TemporaryFolder& folder, const BoxScene& scene) {
   const Intrinsics camera = scene.intrinsics();
   const std::string size =
@@ -154,7 +155,8 @@ inline void write_box_capture(const TemporaryFolder& folder, const BoxScene& sce
   std::string poses;
   for (int i = 0; i < scene.frames; ++i) {
     write_frame(folder, scene, i);
-    poses += std::to_string(i) + " " + std::to_string(i / 30.0) + " " + matrix_text(scene.box_to_world(i), ' ');
+    poses += std::to_string(i) + " " + std::to_string(i / 30.0) + " " +
+             matrix_text(scene.camera_to_world(i).inverse() * scene.box_to_world(i), ' ');
   }
   if (!scene.poses) folder.write("gt/object_pose.txt", poses);
 }

@@ -103,6 +103,47 @@ TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {
   EXPECT_LT(held_out.at("depth_error_median").get<double>(), 0.01);
 }
 
+TEST(Encoder, CarriedCameraIsFoundAndWhatMovesStaysWhereItIsInTheWorld) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.carried = true;
+  write_box_capture(folder, scene);
+  Listener listener;
+  auto options = quick_options();
+  options.holdout = 5;
+  encode::EncodeResult result = encode_folder(folder, options, listener);
+  EXPECT_EQ(result.report.at("camera").at("path"), "moving");
+  EXPECT_EQ(result.report.at("capture").at("has_poses"), false);
+  ASSERT_EQ(result.clip.camera_to_world.size(), 14U);
+  for (int i = 0; i < 14; ++i) {
+    const SE3& found = result.clip.camera_to_world[static_cast<std::size_t>(i)];
+    EXPECT_LT((found.translation() - scene.camera_to_world(i).translation()).norm(), 0.008) << i;
+  }
+
+  const player::Player player(std::move(result.clip));
+  player::EvaluateOptions how;
+  how.ground_truth = true;
+  const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
+  EXPECT_GT(layer_named(quality, "object").at("held_out").at("psnr_box").get<double>(), 17);
+  EXPECT_GT(layer_named(quality, "background").at("held_out").at("psnr").get<double>(), 27);
+  EXPECT_LT(layer_named(quality, "background").at("held_out").at("depth_error_median").get<double>(), 0.012);
+  EXPECT_LT(quality.at("ground_truth").at("object_pose").at("error_m_mean").get<double>(), 0.008);
+}
+
+TEST(Encoder, StillCameraWithoutPosesIsStoredOnce) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.frames = 6;
+  write_box_capture(folder, scene);
+  Listener listener;
+  auto options = quick_options();
+  options.rays_per_pixel = 0.8;
+  const encode::EncodeResult result = encode_folder(folder, options, listener);
+  EXPECT_EQ(result.report.at("camera").at("path"), "still");
+  ASSERT_EQ(result.clip.camera_to_world.size(), 1U);
+  EXPECT_EQ(result.clip.camera_to_world[0].matrix(), SE3::Identity().matrix());
+}
+
 TEST(Encoder, RemembersTheCamerasThatRegisteredTheCapture) {
   const TemporaryFolder folder;
   BoxScene scene;

@@ -1,0 +1,100 @@
+#include "tracking/camera_stillness.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tracking/camera_keyframe.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr int kColumns = 8;
+constexpr int kRows = 6;
+constexpr Gates kGates{0.10, 0.7};
+constexpr double kHuber = 1.5;
+constexpr double kLargestCost = 2 * kHuber * kHuber;
+constexpr double kSignificant = 3; // standard errors
+constexpr int kMinSamples = 8;
+constexpr double kChance = 1e-4; // of as many cells agreeing if each fell on either side alike
+constexpr int kMajority = 4;     // cells for it to each one against it
+
+double huber(double r) {
+  const double a = std::abs(r);
+  return std::min(kLargestCost, a <= kHuber ? 0.5 * r * r : kHuber * (a - 0.5 * kHuber));
+}
+
+/// The gains of one cell's points.
+struct Cell {
+  double count = 0;
+  double sum = 0;
+  double squares = 0;
+
+  void add(double gain) {
+    count += 1;
+    sum += gain;
+    squares += gain * gain;
+  }
+  /// +1: gains, −1: losses, 0: cannot tell.
+  int vote() const {
+    if (count < kMinSamples) return 0;
+    const double mean = sum / count;
+    const double variance = std::max(0.0, squares / count - mean * mean) / (count - 1);
+    if (mean * mean <= kSignificant * kSignificant * variance) return 0;
+    return mean > 0 ? 1 : -1;
+  }
+};
+
+} // namespace
+
+bool StillnessVotes::show_motion() const {
+  if (shift < 1 || moved < kMajority * still) return false;
+  // The binomial tail P(X ≥ moved) of `moved + still` fair coins.
+  const int count = moved + still;
+  double tail = 0;
+  double term = std::pow(0.5, count); // P(X = count), then downwards
+  for (int k = count; k >= moved; --k) {
+    tail += term;
+    term *= static_cast<double>(k) / static_cast<double>(count - k + 1);
+  }
+  return tail < kChance;
+}
+
+StillnessVotes compare_with_still(std::span<const ModelPoint> points, const ObjectView& view,
+                                  const SE3& still_to_camera) {
+  const SE3 identity = SE3::Identity();
+  const TextureModel still_texture = measure_texture(points, view, identity, 0);
+  const TextureModel moved_texture = measure_texture(points, view, still_to_camera, 0);
+  std::array<Cell, kColumns * kRows> cells;
+  for (const ModelPoint& point : points) {
+    const auto still = project(point, view, identity);
+    const auto moved = project(point, view, still_to_camera);
+    if (!still || !moved) continue;
+    const int column = std::min(kColumns - 1, still->pixel_u * kColumns / view.intrinsics.width);
+    const int row = std::min(kRows - 1, still->pixel_v * kRows / view.intrinsics.height);
+    Cell& cell = cells[static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column)];
+    const auto g_still = geometric_residual(*still, view, Pivot(), kGates);
+    const auto g_moved = geometric_residual(*moved, view, Pivot(), kGates);
+    const auto t_still = photometric_residual(*still, point, view, Pivot(), 0, still_texture.light);
+    const auto t_moved = photometric_residual(*moved, point, view, Pivot(), 0, moved_texture.light);
+    double gain = 0;
+    if (g_still || g_moved) {
+      gain += (g_still ? huber(g_still->value / g_still->sigma) : kLargestCost) -
+              (g_moved ? huber(g_moved->value / g_moved->sigma) : kLargestCost);
+    }
+    if (t_still && t_moved) {
+      gain += huber(t_still->value / moved_texture.sigma) - huber(t_moved->value / moved_texture.sigma);
+    }
+    if (g_still || g_moved || (t_still && t_moved)) cell.add(gain);
+  }
+  StillnessVotes votes;
+  votes.shift = visible_shift(points, view.intrinsics, still_to_camera);
+  for (const Cell& cell : cells) {
+    const int vote = cell.vote();
+    if (vote > 0) ++votes.moved;
+    if (vote < 0) ++votes.still;
+  }
+  return votes;
+}
+
+} // namespace kinora::tracking
