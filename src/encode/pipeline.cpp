@@ -220,7 +220,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   layer.confidence = pass.times.measure("confidence of " + layer.name, [&] {
     return fields::confidence_of_views(pass.pixels, label, layer.motion, layer.field);
   });
-  layer.joints = SceneTracker::joints_of(tracked);
+  layer.joints = pass.scene.joints_of(tracked);
   const std::string why = reason_of(tracked, layer.motion);
   pass.clip.metadata["layers"][layer.name] = {
       {"label", label}, {"why", why}, {"field", config_json(layer.field.config)}, {"trainer", config_json(trainer)}};

@@ -1,5 +1,6 @@
 #include "encode/scene_tracker.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -131,11 +132,14 @@ double SceneTracker::largest_move(const TrackedLabel& label) {
   return largest;
 }
 
-std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& label) {
-  if (!label.bending) return std::nullopt;
-  auto joints = label.bending->body().joint_paths();
-  if (joints)
-    joints->places.insert(joints->places.begin(), static_cast<std::size_t>(label.first_frame), joints->places.front());
+std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& label) const {
+  auto joints = label.bending ? label.bending->body().joint_paths() : std::nullopt;
+  if (!joints) return std::nullopt;
+  auto& places = joints->places;
+  places.insert(places.begin(), static_cast<std::size_t>(label.first_frame), places.front());
+  for (std::size_t i = 0; i < std::min(places.size(), corrections_.size()); ++i) {
+    for (Eigen::Vector3d& place : places[i]) place = corrections_[i] * place;
+  }
   return joints;
 }
 

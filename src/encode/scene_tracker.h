@@ -51,7 +51,7 @@ public:
   /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.
   tracking::Motion motion_of(const TrackedLabel& label) const;
   /// Of the label's skeleton over the whole timeline, if it is a person.
-  static std::optional<tracking::JointPaths> joints_of(const TrackedLabel& label);
+  std::optional<tracking::JointPaths> joints_of(const TrackedLabel& label) const;
   /// Greatest distance (metres) of the label's points from where they were in its first frame; only if rigid.
   static double largest_move(const TrackedLabel& label);
 

@@ -21,7 +21,8 @@ struct ObjectView {
   Intrinsics intrinsics;
   DepthImage depth; ///< all measured depth in the crop: what may stand in front
   LabelImage mask;  ///< 1 where the label is, 2 where it is at least two pixels from the label's border
-  Image<std::int16_t> to_silhouette; ///< offsets to the nearest pixel of the label, or of one that may hide it
+  Image<std::int16_t> to_silhouette; ///< offsets to the nearest pixel of the label, or of one that may hide it;
+                                     ///< empty: of a background, which goes on behind everything
   DepthPlanes planes;                ///< of the label's clean depth
   Image<float> texture;              ///< log luminance, slightly smoothed; its mean off the label
   TexturePyramid pyramid;

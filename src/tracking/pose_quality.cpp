@@ -16,6 +16,7 @@ constexpr int kRim = 2; // pixels that a silhouette may be wrong by
 
 // Beside the label, where the camera sees past it.
 bool is_outside(const ProjectedPoint& p, const ObjectView& view) {
+  if (view.to_silhouette.empty()) return false;
   const std::int16_t* offset = view.to_silhouette.pixel(p.pixel_u, p.pixel_v);
   if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
   const double z = p.point.z();
