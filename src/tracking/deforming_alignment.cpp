@@ -81,6 +81,7 @@ void set_rim(const Seen& seen, const ObjectView& view, double gate, double share
   const Eigen::Vector2d inwards(offset[0], offset[1]);
   const double length = inwards.norm();
   if (length < kRim || is_covered(seen, view)) return;
+  terms.seen_past = true;
   const Intrinsics& camera = view.intrinsics;
   const Eigen::Vector2d outwards = -inwards / length;
   const Eigen::Vector2d rim =
@@ -169,8 +170,10 @@ private:
   double growth_ = 2;
 };
 
-// A node that carries less than one point counts as if the rest of that were not seen.
-std::vector<double> seen_shares(const LayerModel& model, std::span<const PointTerms> terms) {
+// The share of each node's points of which it holds. A node that carries less than one point counts as if it did not
+// hold of the rest of that.
+template <class Holds>
+std::vector<double> shares(const LayerModel& model, std::span<const PointTerms> terms, const Holds& holds) {
   std::vector<double> seen(model.nodes.size(), 0);
   std::vector<double> carried(model.nodes.size(), 0);
   for (std::size_t p = 0; p < model.points.size(); ++p) {
@@ -178,17 +181,17 @@ std::vector<double> seen_shares(const LayerModel& model, std::span<const PointTe
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       const auto node = static_cast<std::size_t>(influence.nodes[k]);
       carried[node] += influence.weights[k];
-      if (terms[p].on_surface) seen[node] += influence.weights[k];
+      if (holds(terms[p])) seen[node] += influence.weights[k];
     }
   }
   for (std::size_t n = 0; n < seen.size(); ++n) seen[n] /= std::max(1.0, carried[n]);
   return seen;
 }
 
-// Measurements go before bones.
-std::vector<NodePull> bowed(std::span<const NodePull> binding, std::span<const double> seen) {
+// Measurements go before bones, also those that see past a node: bones are wrong there.
+std::vector<NodePull> bowed(std::span<const NodePull> binding, std::span<const double> looked_at) {
   std::vector<NodePull> result(binding.begin(), binding.end());
-  for (std::size_t n = 0; n < result.size(); ++n) result[n].scale *= 1 - seen[n];
+  for (std::size_t n = 0; n < result.size(); ++n) result[n].scale *= 1 - looked_at[n];
   return result;
 }
 
@@ -249,7 +252,9 @@ void associate(const LayerModel& model, std::span<const PointTexture> textures, 
       set_plane(seen, view, std::min(gate, config.plane_gate), terms[p]);
       // A surface that is measured elsewhere along the ray shows another point's texture.
       const bool contradicted = view.planes.weights.at(seen.pixel_u, seen.pixel_v) > 0 && terms[p].plane_scale == 0;
-      if (contradicted || view.mask.at(seen.pixel_u, seen.pixel_v) != 2 || is_covered(seen, view)) continue;
+      const bool covered = is_covered(seen, view);
+      terms[p].seen_past = contradicted && !covered;
+      if (contradicted || view.mask.at(seen.pixel_u, seen.pixel_v) != 2 || covered) continue;
       image[p] = view.sample_texture(level, seen.u, seen.v).value;
     }
   });
@@ -284,8 +289,10 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
     problem.set_level(stage.level);
     for (int i = 0; i < stage.iterations; ++i) {
       associate(model, textures, view, result.nodes, stage.level, stage.gate, config, problem.terms());
-      result.seen = seen_shares(model, problem.terms());
-      problem.set_binding(bowed(binding, result.seen));
+      const std::span<const PointTerms> terms = problem.terms();
+      result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });
+      const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
+      problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, result)) break;
     }
   }

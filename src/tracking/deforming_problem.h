@@ -30,6 +30,7 @@ struct PointTerms {
   double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
   double plane_scale = 0;
   bool on_surface = false;                  ///< the plane is of measured surface, no border of a silhouette
+  bool seen_past = false;                   ///< the camera sees what lies behind the point
   std::array<double, kTextures> expected{}; ///< textures at the point
   std::array<double, kTextures> texture_scale{};
 };

@@ -216,6 +216,31 @@ TEST(DeformingAlignment, BonesMoveWhatIsNotSeen) {
   EXPECT_EQ(bound.seen[right], 0);
 }
 
+// Nothing of the plate's right half is on its label: something stands before it, or the camera sees what lies behind.
+TEST(DeformingAlignment, BonesDoNotMoveWhatTheCameraSeesPast) {
+  const Eigen::Vector3d away(0, 0, 0.08);
+  constexpr std::size_t kRight = 35;
+  const auto bound_at = [&](float measured) {
+    Scene scene(0);
+    ObjectView& view = scene.view;
+    for (int v = 0; v < view.mask.height(); ++v) {
+      for (int u = view.mask.width() / 2; u < view.mask.width(); ++u) {
+        view.mask.at(u, v) = 0;
+        view.planes.weights.at(u, v) = 0;
+        view.depth.at(u, v) = measured;
+      }
+    }
+    view.to_silhouette = offsets_to_silhouette(view.mask);
+    std::vector<NodePull> binding;
+    for (const Eigen::Vector3d& place : scene.start.positions) binding.push_back({place + away, 50});
+    const auto bound =
+        align_deforming(scene.model(), scene.textures, view, scene.start, scene.start, kSpacing, {}, binding);
+    return (bound.nodes.positions[kRight] - binding[kRight].place).norm();
+  };
+  EXPECT_LT(bound_at(0.3F), 0.02);
+  EXPECT_GT(bound_at(9.0F), 0.05);
+}
+
 TEST(DeformingAlignment, EnergyNeverRises) {
   const Scene scene(1.2);
   const auto result = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
