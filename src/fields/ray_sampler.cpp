@@ -14,7 +14,7 @@ constexpr std::size_t kLooksOfColumn = 16;
 
 // About an exact depth (docs/fields.md).
 constexpr float kCloseBand = 0.3F;
-constexpr int kCloseSamples = 2;
+constexpr int kCloseSamples = 3;
 
 // Takes every so many-th of a list, at most about four thousand, and leaves the others in order.
 template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
