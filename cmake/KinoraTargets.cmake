@@ -8,9 +8,11 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # Precompiled headers are cached safely only with these (ccache's manual, "Precompiled headers").
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
-      ${CCACHE})
+  # Precompiled headers are cached safely only with this sloppiness (ccache's manual, "Precompiled headers"); the base
+  # folder lets clones and worktrees share what was compiled.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+      ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
     add_compile_options(-fpch-preprocess)
   else()
@@ -42,7 +44,8 @@ function(kinora_use_pch target)
     endif()
     add_library(kinora_pch OBJECT ${CMAKE_BINARY_DIR}/pch.cpp)
     target_link_libraries(kinora_pch PRIVATE kinora_flags Eigen3::Eigen)
-    target_precompile_headers(kinora_pch PRIVATE ${PROJECT_SOURCE_DIR}/cmake/pch.h)
+    target_include_directories(kinora_pch PRIVATE ${PROJECT_SOURCE_DIR}/cmake)
+    target_precompile_headers(kinora_pch PRIVATE <pch.h>)
   endif()
   target_precompile_headers(${target} REUSE_FROM kinora_pch)
 endfunction()
@@ -64,10 +67,7 @@ add_custom_target(threaded_tests)
 function(kinora_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE kinora_flags ${arg_LINK} Eigen3::Eigen GTest::gtest_main)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_compile_definitions(${name} PRIVATE KINORA_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                             KINORA_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  target_link_libraries(${name} PRIVATE kinora_flags ${arg_LINK} kinora_test_support Eigen3::Eigen GTest::gtest_main)
   kinora_use_pch(${name})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
+#include "support/source_folder.h"
 
 namespace kinora::test {
 namespace {
@@ -19,7 +20,7 @@ const Json& named(const Json& list, const std::string& name) {
 
 TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
   const TemporaryFolder folder;
-  const std::string sample = std::string(KINORA_SOURCE_DIR) + "/samples/carry_box";
+  const std::string sample = (source_folder() / "samples/carry_box").string();
   const std::string clip = (folder.path() / "clip.mkv").string();
   const Said encoded =
       run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout", "5"});

@@ -5,6 +5,7 @@
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/ground_truth.h"
+#include "support/source_folder.h"
 
 namespace kinora::ingest {
 namespace {
@@ -21,7 +22,7 @@ struct Expected {
   bool masks;
 };
 
-const fs::path kData = fs::path(KINORA_SOURCE_DIR) / ".." / "shared" / "data";
+const fs::path kData = test::source_folder() / ".." / "shared" / "data";
 
 class SharedData : public testing::TestWithParam<Expected> {};
 

@@ -6,17 +6,18 @@
 #include <initializer_list>
 #include <string>
 
+#include "support/source_folder.h"
+
 namespace kinora::test {
 
 inline bool has_gltf_validator() {
-  return std::filesystem::exists(std::filesystem::path(KINORA_SOURCE_DIR) /
-                                 "tests/interop/node_modules/gltf-validator") &&
+  return std::filesystem::exists(source_folder() / "tests/interop/node_modules/gltf-validator") &&
          std::system("node --version > /dev/null 2>&1") == 0;
 }
 
 /// Whether the validator finds nothing to say about the files.
 inline bool is_valid_gltf(std::initializer_list<std::filesystem::path> files) {
-  std::string command = "node '" + std::string(KINORA_SOURCE_DIR) + "/tests/interop/validate_gltf.mjs'";
+  std::string command = "node '" + source_folder().string() + "/tests/interop/validate_gltf.mjs'";
   for (const std::filesystem::path& file : files) command += " '" + file.string() + "'";
   return std::system(command.c_str()) == 0;
 }

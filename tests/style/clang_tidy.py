@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy with the repository's .clang-tidy on every source that a build folder compiles.
+"""Runs the checks of .clang-tidy on every source that a build folder compiles, and on the header of the same name.
+
+clangd runs them: it looks at a file's own declarations alone, and is four times as fast as clang-tidy, which walks
+through everything that is included.
 
 usage: clang_tidy.py ROOT BUILD [--jobs N]
 
@@ -22,6 +25,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 # Flags that change what clang reads; the rest is for g++ alone.
 KEPT_FLAGS = re.compile(r"-(D|U|std=|m|O|fPIC|fPIE|pthread).*")
 FLAGS_WITH_VALUE = ("-I", "-isystem")
+FINDING = re.compile(r"E\[[\d:.]+\] (\[.*\] Line .*)")
 
 
 def cache_folder():
@@ -95,10 +99,14 @@ class Precompiled:
         return ["-include-pch", str(output)] if output else ["-include", str(self.header)]
 
 
-def tidy(path, flags):
-    command = ["clang-tidy-14", "--quiet", str(path), "--", "-w", *flags]
+def check(path, database):
+    """What is wrong with a file, one line each; nothing if it is clean."""
+    command = ["clangd-14", f"--check={path}", "--check-lines=1-1", f"--compile-commands-dir={database}", "--log=error"]
     result = subprocess.run(command, check=False, capture_output=True, text=True)
-    return result.returncode, result.stdout + result.stderr
+    found = [m.group(1) for m in map(FINDING.match, result.stderr.splitlines()) if m]
+    if result.returncode != 0 and not found:
+        found = [result.stderr]
+    return found
 
 
 def main():
@@ -109,38 +117,46 @@ def main():
     arguments = parser.parse_args()
     root, build = arguments.root.resolve(), arguments.build.resolve()
 
-    version = subprocess.run(["clang-tidy-14", "--version"], check=True, capture_output=True, text=True).stdout
+    version = subprocess.run(["clangd-14", "--version"], check=True, capture_output=True, text=True).stdout
     headers = Headers(root)
     pch_header = root / "cmake/pch.h"
     common = [version, headers.text(root / ".clang-tidy"), headers.text(pch_header)]
     cache = cache_folder()
 
-    waiting = []
     entries = {pathlib.Path(e["file"]).resolve(): e for e in json.loads((build / "compile_commands.json").read_text())}
-    ours = (p for p in sorted(entries) if p.suffix == ".cpp" and root in p.parents and build not in p.parents)
-    entries = {path: entries[path] for path in ours}
-    for path, entry in entries.items():
-        flags = kept_flags(entry)
+    compiled = [p for p in sorted(entries) if p.suffix == ".cpp" and root in p.parents and build not in p.parents]
+    files = {path: kept_flags(entries[path]) for path in compiled}
+    for path in compiled:
+        for header in headers.includes(path):
+            if header.suffix == ".h" and header.stem == path.stem:
+                files.setdefault(header, files[path])
+
+    folder = build / "style"
+    folder.mkdir(exist_ok=True)
+    precompiled = Precompiled(pch_header, folder)
+    waiting = []
+    for path, flags in files.items():
         portable = " ".join(flags).replace(str(build), "<build>").replace(str(root), "<root>")
         contents = [headers.text(p) for p in headers.closure(path)]
         key = hashlib.sha256("\0".join([*common, portable, *contents]).encode()).hexdigest()
         if not (cache / key).exists():
-            waiting.append((path, flags, cache / key))
+            waiting.append((path, cache / key))
+    commands = [
+        {"directory": str(root), "file": str(path), "arguments": ["clang++-14", "-w", *files[path],
+         *precompiled.flags(files[path]), "-c", str(path)]}
+        for path, _ in waiting
+    ]
+    (folder / "compile_commands.json").write_text(json.dumps(commands))
 
-    print(f"clang-tidy: {len(entries)} files, {len(entries) - len(waiting)} were clean before and did not change")
-    folder = build / "style"
-    folder.mkdir(exist_ok=True)
-    precompiled = Precompiled(pch_header, folder)
-    jobs = [(path, flags + precompiled.flags(flags), mark) for path, flags, mark in waiting]
+    print(f"clang-tidy: {len(files)} files, {len(files) - len(waiting)} were clean before and did not change", flush=True)
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for (path, _, mark), (code, output) in zip(jobs, pool.map(lambda job: tidy(*job[:2]), jobs)):
-            print(f"{path.relative_to(root)}: {'clean' if code == 0 else 'NOT CLEAN'}", flush=True)
-            if code == 0:
-                mark.touch()
-            else:
+        for (path, mark), found in zip(waiting, pool.map(lambda job: check(job[0], folder), waiting)):
+            if found:
                 failed += 1
-                print(output)
+                print(f"{path.relative_to(root)} is not clean:", *found, sep="\n  ", flush=True)
+            else:
+                mark.touch()
     if failed:
         sys.exit(f"{failed} files are not clean")
 

@@ -3,6 +3,7 @@
 
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
+#include "support/source_folder.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/true_joints.h"
 #include "tracking/layer_view.h"
@@ -11,7 +12,7 @@ namespace kinora::tracking {
 namespace {
 
 TEST(BodySample, WristsAreFollowedWhileTheyAreSeen) {
-  const std::string sample = std::string(KINORA_SOURCE_DIR) + "/samples/carry_box";
+  const std::string sample = (test::source_folder() / "samples/carry_box").string();
   const testing::TrueJoints truth = testing::read_true_joints(sample);
   ASSERT_EQ(truth.size(), 55U);
   Progress silent;
