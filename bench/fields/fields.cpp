@@ -8,11 +8,7 @@
 // depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels, samples or table size, and
 // exact_depth −1: as the encoder chooses. geometry: density (0) or sdf (1), a signed distance.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <ctime>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,19 +21,15 @@
 #include "fields/trainer.h"
 #include "fields/view_agreement.h"
 #include "instruction_set.h"
+#include "knobs.h"
+#include "stopwatch.h"
 
 namespace {
 
 using namespace kinora;
 
-/// One value of each knob.
-using Setting = std::map<std::string, double>;
-/// All values of each knob.
-using Knobs = std::map<std::string, std::vector<double>>;
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
+using bench::Knobs;
+using bench::Setting;
 
 void train_and_judge(const Setting& setting) {
   const auto whole = [&](const char* name) { return static_cast<int>(setting.at(name)); };
@@ -62,9 +54,9 @@ void train_and_judge(const Setting& setting) {
   if (whole("exact_depth") >= 0) trainer.exact_depth = whole("exact_depth") > 0;
   Progress progress;
   fields::TrainingReport report;
-  const std::clock_t cpu_begin = std::clock();
+  const bench::Stopwatch watch;
   fields::Field trained = fields::train_field(store, 1, motion, config, trainer, progress, &report);
-  const double cpu_seconds = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+  const double cpu_seconds = 1e-3 * watch.processor_milliseconds();
   const fields::DrawableField field(std::move(trained));
   double psnr = 0;
   std::vector<float> depth_errors;
@@ -72,9 +64,9 @@ void train_and_judge(const Setting& setting) {
   for (int i = 0; i < bench::AnalyticScene::kHeldOutViews; ++i) {
     const ingest::Frame truth = scene.held_out_view(i);
     const fields::PosedField posed = fields::pose(field, tracking::Warp(SE3::Identity()));
-    const auto begin = std::chrono::steady_clock::now();
+    const bench::Stopwatch one;
     const fields::Picture picture = fields::render({&posed, 1}, truth.camera);
-    drawing += seconds_since(begin);
+    drawing += one.milliseconds();
     psnr += compare_images(picture.color, truth.color).psnr_full;
     for (std::size_t k = 0; k < truth.labels.pixel_count(); ++k) {
       if (truth.labels.data()[k] != 1) continue;
@@ -89,7 +81,7 @@ void train_and_judge(const Setting& setting) {
   std::printf("%.2f,%.2f,%.3f,%.2f,%.2f,%.2f,%.1f\n", report.seconds, cpu_seconds,
               rays / report.seconds / whole("threads") / 1e6, static_cast<double>(report.samples) / rays,
               psnr / bench::AnalyticScene::kHeldOutViews, 1000 * static_cast<double>(*middle),
-              1000 * drawing / bench::AnalyticScene::kHeldOutViews);
+              drawing / bench::AnalyticScene::kHeldOutViews);
   for (const fields::GrowthTrial& trial : report.growth) {
     std::printf("# after %zu rays: tables of 2^%d full to %.2f; colour error held apart %.5f, with twice the entries "
                 "%.5f: %s; %zu rays\n",
@@ -97,28 +89,6 @@ void train_and_judge(const Setting& setting) {
                 trial.kept ? "kept" : "not kept", trial.price);
   }
   std::fflush(stdout);
-}
-
-/// Every combination of the values of the knobs from `next` on.
-void run_all(const Knobs& knobs, Knobs::const_iterator next, Setting& setting) {
-  if (next == knobs.end()) return train_and_judge(setting);
-  for (const double value : next->second) {
-    setting[next->first] = value;
-    run_all(knobs, std::next(next), setting);
-  }
-}
-
-/// False if it is no name=value,value,… of a knob.
-bool set_knob(const std::string& argument, Knobs& knobs) {
-  const std::size_t equals = argument.find('=');
-  if (equals == std::string::npos || !knobs.contains(argument.substr(0, equals))) return false;
-  std::vector<double>& values = knobs[argument.substr(0, equals)];
-  values.clear();
-  std::istringstream list(argument.substr(equals + 1));
-  for (std::string value; std::getline(list, value, ',');) {
-    values.push_back(value == "density" ? 0 : value == "sdf" ? 1 : std::stod(value));
-  }
-  return !values.empty();
 }
 
 } // namespace
@@ -139,7 +109,7 @@ int main(int argc, char** argv) {
               {"largest_log2_table_size", {17}}};
   try {
     for (int i = 1; i < argc; ++i) {
-      if (set_knob(argv[i], knobs)) continue;
+      if (bench::set_knob(argv[i], knobs, {"density", "sdf"})) continue;
       if (const std::string argument = argv[i]; argument.starts_with("target=")) {
         bench::use_instruction_set(argument.substr(argument.find('=') + 1));
         continue;
@@ -155,8 +125,7 @@ int main(int argc, char** argv) {
     for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
     std::printf("hidden,color_hidden,seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,"
                 "depth_mm,drawing_ms\n");
-    Setting setting;
-    run_all(knobs, knobs.begin(), setting);
+    bench::run_all(knobs, train_and_judge);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_fields: %s\n", error.what());
     return 1;

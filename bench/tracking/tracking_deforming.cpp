@@ -1,23 +1,26 @@
-// Follows a deforming layer of a capture and compares it with the ground truth beside it: material tracks
-// (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame), and milliseconds per frame.
-// Usage: bench_tracking_deforming CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame; with
-// KINORA_BENCH_UNSETTLED set, without DeformingTracker::settle_past; with KINORA_BENCH_NO_BODY set, without a skeleton.
+// Follows a deforming layer of a capture with each combination of its knobs and compares it with the ground truth
+// beside it: material tracks (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame).
+// A table in CSV: the knobs, milliseconds per frame, and errors in millimetres.
+// Usage: bench_tracking_deforming CAPTURE [KNOB=VALUE,VALUE...]; frames=1 also tells it frame by frame.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
+#include <numeric>
 
-#include "core/error.h"
+#include <fmt/format.h>
+
 #include "core/image_codec.h"
 #include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/true_tracks.h"
+#include "knobs.h"
+#include "stopwatch.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/point_track.h"
 
@@ -25,64 +28,53 @@ namespace {
 
 using namespace kinora;
 using bench::at_fraction;
+using bench::Setting;
 
 struct Errors {
   std::vector<double> values; ///< millimetres
-  int missing = 0;
 
   void add(const Eigen::Vector3d& estimated, const Eigen::Vector3d& truth) {
-    if (estimated.allFinite()) {
-      values.push_back(1e3 * (estimated - truth).norm());
-    } else {
-      ++missing;
-    }
+    values.push_back(estimated.allFinite() ? 1e3 * (estimated - truth).norm()
+                                           : std::numeric_limits<double>::infinity());
   }
-  void print(const char* what) {
-    double sum = 0;
-    for (const double value : values) sum += value;
-    std::printf("%s: mean %.2f mm, median %.2f, 95 %% %.2f, %zu places, %d missing\n", what,
-                values.empty() ? 0.0 : sum / static_cast<double>(values.size()), at_fraction(values, 0.5),
-                at_fraction(values, 0.95), values.size(), missing);
+  double mean() const {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  }
+  std::string text() const {
+    if (values.empty()) return ",,";
+    return fmt::format("{:.2f},{:.2f},{:.2f}", mean(), at_fraction(values, 0.5), at_fraction(values, 0.95));
   }
 };
 
-// Each track from its first visible frame, over all frames.
-void compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion, const std::vector<int>& frames) {
-  Errors visible;
+/// Errors of a motion's points; what the capture's truth does not tell stays empty.
+struct Comparison {
+  Errors visible; ///< of tracks, each from its first visible frame, over all frames; or of scene flow
   Errors hidden;
+};
+
+Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion,
+                          const std::vector<ingest::Frame>& frames, bool each) {
+  Comparison all;
   std::vector<Errors> by_frame(frames.size());
-  std::vector<std::pair<double, int>> worst;
-  for (const auto& track_of_id : tracks) {
-    const int id = track_of_id.first;
-    const std::map<int, ingest::TruePlace>& places = track_of_id.second;
-    const auto first = std::find_if(frames.begin(), frames.end(), [&](int frame) {
-      const auto found = places.find(frame);
+  for (const auto& [id, places] : tracks) {
+    const auto first = std::find_if(frames.begin(), frames.end(), [&](const ingest::Frame& frame) {
+      const auto found = places.find(frame.index);
       return found != places.end() && found->second.visible;
     });
     if (first == frames.end()) continue;
     const auto start = static_cast<std::size_t>(first - frames.begin());
-    const auto track = tracking::track_point(motion, frames.size(), start, places.at(*first).point);
-    double sum = 0;
+    const auto track = tracking::track_point(motion, frames.size(), start, places.at(first->index).point);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      const auto truth = places.find(frames[i]);
+      const auto truth = places.find(frames[i].index);
       if (truth == places.end()) continue;
-      (truth->second.visible ? visible : hidden).add(track[i], truth->second.point);
+      (truth->second.visible ? all.visible : all.hidden).add(track[i], truth->second.point);
       if (truth->second.visible) by_frame[i].add(track[i], truth->second.point);
-      sum += (track[i] - truth->second.point).norm();
-    }
-    worst.emplace_back(1e3 * sum / static_cast<double>(frames.size()), id);
-  }
-  visible.print("visible");
-  hidden.print("hidden");
-  if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
-    for (std::size_t i = 0; i < frames.size(); ++i) by_frame[i].print(std::to_string(frames[i]).c_str());
-    std::sort(worst.rbegin(), worst.rend());
-    for (std::size_t i = 0; i < std::min<std::size_t>(25, worst.size()); ++i) {
-      const auto& place = tracks.at(worst[i].second).begin()->second.point;
-      std::printf("track %d: %.1f mm, at first (%.2f %.2f %.2f)\n", worst[i].second, worst[i].first, place.x(),
-                  place.y(), place.z());
     }
   }
+  for (std::size_t i = 0; each && i < frames.size(); ++i) {
+    std::printf("# frame %d: seen points %s mm\n", frames[i].index, by_frame[i].text().c_str());
+  }
+  return all;
 }
 
 /// DeepDeform's scene flow of the first frame: x, y, z in planes, −inf where unknown.
@@ -108,8 +100,8 @@ SceneFlow read_scene_flow(const std::filesystem::path& folder) {
   return flow;
 }
 
-void compare_flow(const SceneFlow& flow, const ingest::Frame& first, const tracking::Motion& motion) {
-  Errors errors;
+Comparison compare_flow(const SceneFlow& flow, const ingest::Frame& first, const tracking::Motion& motion) {
+  Comparison all;
   Errors still;
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> truths;
@@ -126,11 +118,11 @@ void compare_flow(const SceneFlow& flow, const ingest::Frame& first, const track
   }
   const auto tracks = tracking::track_points(motion, 2, 0, points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    errors.add(tracks[i][1], truths[i]);
+    all.visible.add(tracks[i][1], truths[i]);
     still.add(points[i], truths[i]);
   }
-  errors.print("scene flow");
-  still.print("no motion");
+  std::printf("# without motion: %s mm\n", still.text().c_str());
+  return all;
 }
 
 // The mask of DeepDeform's first frame, if there is one beside it.
@@ -146,53 +138,106 @@ LabelImage read_first_mask(const std::filesystem::path& folder, const ColorImage
   return mask;
 }
 
-void run(const std::string& folder, int label) {
+tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
+  const auto whole = [&](const char* name) { return static_cast<int>(knobs.at(name)); };
+  tracking::DeformingTrackerConfig config;
+  config.max_points = static_cast<std::size_t>(knobs.at("points"));
+  config.first_nodes = static_cast<std::size_t>(knobs.at("nodes"));
+  config.voxel_size = knobs.at("voxel");
+  config.fuse_interval = whole("fuse_interval");
+  config.use_body = whole("body") != 0;
+  config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
+  config.alignment.rigid_iterations = whole("rigid");
+  config.alignment.pcg_iterations = whole("pcg");
+  return config;
+}
+
+std::vector<ingest::Frame> read_frames(const std::string& folder, const SceneFlow& flow) {
   Progress silent;
   const host::PluginTable plugins = host::PluginTable::builtin();
-  const SceneFlow flow = read_scene_flow(std::filesystem::path(folder) / "scene_flow");
   ingest::CaptureOptions options;
   options.use_masks = flow.values.empty();
   const auto capture = ingest::Capture::open(plugins, folder, options, silent);
-  tracking::DeformingTrackerConfig config;
-  config.use_body = std::getenv("KINORA_BENCH_NO_BODY") == nullptr;
-  tracking::DeformingTracker tracker(label, config);
-  std::vector<double> milliseconds;
-  std::vector<int> frames;
-  int not_tracked = 0;
-  ingest::Frame first;
-  while (auto frame = capture->next()) {
-    if (frames.empty() && !flow.values.empty()) {
-      frame->labels = read_first_mask(std::filesystem::path(folder) / "mask", frame->color);
-    }
-    const auto start = std::chrono::steady_clock::now();
-    const tracking::DeformingTrackingResult result = tracker.track(*frame);
-    milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    if (result.health != tracking::Health::kTracked) ++not_tracked;
-    if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
-      std::printf("frame %d: %s, %zu nodes, inliers %.3f of %zu, correlation %.3f, %.0f ms\n", frame->index,
-                  std::string(tracking::name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
-                  result.quality.on_label, result.quality.texture_correlation, milliseconds.back());
-    }
-    if (frames.empty()) first = *frame;
-    frames.push_back(frame->index);
+  std::vector<ingest::Frame> frames;
+  while (auto frame = capture->next()) frames.push_back(std::move(*frame));
+  if (!frames.empty() && !flow.values.empty()) {
+    frames[0].labels = read_first_mask(std::filesystem::path(folder) / "mask", frames[0].color);
   }
-  std::printf("frames %zu, not tracked %d, spacing %.1f mm\n", frames.size(), not_tracked,
-              1e3 * tracker.node_spacing());
-  std::printf("body: %s, explained %.3f, empty %.3f\n",
-              std::string(tracking::name_of(tracker.body().verdict())).c_str(), tracker.body().explained(),
-              tracker.body().empty());
-  const auto start = std::chrono::steady_clock::now();
-  if (std::getenv("KINORA_BENCH_UNSETTLED") == nullptr) tracker.settle_past();
-  const double settling = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return frames;
+}
+
+void follow(const std::string& folder, const std::vector<ingest::Frame>& frames, const SceneFlow& flow,
+            const Setting& knobs) {
+  tracking::DeformingTracker tracker(static_cast<int>(knobs.at("label")), config_of(knobs));
+  const bool each = knobs.at("frames") != 0;
+  std::vector<double> milliseconds;
+  std::vector<double> processor;
+  int not_tracked = 0;
+  for (const ingest::Frame& frame : frames) {
+    const bench::Stopwatch watch;
+    const tracking::DeformingTrackingResult result = tracker.track(frame);
+    milliseconds.push_back(watch.milliseconds());
+    processor.push_back(watch.processor_milliseconds());
+    if (result.health != tracking::Health::kTracked) ++not_tracked;
+    if (!each) continue;
+    std::printf("# frame %d: %s, %zu nodes, inliers %.3f of %zu, correlation %.3f, %.0f ms\n", frame.index,
+                std::string(tracking::name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
+                result.quality.on_label, result.quality.texture_correlation, milliseconds.back());
+  }
+  const bench::Stopwatch watch;
+  if (knobs.at("settle") != 0) tracker.settle_past();
+  const double settling = watch.milliseconds();
   const tracking::Motion motion = tracker.motion();
+  std::printf("# %zu frames, %d not tracked; %zu nodes, %.1f mm apart; body: %s, explained %.3f, empty %.3f; past "
+              "settled in %.2f s\n",
+              frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * tracker.node_spacing(),
+              std::string(tracking::name_of(tracker.body().verdict())).c_str(), tracker.body().explained(),
+              tracker.body().empty(), 1e-3 * settling);
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
-  if (!tracks.empty()) compare_tracks(tracks, motion, frames);
-  if (!flow.values.empty()) compare_flow(flow, first, motion);
-  std::printf("nodes %zu; per frame: median %.1f ms, 99th percentile %.1f ms; their past settled in %.2f s\n",
-              motion.graph()->nodes().size(), at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99),
-              settling);
+  Comparison comparison;
+  if (!tracks.empty()) comparison = compare_tracks(tracks, motion, frames, each);
+  if (!flow.values.empty()) comparison = compare_flow(flow, frames[0], motion);
+  for (const auto& [name, value] : knobs) std::printf("%g,", value);
+  std::printf("%.1f,%.1f,%.1f,%s,%s\n", at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99),
+              at_fraction(processor, 0.5), comparison.visible.text().c_str(), comparison.hidden.text().c_str());
+  std::fflush(stdout);
 }
 
 } // namespace
 
-int main(int argc, char** argv) { return kinora::bench::follow_label(argc, argv, 1, run); }
+int main(int argc, char** argv) {
+  const tracking::DeformingTrackerConfig defaults;
+  const tracking::DeformingAlignmentConfig& alignment = defaults.alignment;
+  bench::Knobs knobs{{"label", {1}},
+                     {"points", {static_cast<double>(defaults.max_points)}},
+                     {"nodes", {static_cast<double>(defaults.first_nodes)}},
+                     {"voxel", {defaults.voxel_size}},
+                     {"fuse_interval", {static_cast<double>(defaults.fuse_interval)}},
+                     {"coarse", {static_cast<double>(alignment.iterations[0])}},
+                     {"middle", {static_cast<double>(alignment.iterations[1])}},
+                     {"fine", {static_cast<double>(alignment.iterations[2])}},
+                     {"rigid", {static_cast<double>(alignment.rigid_iterations)}},
+                     {"pcg", {static_cast<double>(alignment.pcg_iterations)}},
+                     {"body", {1}},
+                     {"settle", {1}},
+                     {"frames", {0}}};
+  try {
+    bool usable = argc > 1;
+    for (int i = 2; i < argc; ++i) usable = usable && bench::set_knob(argv[i], knobs);
+    if (!usable) {
+      std::fprintf(stderr, "usage: %s CAPTURE [KNOB=VALUE,VALUE...]; the knobs stand at the end of its source\n",
+                   argv[0]);
+      return 2;
+    }
+    const SceneFlow flow = read_scene_flow(std::filesystem::path(argv[1]) / "scene_flow");
+    const std::vector<ingest::Frame> frames = read_frames(argv[1], flow);
+    for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
+    std::printf("median_ms,99th_percentile_ms,processor_ms,seen_mean_mm,seen_median_mm,seen_95_percent_mm,"
+                "hidden_mean_mm,hidden_median_mm,hidden_95_percent_mm\n");
+    bench::run_all(knobs, [&](const Setting& setting) { follow(argv[1], frames, flow, setting); });
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -24,9 +24,8 @@ constexpr double kRim = 1;        // pixels that a silhouette may be wrong by
 struct Stage {
   int level;
   double gate; ///< metres
-  int iterations;
 };
-constexpr std::array<Stage, 3> kStages = {{{2, 0.10, 3}, {1, 0.06, 3}, {0, 0.04, 4}}};
+constexpr std::array<Stage, DeformingAlignmentConfig::kStages> kStages = {{{2, 0.10}, {1, 0.06}, {0, 0.04}}};
 
 /// Where a point is in the view; pixel_u < 0: nowhere.
 struct Seen {
@@ -141,8 +140,8 @@ public:
   bool step(const DeformingProblem& problem, const DeformingAlignmentConfig& config, DeformingAlignment& result) {
     constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;
-    const double before = problem.energy(result.nodes);
-    const BlockSystem system = problem.linearise(result.nodes);
+    double before = 0;
+    const BlockSystem system = problem.linearise(result.nodes, before);
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
       const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
@@ -285,9 +284,10 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
   }
   problem.set_prior(prior);
   Damped damped;
-  for (const Stage& stage : kStages) {
+  for (std::size_t s = 0; s < kStages.size(); ++s) {
+    const Stage& stage = kStages[s];
     problem.set_level(stage.level);
-    for (int i = 0; i < stage.iterations; ++i) {
+    for (int i = 0; i < config.iterations[s]; ++i) {
       associate(model, textures, view, result.nodes, stage.level, stage.gate, config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
       result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });

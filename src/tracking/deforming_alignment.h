@@ -2,6 +2,7 @@
 // energy of DeformingProblem, coarse to fine.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,6 +19,7 @@ struct PointTexture {
 };
 
 struct DeformingAlignmentConfig {
+  static constexpr std::size_t kStages = 3;
   double rigidity = 0.1;          ///< standard deviation of a neighbour's place, in units of the nodes' spacing
   double prior_sigma = 0.05;      ///< metres
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
@@ -25,6 +27,7 @@ struct DeformingAlignmentConfig {
   double texture_sigma = 0.02;    ///< at least; log luminance
   double plane_gate = 0.1;        ///< metres; measured surface farther away than this is another one
   int rigid_iterations = 4;
+  std::array<int, kStages> iterations{2, 2, 3}; ///< at most, from the coarsest level to the finest
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;
 };

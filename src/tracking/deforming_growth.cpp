@@ -38,9 +38,11 @@ std::vector<NewPiece> DeformingTracker::lasting_pieces(const ObjectView& view, c
   std::vector<SeenPiece> seen;
   for (NewPiece& piece : find_new_pieces(view, places, kPieceCells, kPieceJump)) {
     const Eigen::Vector3d centroid = piece.centroid();
-    int frames = 1;
+    int frames = unfused_;
     for (const SeenPiece& before : pieces_) {
-      if ((before.centroid - centroid).norm() < kPieceStep) frames = std::max(frames, before.frames + 1);
+      if ((before.centroid - centroid).norm() < kPieceStep * unfused_) {
+        frames = std::max(frames, before.frames + unfused_);
+      }
     }
     seen.push_back({centroid, frames});
     if (frames >= kPieceFrames) lasting.push_back(std::move(piece));

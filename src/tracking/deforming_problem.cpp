@@ -23,11 +23,26 @@ double huber_weight(double value, double bend) {
   return size <= bend ? 1.0 : bend / size;
 }
 
+bool has_terms(const PointTerms& terms) {
+  return terms.plane_scale != 0 || terms.texture_scale[0] != 0 || terms.texture_scale[1] != 0;
+}
+
+// Only blocks right of the diagonal were summed up; the others are their transposes.
+void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
+  for (std::size_t row = 0; row < pattern.node_count(); ++row) {
+    for (std::size_t b = pattern.row_begin(row); b < pattern.row_end(row); ++b) {
+      const int column = pattern.column(b);
+      if (column >= static_cast<int>(row)) break;
+      system.blocks[b] = system.blocks[pattern.find(column, static_cast<int>(row))].transpose();
+    }
+  }
+}
+
 } // namespace
 
 /// Derivatives of a point's rows by the steps of its nodes, times the root of their weights; and those residuals.
 struct DeformingProblem::PointJacobians {
-  int rows = 0;
+  std::size_t rows = 0;
   std::array<double, kRows> residuals;
   std::array<std::array<Twist, Influence::kMost>, kRows> by_node;
 };
@@ -65,42 +80,53 @@ DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& vi
   }
 }
 
-DeformingProblem::PointRows DeformingProblem::rows_at(std::size_t point, const Eigen::Vector3d& place,
-                                                      bool with_gradients) const {
-  PointRows rows;
+DeformingProblem::PointResiduals DeformingProblem::residuals_at(std::size_t point, const Eigen::Vector3d& place) const {
+  PointResiduals residuals;
   const PointTerms& terms = terms_[point];
-  if (terms.plane_scale > 0) {
-    rows.values[0] = terms.plane_scale * (terms.plane_normal.dot(place) + terms.plane_offset);
-    rows.weights[0] = huber_weight(rows.values[0], weights_.huber);
-    rows.gradients[0] = terms.plane_scale * terms.plane_normal;
-  }
+  residuals.plane = terms.plane_scale * (terms.plane_normal.dot(place) + terms.plane_offset);
   if (place.z() < kNearest ||
       std::all_of(terms.texture_scale.begin(), terms.texture_scale.end(), [](double scale) { return scale == 0; })) {
-    return rows;
+    return residuals;
   }
   const double fx = view_.intrinsics.fx / place.z();
   const double fy = view_.intrinsics.fy / place.z();
   const TextureSample image =
       view_.sample_texture(level_, fx * place.x() + view_.intrinsics.cx, fy * place.y() + view_.intrinsics.cy);
-  const Eigen::Vector3d slope =
-      with_gradients ? Eigen::Vector3d(image.du * fx, image.dv * fy,
-                                       -(image.du * fx * place.x() + image.dv * fy * place.y()) / place.z())
-                     : Eigen::Vector3d::Zero();
+  residuals.slope = Eigen::Vector3d(image.du * fx, image.dv * fy,
+                                    -(image.du * fx * place.x() + image.dv * fy * place.y()) / place.z());
   for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
     if (terms.texture_scale[t] == 0) continue;
-    rows.values[1 + t] = terms.texture_scale[t] * (image.value - terms.expected[t]);
-    rows.weights[1 + t] = huber_weight(rows.values[1 + t], weights_.huber);
-    rows.gradients[1 + t] = terms.texture_scale[t] * slope;
+    residuals.textures[t] = terms.texture_scale[t] * (image.value - terms.expected[t]);
   }
-  return rows;
+  return residuals;
 }
 
-double DeformingProblem::point_energy(std::size_t point, const NodeStates& states) const {
-  const SkinnedPoint& skinned = model_.points[point];
-  const PointRows rows = rows_at(point, blend_motion(states, skinned.influence).apply(skinned.position), false);
-  double sum = 0;
-  for (const double value : rows.values) sum += huber(value, weights_.huber);
+double DeformingProblem::energy_of(const PointResiduals& residuals) const {
+  double sum = huber(residuals.plane, weights_.huber);
+  for (const double value : residuals.textures) sum += huber(value, weights_.huber);
   return sum;
+}
+
+std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& residuals,
+                                      std::array<PointRow, kRows>& rows) const {
+  const PointTerms& terms = terms_[point];
+  std::size_t count = 0;
+  if (terms.plane_scale > 0) {
+    const double root = std::sqrt(huber_weight(residuals.plane, weights_.huber));
+    rows[count++] = {root * residuals.plane, root * terms.plane_scale * terms.plane_normal};
+  }
+  double information = 0;
+  double sum = 0;
+  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
+    const double weighted = huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
+    information += weighted * terms.texture_scale[t];
+    sum += weighted * residuals.textures[t];
+  }
+  if (information > 0 && !residuals.slope.isZero(0)) {
+    const double root = std::sqrt(information);
+    rows[count++] = {sum / root, root * residuals.slope};
+  }
+  return count;
 }
 
 // Where `from` would have its neighbour `to`, less where it is.
@@ -114,9 +140,17 @@ Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStat
 double DeformingProblem::energy(const NodeStates& states) const {
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) parts[chunk.index] += point_energy(p, states);
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      const SkinnedPoint& point = model_.points[p];
+      if (!has_terms(terms_[p])) continue;
+      parts[chunk.index] += energy_of(residuals_at(p, blend_motion(states, point.influence).apply(point.position)));
+    }
   });
-  double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(states);
+}
+
+double DeformingProblem::energy_beside_points(const NodeStates& states) const {
+  double sum = 0;
   for (const GraphEdge& edge : model_.edges) {
     sum += huber(edge_residual(edge.a, edge.b, states).norm() / weights_.rigidity_sigma, weights_.huber);
     sum += huber(edge_residual(edge.b, edge.a, states).norm() / weights_.rigidity_sigma, weights_.huber);
@@ -137,30 +171,30 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
   for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
-BlockSystem DeformingProblem::linearise(const NodeStates& states) const {
+BlockSystem DeformingProblem::linearise(const NodeStates& states, double& energy) const {
   std::vector<PointJacobians> jacobians(model_.points.size());
+  std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    std::array<PointRow, kRows> rows;
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      const PointTerms& terms = terms_[p];
+      if (!has_terms(terms_[p])) continue;
       PointJacobians& out = jacobians[p];
-      if (terms.plane_scale == 0 && terms.texture_scale[0] == 0 && terms.texture_scale[1] == 0) continue;
       const SkinnedPoint& point = model_.points[p];
       const BlendedMotion blended = blend_motion(states, point.influence);
       const Eigen::Vector3d place = blended.apply(point.position);
-      const PointRows rows = rows_at(p, place, true);
-      for (std::size_t r = 0; r < kRows; ++r) {
-        if (rows.weights[r] == 0) continue;
-        const auto row = static_cast<std::size_t>(out.rows++);
-        const double root = std::sqrt(rows.weights[r]);
-        out.residuals[row] = root * rows.values[r];
-        const Eigen::Vector3d g = root * rows.gradients[r];
-        const Eigen::Vector3d m = place.cross(g);
+      const PointResiduals residuals = residuals_at(p, place);
+      parts[chunk.index] += energy_of(residuals);
+      out.rows = rows_of(p, residuals, rows);
+      for (std::size_t r = 0; r < out.rows; ++r) {
+        out.residuals[r] = rows[r].residual;
+        const Eigen::Vector3d m = place.cross(rows[r].gradient);
         for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
-          out.by_node[row][k] = pulled_back(states, point.influence, blended, k, g, m);
+          out.by_node[r][k] = pulled_back(states, point.influence, blended, k, rows[r].gradient, m);
         }
       }
     }
   });
+  energy = std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(states);
   BlockSystem system;
   system.blocks.assign(pattern_.block_count(), Block::Zero());
   system.gradient.assign(model_.nodes.size(), Twist::Zero());
@@ -172,6 +206,7 @@ BlockSystem DeformingProblem::linearise(const NodeStates& states) const {
       if (!binding_.empty()) add_pull(i, binding_[i], states, system);
     }
   });
+  mirror_upper(pattern_, system);
   return system;
 }
 
@@ -179,13 +214,15 @@ void DeformingProblem::add_points(std::size_t node, std::span<const PointJacobia
                                   BlockSystem& system) const {
   for (const PointUse& use : point_uses_[node]) {
     const PointJacobians& point = jacobians[static_cast<std::size_t>(use.point)];
-    const auto count = static_cast<std::size_t>(model_.points[static_cast<std::size_t>(use.point)].influence.count);
+    if (point.rows == 0) continue;
+    const Influence& influence = model_.points[static_cast<std::size_t>(use.point)].influence;
     const auto slot = static_cast<std::size_t>(use.slot);
-    for (std::size_t r = 0; r < static_cast<std::size_t>(point.rows); ++r) {
-      const Twist& own = point.by_node[r][slot];
-      system.gradient[node] += point.residuals[r] * own;
-      for (std::size_t k = 0; k < count; ++k) {
-        system.blocks[use.blocks[k]].noalias() += own * point.by_node[r][k].transpose();
+    for (std::size_t r = 0; r < point.rows; ++r) system.gradient[node] += point.residuals[r] * point.by_node[r][slot];
+    for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+      if (influence.nodes[k] < static_cast<int>(node)) continue;
+      Block& block = system.blocks[use.blocks[k]];
+      for (std::size_t r = 0; r < point.rows; ++r) {
+        block.noalias() += point.by_node[r][slot] * point.by_node[r][k].transpose();
       }
     }
   }
@@ -214,7 +251,7 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
       const Rows& by_own = outward ? by_from : by_to;
       const Rows& by_other = outward ? by_to : by_from;
       system.blocks[diagonal].noalias() += weight * by_own.transpose() * by_own;
-      system.blocks[use.block].noalias() += weight * by_own.transpose() * by_other;
+      if (other > own) system.blocks[use.block].noalias() += weight * by_own.transpose() * by_other;
       system.gradient[node].noalias() += weight * by_own.transpose() * residual;
     }
   }
@@ -237,16 +274,17 @@ void DeformingProblem::linearise_rigid(const NodeStates& states, const Eigen::Ve
   };
   std::vector<Part> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    std::array<PointRow, kRows> rows;
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      if (!has_terms(terms_[p])) continue;
       const SkinnedPoint& point = model_.points[p];
       const Eigen::Vector3d place = blend_motion(states, point.influence).apply(point.position);
-      const PointRows rows = rows_at(p, place, true);
-      for (std::size_t r = 0; r < kRows; ++r) {
-        if (rows.weights[r] == 0) continue;
+      const std::size_t count = rows_of(p, residuals_at(p, place), rows);
+      for (std::size_t r = 0; r < count; ++r) {
         Twist row;
-        row << rows.gradients[r], (place - pivot).cross(rows.gradients[r]);
-        parts[chunk.index].information.noalias() += rows.weights[r] * row * row.transpose();
-        parts[chunk.index].gradient += rows.weights[r] * rows.values[r] * row;
+        row << rows[r].gradient, (place - pivot).cross(rows[r].gradient);
+        parts[chunk.index].information.noalias() += row * row.transpose();
+        parts[chunk.index].gradient += rows[r].residual * row;
       }
     }
   });

@@ -73,20 +73,27 @@ public:
 
   /// Half the sum of squares of all terms, in standard deviations, with Huber's bend.
   double energy(const NodeStates& states) const;
-  /// Gauss–Newton system about `states`, weights as Huber has them there. Same bits for any number of threads.
-  BlockSystem linearise(const NodeStates& states) const;
+  /// Gauss–Newton system about `states`, weights as Huber has them there; and the energy there. Same bits for any
+  /// number of threads.
+  BlockSystem linearise(const NodeStates& states, double& energy) const;
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
   void linearise_rigid(const NodeStates& states, const Eigen::Vector3d& pivot, Block& information,
                        Twist& gradient) const;
 
 private:
-  static constexpr std::size_t kRows = 1 + PointTerms::kTextures;
-  /// A point's residuals at some states: value and derivative by the point's place. Weight zero: no such row.
-  struct PointRows {
-    std::array<double, kRows> values{};
-    std::array<double, kRows> weights{};
-    std::array<Eigen::Vector3d, kRows> gradients;
+  /// A point's residuals at some place, in standard deviations; zero where there is no such term.
+  struct PointResiduals {
+    double plane = 0;
+    std::array<double, PointTerms::kTextures> textures{};
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero(); ///< of the image's texture, by the point's place
   };
+  /// A residual and its derivative by the point's place, times the root of its weight. All textures are one row, as
+  /// their derivatives are parallel.
+  struct PointRow {
+    double residual;
+    Eigen::Vector3d gradient;
+  };
+  static constexpr std::size_t kRows = 2;
   struct PointJacobians;
   /// A point (or edge) that a node takes part in.
   struct PointUse {
@@ -99,8 +106,10 @@ private:
     std::uint32_t block;
   };
 
-  PointRows rows_at(std::size_t point, const Eigen::Vector3d& place, bool with_gradients) const;
-  double point_energy(std::size_t point, const NodeStates& states) const;
+  PointResiduals residuals_at(std::size_t point, const Eigen::Vector3d& place) const;
+  double energy_of(const PointResiduals& residuals) const;
+  std::size_t rows_of(std::size_t point, const PointResiduals& residuals, std::array<PointRow, kRows>& rows) const;
+  double energy_beside_points(const NodeStates& states) const;
   void add_points(std::size_t node, std::span<const PointJacobians> jacobians, BlockSystem& system) const;
   void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
   void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states, BlockSystem& system) const;

@@ -186,7 +186,12 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->time = frame.time;
   past_->view = view;
   past_->world_to_camera = world_to_camera;
-  fuse(view, alignment.nodes);
+  if (++unfused_ >= config_.fuse_interval || grows_) {
+    const std::size_t old = nodes_.size();
+    fuse(view, alignment.nodes);
+    grows_ = nodes_.size() > old;
+    unfused_ = 0;
+  }
   bind_body(std::move(alignment.seen));
   return Health::kTracked;
 }

@@ -29,6 +29,7 @@ struct DeformingTrackerConfig {
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
   double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost
+  int fuse_interval = 1;          ///< tracked frames from one that is fused to the next, while no new nodes come
   bool use_body = true;           ///< false: no skeleton is looked for
   DeformingAlignmentConfig alignment;
   LayerBodyConfig body;
@@ -113,6 +114,8 @@ private:
   std::unique_ptr<Past> past_;
   LayerBody body_;
   int unseen_ = 0;
+  int unfused_ = 0;   ///< tracked frames since the last that was fused
+  bool grows_ = true; ///< the last frame that was fused has brought nodes
   struct SeenPiece {
     Eigen::Vector3d centroid; ///< in the camera
     int frames;               ///< in a row that have shown it

@@ -84,7 +84,9 @@ NodeStates disturbed(const Scene& scene, double size, std::uint64_t seed) {
 
 // The derivative by the step of some nodes against differences of the energy; `tolerance` in units of its length.
 void expect_gradient(const DeformingProblem& problem, const NodeStates& states, double size, double tolerance) {
-  const BlockSystem system = problem.linearise(states);
+  double energy_there = 0;
+  const BlockSystem system = problem.linearise(states, energy_there);
+  EXPECT_NEAR(energy_there, problem.energy(states), 1e-9 * energy_there);
   for (const std::size_t node : {0U, 20U, 31U, 40U, 62U}) {
     for (int i = 0; i < 6; ++i) {
       const auto energy = [&](double step) {
