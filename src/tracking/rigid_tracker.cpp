@@ -65,15 +65,15 @@ RigidTracker::RigidTracker(RigidTracker&&) noexcept = default;
 RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
-  const ObjectView view = view_object(frame, label_);
+  ObjectView view = view_object(frame, label_);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
   if (volume_ == nullptr) {
     result.pose.health = Health::kLost;
-    if (view.depth_pixels >= config_.first_pixels) begin(frame, view, result);
+    if (view.depth_pixels >= config_.first_pixels) begin(frame, std::move(view), result);
   } else {
     if (view.depth_pixels >= config_.min_pixels) {
-      follow(frame, view, result);
+      follow(frame, std::move(view), result);
     } else {
       result.pose.health = Health::kHeld;
     }
@@ -88,13 +88,13 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   return result;
 }
 
-void RigidTracker::begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
   const Eigen::Vector3d centre = frame.camera.camera_to_world * view.centroid;
   volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), centre);
   model_to_world_ = SE3(Eigen::Translation3d(centre));
   past_ = std::make_unique<Past>();
   fuse(frame, view);
-  past_->view = view;
+  past_->view = std::move(view);
   past_->quality.explained_share = 1;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
@@ -138,7 +138,7 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   Candidate candidate;
   candidate.alignment = align(points, view, start, prior, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
-  const std::vector<ModelPoint> seen = visible_points(view, pose);
+  const std::vector<ModelPoint> seen = select_points(surface_, view, pose, config_.max_points);
   candidate.quality = judge_pose(seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
@@ -200,7 +200,7 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
   return result;
 }
 
-void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
   result.visible = true;
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
@@ -222,13 +222,13 @@ void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, Ri
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   result.quality = best.quality;
   if (believed()) {
-    accept(frame, view, best, result);
+    accept(frame, std::move(view), best, result);
   } else {
     result.pose.health = Health::kLost;
   }
 }
 
-void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best,
+void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Candidate& best,
                           RigidTrackingResult& result) {
   const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
   result.pose.health = Health::kTracked;
@@ -247,12 +247,12 @@ void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, co
     past_->earlier_model_to_world.reset();
   }
   model_to_world_ = renormalized(frame.camera.camera_to_world * best.alignment.model_to_camera);
-  past_->view = view;
+  past_->view = std::move(view);
   past_->quality = best.quality;
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
-  fuse(frame, view);
+  fuse(frame, past_->view);
   const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
   const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
     return Eigen::AngleAxisd(known.transpose() * rotation).angle() > kKeyframeAngle;

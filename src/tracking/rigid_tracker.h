@@ -62,9 +62,9 @@ private:
   struct Past; ///< what is kept of the last tracked frame
   enum class Where { kNear, kAsBefore, kTurned };
 
-  void begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
-  void follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
-  void accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best, RigidTrackingResult& result);
+  void begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
+  void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
+  void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
