@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 16;
 constexpr double kKeyframeAngle = 0.4;       // radians between stored directions of view
+constexpr int kFirstFused = 8;               // frames: all of them are fused, and later
+constexpr int kFusedEvery = 3;               // each so many, and all in which
+constexpr double kKnownShare = 0.97;         // the model explains less than this: new surface came into view
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
@@ -162,6 +165,7 @@ bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
 // Without the support of the last frame the view itself must be convincing.
 bool RigidTracker::is_found_again(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
+         quality.outside_share() <= past_->quality.outside_share() + kOtherSilhouette &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
@@ -252,7 +256,10 @@ void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Can
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
-  fuse(frame, past_->view);
+  ++unfused_;
+  if (fused_ < kFirstFused || unfused_ >= kFusedEvery || best.quality.explained_share < kKnownShare) {
+    fuse(frame, past_->view);
+  }
   const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
   const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
     return Eigen::AngleAxisd(known.transpose() * rotation).angle() > kKeyframeAngle;
@@ -267,6 +274,8 @@ void RigidTracker::fuse(const ingest::Frame& frame, const ObjectView& view) {
   const SE3 canonical_to_camera = model_to_camera * Eigen::Translation3d(-volume_->origin());
   volume_->integrate(planes, view.texture, view.intrinsics, canonical_to_camera.inverse());
   surface_ = volume_->surface_points();
+  ++fused_;
+  unfused_ = 0;
 }
 
 } // namespace kinora::tracking
