@@ -45,13 +45,16 @@ struct TsdfVolume::Block {
 
   /// Of a voxel, counted from the brick's first; each from −1 to kBrick + 2.
   static std::size_t index(int x, int y, int z) {
-    return static_cast<std::size_t>(((z + 1) * kSide + y + 1) * kSide + x + 1);
+    const int result = ((z + 1) * kSide + y + 1) * kSide + x + 1;
+    return static_cast<std::size_t>(result);
   }
   const Brick* brick_at(int x, int y, int z) const {
-    return bricks[static_cast<std::size_t>((((z >> 3) + 1) * 3 + (y >> 3) + 1) * 3 + (x >> 3) + 1)];
+    const int result = (((z >> 3) + 1) * 3 + (y >> 3) + 1) * 3 + (x >> 3) + 1;
+    return bricks[static_cast<std::size_t>(result)];
   }
   static std::size_t inside(int x, int y, int z) {
-    return static_cast<std::size_t>(((z & 7) * kBrick + (y & 7)) * kBrick + (x & 7));
+    const int result = ((z & 7) * kBrick + (y & 7)) * kBrick + (x & 7);
+    return static_cast<std::size_t>(result);
   }
 
   void copy_row(const std::array<float, kBrickVoxels> Brick::*values, int y, int z, float* to) const {
