@@ -15,7 +15,7 @@ namespace {
 constexpr int kRadius = 2;
 constexpr int kSums = 9;
 constexpr float kMinNeighbours = 6;
-constexpr std::size_t kRowsPerChunk = 120;
+constexpr std::size_t kRowsPerChunk = 64;
 
 // Depth with a border of kRadius invalid pixels, inverse depth, and the gate of each pixel; 0 where not allowed.
 struct PaddedDepth {
@@ -56,40 +56,67 @@ PaddedDepth pad(const DepthImage& depth, const Intrinsics& intrinsics, const Lab
 // Sums over the window, for one row of the image: n, Σdu, Σdv, Σdu², Σdu·dv, Σdv², Σw, Σw·du, Σw·dv of inverse depth w.
 using RowSums = std::array<std::vector<float>, kSums>;
 
-void sum_row(const PaddedDepth& padded, std::size_t v, int width, RowSums& sums) {
-  for (std::vector<float>& sum : sums) std::fill(sum.begin(), sum.end(), 0.0F);
+/// Pixels of a row, end excluded.
+struct Columns {
+  int begin, end;
+};
+
+// From the first to the last pixel that may have a plane.
+Columns used_columns(const float* gate, int width) {
+  const auto is_used = [](float g) { return g > 0; };
+  const float* begin = std::find_if(gate, gate + width, is_used);
+  const float* end = gate + width;
+  while (end > begin && !is_used(end[-1])) --end;
+  return {static_cast<int>(begin - gate), static_cast<int>(end - gate)};
+}
+
+// One row of the window is added at a time, so that its five columns are summed without going through memory.
+void sum_row(const PaddedDepth& padded, std::size_t v, const Columns& columns, RowSums& sums) {
+  for (std::vector<float>& sum : sums) std::fill(sum.begin() + columns.begin, sum.begin() + columns.end, 0.0F);
   const std::size_t centre = (v + kRadius) * static_cast<std::size_t>(padded.stride) + kRadius;
   const float* z = padded.depth.data() + centre;
   const float* gate = padded.gate.data() + centre;
+  float* __restrict n = sums[0].data();
+  float* __restrict su = sums[1].data();
+  float* __restrict sv = sums[2].data();
+  float* __restrict suu = sums[3].data();
+  float* __restrict suv = sums[4].data();
+  float* __restrict svv = sums[5].data();
+  float* __restrict sw = sums[6].data();
+  float* __restrict swu = sums[7].data();
+  float* __restrict swv = sums[8].data();
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
-    for (int du = -kRadius; du <= kRadius; ++du) {
-      const std::ptrdiff_t shift = static_cast<std::ptrdiff_t>(dv) * padded.stride + du;
-      const float* other = z + shift;
-      const float* inverse = padded.inverse.data() + centre + shift;
-      const float fu = static_cast<float>(du);
-      const float fv = static_cast<float>(dv);
-      float* __restrict n = sums[0].data();
-      float* __restrict su = sums[1].data();
-      float* __restrict sv = sums[2].data();
-      float* __restrict suu = sums[3].data();
-      float* __restrict suv = sums[4].data();
-      float* __restrict svv = sums[5].data();
-      float* __restrict sw = sums[6].data();
-      float* __restrict swu = sums[7].data();
-      float* __restrict swv = sums[8].data();
-      for (int u = 0; u < width; ++u) {
-        const float m = std::fabs(other[u] - z[u]) < gate[u] ? 1.0F : 0.0F;
-        const float w = m * inverse[u];
-        n[u] += m;
-        su[u] += m * fu;
-        sv[u] += m * fv;
-        suu[u] += m * (fu * fu);
-        suv[u] += m * (fu * fv);
-        svv[u] += m * (fv * fv);
-        sw[u] += w;
-        swu[u] += w * fu;
-        swv[u] += w * fv;
+    const std::ptrdiff_t shift = static_cast<std::ptrdiff_t>(dv) * padded.stride;
+    const float* other = z + shift;
+    const float* inverse = padded.inverse.data() + centre + shift;
+    const float fv = static_cast<float>(dv);
+    for (int u = columns.begin; u < columns.end; ++u) {
+      float row_n = 0;
+      float row_u = 0;
+      float row_uu = 0;
+      float w_sum = sw[u];
+      float wu_sum = swu[u];
+      float wv_sum = swv[u];
+      for (int du = -kRadius; du <= kRadius; ++du) {
+        const float fu = static_cast<float>(du);
+        const float m = std::fabs(other[u + du] - z[u]) < gate[u] ? 1.0F : 0.0F;
+        const float w = m * inverse[u + du];
+        row_n += m;
+        row_u += m * fu;
+        row_uu += m * (fu * fu);
+        w_sum += w;
+        wu_sum += w * fu;
+        wv_sum += w * fv;
       }
+      n[u] += row_n;
+      su[u] += row_u;
+      sv[u] += row_n * fv;
+      suu[u] += row_uu;
+      suv[u] += row_u * fv;
+      svv[u] += row_n * (fv * fv);
+      sw[u] = w_sum;
+      swu[u] = wu_sum;
+      swv[u] = wv_sum;
     }
   }
 }
@@ -133,8 +160,9 @@ DepthPlanes fit_depth_planes(const DepthImage& depth, const Intrinsics& intrinsi
     for (std::vector<float>& sum : sums) sum.resize(static_cast<std::size_t>(depth.width()));
     for (std::size_t v = rows.begin; v < rows.end; ++v) {
       const float* gate = padded.gate.data() + (v + kRadius) * static_cast<std::size_t>(padded.stride) + kRadius;
-      sum_row(padded, v, depth.width(), sums);
-      for (int u = 0; u < depth.width(); ++u) {
+      const Columns columns = used_columns(gate, depth.width());
+      sum_row(padded, v, columns, sums);
+      for (int u = columns.begin; u < columns.end; ++u) {
         if (gate[u] == 0.0F) continue;
         const InversePlane fit = solve(sums, static_cast<std::size_t>(u));
         if (!fit.valid || !(fit.value > 0)) continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 #include "core/error.h"
@@ -16,12 +17,15 @@ struct Box {
 
 Box bounding_box(const LabelImage& labels, int label) {
   Box box{labels.width(), labels.height(), 0, 0};
+  if (label < 0 || label > 255) return box;
   for (int v = 0; v < labels.height(); ++v) {
     const std::uint8_t* row = labels.pixel(0, v);
-    for (int u = 0; u < labels.width(); ++u) {
-      if (row[u] != label) continue;
-      box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1), v + 1};
-    }
+    const void* first = std::memchr(row, label, static_cast<std::size_t>(labels.width()));
+    if (first == nullptr) continue;
+    int end = labels.width();
+    while (row[end - 1] != label) --end;
+    const int begin = static_cast<int>(static_cast<const std::uint8_t*>(first) - row);
+    box = {std::min(box.u0, begin), std::min(box.v0, v), std::max(box.u1, end), v + 1};
   }
   return box;
 }
@@ -38,17 +42,21 @@ LabelImage cut_mask(const LabelImage& labels, int label, const Box& box) {
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) mask.at(u, v) = labels.at(box.u0 + u, box.v0 + v) == label ? 1 : 0;
   }
-  LabelImage inner = mask;
+  LabelImage across(mask.width(), mask.height());
+  for (int v = 0; v < mask.height(); ++v) {
+    const std::uint8_t* in = mask.pixel(0, v);
+    std::uint8_t* out = across.pixel(0, v);
+    for (int u = 2; u + 2 < mask.width(); ++u) out[u] = in[u - 2] & in[u - 1] & in[u] & in[u + 1] & in[u + 2];
+  }
   for (int v = 2; v + 2 < mask.height(); ++v) {
-    for (int u = 2; u + 2 < mask.width(); ++u) {
-      bool inside = true;
-      for (int dv = -2; dv <= 2 && inside; ++dv) {
-        for (int du = -2; du <= 2 && inside; ++du) inside = mask.at(u + du, v + dv) != 0;
-      }
-      if (inside) inner.at(u, v) = 2;
+    std::uint8_t* out = mask.pixel(0, v);
+    const std::uint8_t* in = across.pixel(0, v - 2);
+    const std::ptrdiff_t row = mask.width();
+    for (std::ptrdiff_t u = 0; u < row; ++u) {
+      out[u] += in[u] & in[u + row] & in[u + 2 * row] & in[u + 3 * row] & in[u + 4 * row];
     }
   }
-  return inner;
+  return mask;
 }
 
 // Binomial 3×3 over the pixels of the mask.
@@ -106,31 +114,6 @@ void measure_depth(ObjectView& view) {
 }
 
 } // namespace
-
-Eigen::Vector3d ObjectView::point(int u, int v) const {
-  const float* plane = planes.planes.pixel(u, v);
-  const Eigen::Vector3d ray = intrinsics.unproject(u, v, 1.0);
-  return ray * (-plane[3] / (plane[0] * ray.x() + plane[1] * ray.y() + plane[2]));
-}
-
-TextureSample ObjectView::sample_texture(int level, double u, double v) const {
-  const TextureLevel& texture_level = pyramid[static_cast<std::size_t>(level)];
-  const Image<float>& image = texture_level.values;
-  const float x = std::clamp((static_cast<float>(u) + 0.5F) * texture_level.scale - 0.5F, 0.0F,
-                             static_cast<float>(image.width() - 1));
-  const float y = std::clamp((static_cast<float>(v) + 0.5F) * texture_level.scale - 0.5F, 0.0F,
-                             static_cast<float>(image.height() - 1));
-  const int x0 = std::min(static_cast<int>(x), std::max(0, image.width() - 2));
-  const int y0 = std::min(static_cast<int>(y), std::max(0, image.height() - 2));
-  const float fx = x - static_cast<float>(x0);
-  const float fy = y - static_cast<float>(y0);
-  const float* a = image.pixel(x0, y0);
-  const float* b = image.pixel(std::min(x0 + 1, image.width() - 1), y0);
-  const float* c = image.pixel(x0, std::min(y0 + 1, image.height() - 1));
-  const float* d = image.pixel(std::min(x0 + 1, image.width() - 1), std::min(y0 + 1, image.height() - 1));
-  const auto mix = [&](int i) { return (a[i] * (1 - fx) + b[i] * fx) * (1 - fy) + (c[i] * (1 - fx) + d[i] * fx) * fy; };
-  return {mix(0), mix(1), mix(2)};
-}
 
 ObjectView view_object(const ingest::Frame& frame, int label) {
   check_sizes(frame);

@@ -27,7 +27,9 @@ Eigen::Vector2f visible_pixel(const SurfacePoint& surface, const FloatPose& pose
   const Eigen::Vector3f n = pose.rotation * surface.normal;
   Eigen::Vector2f nowhere(-1, -1);
   z = p.z();
-  if (p.z() < 0.05F || n.dot(p) > -kFacingCosine * p.norm()) return nowhere;
+  const float facing = n.dot(p);
+  const bool faces_away = !(facing < 0) || facing * facing < kFacingCosine * kFacingCosine * p.squaredNorm();
+  if (p.z() < 0.05F || faces_away) return nowhere;
   const float u = static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx);
   const float v = static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy);
   if (!(u >= 0 && v >= 0 && u <= static_cast<float>(camera.width - 1) && v <= static_cast<float>(camera.height - 1))) {

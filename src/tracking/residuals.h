@@ -3,12 +3,15 @@
 // Baker and Matthews, "Lucas-Kanade 20 Years On", IJCV 2004 (texture).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "core/se3.h"
+#include "ingest/sensor_noise.h"
 #include "tracking/object_view.h"
 
 namespace kinora::tracking {
@@ -84,5 +87,64 @@ struct TextureModel {
 };
 TextureModel measure_texture(std::span<const ModelPoint> points, const ObjectView& view, const SE3& model_to_camera,
                              int level);
+
+// What follows runs for every point in every step of the solver: it is worth being inlined.
+
+inline std::optional<ProjectedPoint> project(const ModelPoint& model, const ObjectView& view,
+                                             const SE3& model_to_camera) {
+  ProjectedPoint p;
+  p.point = model_to_camera * model.position.cast<double>();
+  p.normal = model_to_camera.linear() * model.normal.cast<double>();
+  constexpr double kFacingCosine = 0.17; // 80°
+  const double facing = p.normal.dot(p.point);
+  const bool faces_away = !(facing < 0) || facing * facing < kFacingCosine * kFacingCosine * p.point.squaredNorm();
+  if (p.point.z() < 0.05 || faces_away) return std::nullopt;
+  p.u = view.intrinsics.fx * p.point.x() / p.point.z() + view.intrinsics.cx;
+  p.v = view.intrinsics.fy * p.point.y() / p.point.z() + view.intrinsics.cy;
+  if (!(p.u > -0.49 && p.v > -0.49 && p.u < view.intrinsics.width - 0.51 && p.v < view.intrinsics.height - 0.51)) {
+    return std::nullopt;
+  }
+  p.pixel_u = static_cast<int>(p.u + 0.5);
+  p.pixel_v = static_cast<int>(p.v + 0.5);
+  return p;
+}
+
+inline std::optional<Residual> geometric_residual(const ProjectedPoint& p, const ObjectView& view, const Pivot& pivot,
+                                                  const Gates& gates) {
+  if (view.planes.weights.at(p.pixel_u, p.pixel_v) <= 0) return std::nullopt;
+  const Eigen::Vector3d measured = view.point(p.pixel_u, p.pixel_v);
+  if ((p.point - measured).squaredNorm() > gates.distance * gates.distance) return std::nullopt;
+  const float* plane = view.planes.planes.pixel(p.pixel_u, p.pixel_v);
+  const double cosine = p.normal.x() * plane[0] + p.normal.y() * plane[1] + p.normal.z() * plane[2];
+  if (cosine < gates.normal_cosine) return std::nullopt;
+  Residual r;
+  r.value = p.normal.dot(p.point - measured);
+  r.sigma = ingest::depth_sigma(measured.z()) * std::max(0.3, std::abs(p.normal.dot(measured)) / measured.norm());
+  r.jacobian.head<3>() = p.normal;
+  // The normal turns with the model: d(n·(x − q)) = n·δ + (ω×n)·(x − q) + n·(ω×(x − c)) = n·δ + ω·((q − c)×n).
+  r.jacobian.tail<3>() = (measured - pivot.centre).cross(p.normal) / pivot.radius;
+  return r;
+}
+
+inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, const ModelPoint& model,
+                                                    const ObjectView& view, const Pivot& pivot, int level,
+                                                    const LightOffsets& light) {
+  const float expected = model.texture[static_cast<std::size_t>(level)];
+  if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != 2) return std::nullopt;
+  const double z = p.point.z();
+  const float front = view.depth.at(p.pixel_u, p.pixel_v);
+  if (front > 0 && front < z - std::max(0.03, 3 * ingest::depth_sigma(z))) return std::nullopt;
+  const TextureSample image = view.sample_texture(level, p.u, p.v);
+  const double fx = view.intrinsics.fx / z;
+  const double fy = view.intrinsics.fy / z;
+  const Eigen::Vector3d gradient(image.du * fx, image.dv * fy,
+                                 -(image.du * fx * p.point.x() + image.dv * fy * p.point.y()) / z);
+  Residual r;
+  r.value = image.value - expected - light[model.direction];
+  r.sigma = 1;
+  r.jacobian.head<3>() = gradient;
+  r.jacobian.tail<3>() = (p.point - pivot.centre).cross(gradient) / pivot.radius;
+  return r;
+}
 
 } // namespace kinora::tracking

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
+
+#include "core/parallel.h"
 
 namespace kinora::tracking {
 namespace {
@@ -12,19 +16,23 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kHuber = 1.5;
 constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
-constexpr double kStillStep = 2e-5;   // metres
+constexpr std::size_t kPointsPerChunk = 640;
+constexpr double kFirstDamping = 1e-3;
+constexpr double kRefusedDamping = 0.3; // at least, after a step that does not pay: with less the next is the same
 
 struct Stage {
   int level;
   Gates gates;
   double huber; ///< of the distances, in σ: far from the solution, few distances are within the noise
   int iterations;
+  double still;           ///< metres: a step so short is the last
+  std::size_t max_points; ///< about
 };
 
 constexpr std::array<Stage, 3> kStages = {{
-    {2, {0.10, 0.70}, 12, 15},
-    {1, {0.05, 0.80}, 4, 12},
-    {0, {0.03, 0.866}, kHuber, 10},
+    {2, {0.10, 0.70}, 12, 15, 5e-4, 600},
+    {1, {0.05, 0.80}, 4, 12, 2e-4, 600},
+    {0, {0.03, 0.866}, kHuber, 10, 5e-5, std::numeric_limits<std::size_t>::max()},
 }};
 
 // Of a point without correspondence, and the most that a point with one can cost: neither losing nor finding a bad
@@ -53,43 +61,59 @@ struct System {
   void add(const Residual& r, double sigma, double limit, double share, Matrix6& information) {
     const double normalised = r.value / sigma;
     const double weight = share * huber_weight(normalised, limit) / (sigma * sigma);
-    information.selfadjointView<Eigen::Lower>().rankUpdate(r.jacobian, weight);
-    gradient += weight * r.value * r.jacobian;
+    const Twist weighted = weight * r.jacobian;
+    information += weighted * r.jacobian.transpose();
+    gradient += weighted * r.value;
     cost += share * huber(normalised, limit);
+  }
+  void add(const System& other) {
+    depth_information += other.depth_information;
+    texture_information += other.texture_information;
+    gradient += other.gradient;
+    cost += other.cost;
+    normal_information += other.normal_information;
+    geometric += other.geometric;
+    photometric += other.photometric;
   }
 };
 
+void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose, const Pivot& pivot, const Stage& stage,
+               const TextureModel& texture, const AlignmentConfig& config, System& system) {
+  const double photometric_share = config.photometric_share;
+  const auto p = project(point, view, pose);
+  if (!p) {
+    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * largest_cost(kHuber));
+    return;
+  }
+  if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
+    system.add(*r, r->sigma, stage.huber, 1.0, system.depth_information);
+    system.normal_information += huber_weight(r->value / r->sigma, stage.huber) / (r->sigma * r->sigma);
+    ++system.geometric;
+  } else {
+    const bool unseen = view.planes.weights.at(p->pixel_u, p->pixel_v) <= 0;
+    system.cost += (unseen ? config.unseen_cost : 1.0) * largest_cost(stage.huber);
+  }
+  if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
+    const double footprint = p->point.z() / view.intrinsics.fx;
+    if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
+      system.add(*r, texture.sigma, kHuber, photometric_share, system.texture_information);
+      ++system.photometric;
+    }
+  } else {
+    system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
+  }
+}
+
 System build_system(std::span<const ModelPoint> points, const ObjectView& view, const SE3& pose, const Pivot& pivot,
                     const Stage& stage, const TextureModel& texture, const AlignmentConfig& config) {
-  const double photometric_share = config.photometric_share;
-  System system;
-  for (const ModelPoint& point : points) {
-    const auto p = project(point, view, pose);
-    if (!p) {
-      system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * largest_cost(kHuber));
-      continue;
+  std::vector<System> parts(chunk_count(points.size(), kPointsPerChunk));
+  parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (const ModelPoint& point : points.subspan(chunk.begin, chunk.end - chunk.begin)) {
+      add_point(point, view, pose, pivot, stage, texture, config, parts[chunk.index]);
     }
-    if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
-      system.add(*r, r->sigma, stage.huber, 1.0, system.depth_information);
-      system.normal_information += huber_weight(r->value / r->sigma, stage.huber) / (r->sigma * r->sigma);
-      ++system.geometric;
-    } else {
-      const bool unseen = view.planes.weights.at(p->pixel_u, p->pixel_v) <= 0;
-      system.cost += (unseen ? config.unseen_cost : 1.0) * largest_cost(stage.huber);
-    }
-    if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
-      const double footprint = p->point.z() / view.intrinsics.fx;
-      if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
-        system.add(*r, texture.sigma, kHuber, photometric_share, system.texture_information);
-        ++system.photometric;
-      }
-    } else {
-      system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
-    }
-  }
-  system.depth_information = system.depth_information.selfadjointView<Eigen::Lower>();
-  system.texture_information = system.texture_information.selfadjointView<Eigen::Lower>();
-  return system;
+  });
+  for (std::size_t i = 1; i < parts.size(); ++i) parts[0].add(parts[i]);
+  return parts[0];
 }
 
 struct Extent {
@@ -115,8 +139,20 @@ Twist step_between(const Pivot& pivot, const SE3& pose, const SE3& target) {
   return step;
 }
 
-void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const Stage& stage, const Extent& extent,
+// Points come in the order of their directions, so that every second or third are still spread over them.
+std::vector<ModelPoint> thinned(std::span<const ModelPoint> points, std::size_t limit) {
+  const std::size_t stride = 1 + (points.size() - 1) / limit;
+  std::vector<ModelPoint> result;
+  result.reserve(points.size() / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) result.push_back(points[i]);
+  return result;
+}
+
+void run_stage(std::span<const ModelPoint> all_points, const ObjectView& view, const Stage& stage, const Extent& extent,
                const SE3& prior, const AlignmentConfig& config, Alignment& alignment) {
+  std::vector<ModelPoint> fewer;
+  if (all_points.size() > stage.max_points) fewer = thinned(all_points, stage.max_points);
+  const std::span<const ModelPoint> points = fewer.empty() ? all_points : fewer;
   const auto pivot_at = [&extent](const SE3& pose) { return Pivot{pose * extent.centre, extent.radius}; };
   Pivot pivot = pivot_at(alignment.model_to_camera);
   const TextureModel texture = measure_texture(points, view, alignment.model_to_camera, stage.level);
@@ -124,7 +160,7 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
     return build_system(points, view, pose, pivot_at(pose), stage, texture, config);
   };
   System system = build(alignment.model_to_camera);
-  double damping = 1e-3;
+  double damping = kFirstDamping;
   for (int i = 0; i < stage.iterations; ++i) {
     ++alignment.iterations;
     pivot = pivot_at(alignment.model_to_camera);
@@ -145,15 +181,15 @@ void run_stage(std::span<const ModelPoint> points, const ObjectView& view, const
     System next = build(moved);
     // What the prior moves may cost a little: the data hardly see it.
     const double allowance = solved.weak_directions > 0 ? 1e-3 : 1e-9;
-    if (next.cost > system.cost * (1 + allowance) && solved.step.norm() > kStillStep) {
-      damping *= 10;
-      if (damping > 1e4) break;
-      continue;
+    const bool pays = !(next.cost > system.cost * (1 + allowance));
+    if (pays) {
+      alignment.model_to_camera = moved;
+      system = std::move(next);
+      damping = std::max(1e-6, damping / 5);
+    } else {
+      damping = std::max(kRefusedDamping, 10 * damping);
     }
-    alignment.model_to_camera = moved;
-    system = std::move(next);
-    damping = std::max(1e-6, damping / 5);
-    if (solved.step.norm() < kStillStep) break;
+    if (solved.step.norm() < stage.still || damping > 1e4) break;
   }
 }
 

@@ -12,6 +12,9 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 16;
 constexpr double kKeyframeAngle = 0.4;       // radians between stored directions of view
+constexpr int kFirstFused = 8;               // frames: all of them are fused, and later
+constexpr int kFusedEvery = 3;               // each so many, and all in which
+constexpr double kKnownShare = 0.97;         // the model explains less than this: new surface came into view
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
@@ -65,15 +68,15 @@ RigidTracker::RigidTracker(RigidTracker&&) noexcept = default;
 RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
-  const ObjectView view = view_object(frame, label_);
+  ObjectView view = view_object(frame, label_);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
   if (volume_ == nullptr) {
     result.pose.health = Health::kLost;
-    if (view.depth_pixels >= config_.first_pixels) begin(frame, view, result);
+    if (view.depth_pixels >= config_.first_pixels) begin(frame, std::move(view), result);
   } else {
     if (view.depth_pixels >= config_.min_pixels) {
-      follow(frame, view, result);
+      follow(frame, std::move(view), result);
     } else {
       result.pose.health = Health::kHeld;
     }
@@ -88,13 +91,13 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   return result;
 }
 
-void RigidTracker::begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
   const Eigen::Vector3d centre = frame.camera.camera_to_world * view.centroid;
   volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), centre);
   model_to_world_ = SE3(Eigen::Translation3d(centre));
   past_ = std::make_unique<Past>();
   fuse(frame, view);
-  past_->view = view;
+  past_->view = std::move(view);
   past_->quality.explained_share = 1;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
@@ -138,7 +141,7 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   Candidate candidate;
   candidate.alignment = align(points, view, start, prior, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
-  const std::vector<ModelPoint> seen = visible_points(view, pose);
+  const std::vector<ModelPoint> seen = select_points(surface_, view, pose, config_.max_points);
   candidate.quality = judge_pose(seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
@@ -162,6 +165,7 @@ bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
 // Without the support of the last frame the view itself must be convincing.
 bool RigidTracker::is_found_again(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
+         quality.outside_share() <= past_->quality.outside_share() + kOtherSilhouette &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
@@ -200,7 +204,7 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
   return result;
 }
 
-void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result) {
+void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
   result.visible = true;
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
@@ -222,13 +226,13 @@ void RigidTracker::follow(const ingest::Frame& frame, const ObjectView& view, Ri
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   result.quality = best.quality;
   if (believed()) {
-    accept(frame, view, best, result);
+    accept(frame, std::move(view), best, result);
   } else {
     result.pose.health = Health::kLost;
   }
 }
 
-void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best,
+void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Candidate& best,
                           RigidTrackingResult& result) {
   const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
   result.pose.health = Health::kTracked;
@@ -247,12 +251,15 @@ void RigidTracker::accept(const ingest::Frame& frame, const ObjectView& view, co
     past_->earlier_model_to_world.reset();
   }
   model_to_world_ = renormalized(frame.camera.camera_to_world * best.alignment.model_to_camera);
-  past_->view = view;
+  past_->view = std::move(view);
   past_->quality = best.quality;
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
-  fuse(frame, view);
+  ++unfused_;
+  if (fused_ < kFirstFused || unfused_ >= kFusedEvery || best.quality.explained_share < kKnownShare) {
+    fuse(frame, past_->view);
+  }
   const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
   const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
     return Eigen::AngleAxisd(known.transpose() * rotation).angle() > kKeyframeAngle;
@@ -267,6 +274,8 @@ void RigidTracker::fuse(const ingest::Frame& frame, const ObjectView& view) {
   const SE3 canonical_to_camera = model_to_camera * Eigen::Translation3d(-volume_->origin());
   volume_->integrate(planes, view.texture, view.intrinsics, canonical_to_camera.inverse());
   surface_ = volume_->surface_points();
+  ++fused_;
+  unfused_ = 0;
 }
 
 } // namespace kinora::tracking

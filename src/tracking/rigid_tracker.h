@@ -38,8 +38,9 @@ struct RigidTrackingResult {
 };
 
 /// Health: kTracked: the view supports the pose; kHeld: too little of the object is seen, the last pose stays;
-/// kLost: it is seen but found nowhere, or unseen for long, or not yet seen at all. Only tracked frames are fused.
-/// Not thread-safe. Same frames, same bits, for any number of threads.
+/// kLost: it is seen but found nowhere, or unseen for long, or not yet seen at all. Only tracked frames are fused: all
+/// while the object is new or shows new surface, else every third. Not thread-safe. Same frames, same bits, for any
+/// number of threads.
 class RigidTracker {
 public:
   explicit RigidTracker(int label, const RigidTrackerConfig& config = {});
@@ -62,9 +63,9 @@ private:
   struct Past; ///< what is kept of the last tracked frame
   enum class Where { kNear, kAsBefore, kTurned };
 
-  void begin(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
-  void follow(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
-  void accept(const ingest::Frame& frame, const ObjectView& view, const Candidate& best, RigidTrackingResult& result);
+  void begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
+  void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
+  void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
@@ -82,6 +83,8 @@ private:
   std::unique_ptr<Past> past_;
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
   int unseen_ = 0;
+  int fused_ = 0;   ///< frames
+  int unfused_ = 0; ///< tracked frames since the last that was fused
   std::vector<Motion::Pose> poses_;
 };
 

@@ -29,9 +29,15 @@ private:
     offsets_.pixel(u, v)[1] = static_cast<std::int16_t>(dv);
   }
 
+  bool is_allowed(int u, int v) const {
+    const std::int16_t* own = offsets_.pixel(u, v);
+    return own[0] == 0 && own[1] == 0;
+  }
+
   // From the row before (`before`: −1 or 1), then along the row both ways.
   void sweep_row(int v, int before) {
     for (int u = 0; u < offsets_.width(); ++u) {
+      if (is_allowed(u, v)) continue;
       for (int du = -1; du <= 1; ++du) take(u, v, du, before);
     }
     for (int u = 1; u < offsets_.width(); ++u) take(u, v, -1, 0);

@@ -12,8 +12,7 @@ namespace kinora::tracking {
 namespace {
 
 constexpr int kSide = TsdfVolume::kBrickSide;
-constexpr std::size_t kBricksPerChunk =
-    256;                          // an object is one chunk: it is done before another thread would have woken
+constexpr std::size_t kBricksPerChunk = 64;
 constexpr float kNearest = 0.05F; // metres; nothing nearer to the camera is fused
 
 std::size_t hash_of(const std::array<int, 3>& c) {

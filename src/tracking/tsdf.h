@@ -97,6 +97,7 @@ private:
   struct View;
   struct BentView;
   struct Neighbourhood;
+  struct Block;
 
   std::int32_t find(const std::array<int, 3>& coordinate) const;
   std::int32_t find_or_insert(const std::array<int, 3>& coordinate);

@@ -1,15 +1,13 @@
-// Reading a TsdfVolume: interpolation and the zero level.
+// Reading a TsdfVolume: interpolation.
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
 #include "tracking/tsdf.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr int kSide = TsdfVolume::kBrickSide;
-constexpr std::size_t kBricksPerChunk = 256;
 
 using Index3 = std::array<int, 3>;
 
@@ -122,49 +120,6 @@ std::optional<TsdfSample> TsdfVolume::sample(const Eigen::Vector3d& point) const
   const Eigen::Vector3d grid = to_grid(point);
   if (!is_addressable(grid)) return std::nullopt;
   return Neighbourhood(*this, base_voxel(grid)).sample(grid);
-}
-
-void TsdfVolume::append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const {
-  const float limit = 0.95F * static_cast<float>(config_.truncation);
-  const Index3 first = {brick.coordinate[0] * kSide, brick.coordinate[1] * kSide, brick.coordinate[2] * kSide};
-  Neighbourhood around(*this, first);
-  std::size_t i = 0;
-  for (int z = 0; z < kSide; ++z) {
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x, ++i) {
-        const float here = brick.distance[i];
-        if (brick.weight[i] <= min_weight || std::abs(here) > limit) continue;
-        const Index3 voxel = {first[0] + x, first[1] + y, first[2] + z};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          Index3 next = voxel;
-          ++next[axis];
-          std::size_t inside = 0;
-          const Brick* other = around.brick_of(next, inside);
-          if (other == nullptr || other->weight[inside] <= min_weight) continue;
-          const float there = other->distance[inside];
-          if ((here < 0) == (there < 0) || std::abs(there) > limit) continue;
-          const float fraction = here / (here - there);
-          Eigen::Vector3d grid(voxel[0], voxel[1], voxel[2]);
-          grid[static_cast<Eigen::Index>(axis)] += fraction;
-          const std::optional<TsdfSample> surface = around.sample(grid);
-          if (!surface) continue;
-          points.push_back({(grid * config_.voxel_size).cast<float>(), surface->normal.cast<float>(),
-                            brick.intensity[i] + fraction * (other->intensity[inside] - brick.intensity[i]),
-                            std::min(brick.weight[i], other->weight[inside])});
-        }
-      }
-    }
-  }
-}
-
-std::vector<SurfacePoint> TsdfVolume::surface_points(float min_weight) const {
-  std::vector<std::vector<SurfacePoint>> parts(chunk_count(bricks_.size(), kBricksPerChunk));
-  parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) append_surface(*bricks_[i], min_weight, parts[chunk.index]);
-  });
-  std::vector<SurfacePoint> points;
-  for (const std::vector<SurfacePoint>& part : parts) points.insert(points.end(), part.begin(), part.end());
-  return points;
 }
 
 } // namespace kinora::tracking
