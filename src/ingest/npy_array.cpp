@@ -78,7 +78,7 @@ private:
     expect('\'');
     const std::size_t end = text_.find('\'');
     if (end == std::string_view::npos) fail();
-    const std::string word(text_.substr(0, end));
+    std::string word(text_.substr(0, end));
     text_.remove_prefix(end + 1);
     return word;
   }
