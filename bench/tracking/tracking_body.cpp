@@ -1,7 +1,8 @@
 // Follows the person of a capture by its skeleton, and compares its joints with the ground truth beside it
 // (gt/joints.csv): milliseconds per frame without those for the view, and millimetres. A rig's joints are not where
 // another's are: so there are errors as they are, and errors without each joint's constant offset in the space of its
-// parent's bone. Usage: bench_tracking_body CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by frame.
+// parent's bone. Usage: bench_tracking_body CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by
+// frame; with KINORA_BENCH_BODY=FILE.npz the measures are those of a mesh at first.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -15,6 +16,7 @@
 #include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
+#include "tracking/body/body_sizes.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/true_joints.h"
 #include "tracking/layer_view.h"
@@ -104,7 +106,11 @@ void run(const std::string& folder, int label) {
   const host::PluginTable plugins = host::PluginTable::builtin();
   const auto capture = ingest::Capture::open(plugins, folder, {}, silent);
   const tracking::testing::TrueJoints truth = tracking::testing::read_true_joints(folder);
-  BodyTracker tracker;
+  tracking::BodyTrackerConfig config;
+  if (const char* body = std::getenv("KINORA_BENCH_BODY")) {
+    config.known = tracking::measure_body(ingest::read_body_mesh(body));
+  }
+  BodyTracker tracker(config);
   std::vector<double> milliseconds;
   std::vector<double> processor;
   Differences differences;

@@ -13,11 +13,13 @@
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/pipeline.h"
+#include "ingest/body_mesh.h"
 #include "ingest/mask_completion.h"
 #include "ingest/network_segmenter.h"
 #include "ingest/registration_json.h"
 #include "ingest/registration_search.h"
 #include "player/evaluate.h"
+#include "tracking/body/body_sizes.h"
 
 namespace kinora::cli {
 namespace {
@@ -35,6 +37,7 @@ struct Options {
   std::string format;
   bool no_masks = false;
   std::filesystem::path segmenter;
+  std::filesystem::path body;
   int holdout = 0;
   std::uint64_t seed = 1;
   std::filesystem::path report;
@@ -167,6 +170,11 @@ void run(const Options& options, Context& context) {
   encode::EncodeOptions how = encode_options(options);
   require_input(options.capture);
   if (!options.segmenter.empty()) require_input(options.segmenter);
+  if (!options.body.empty()) {
+    require_input(options.body);
+    how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
+    how.body_from = options.body.filename().string();
+  }
   OutputFile out(options.clip, context.shared.overwrite, {options.capture});
   std::optional<OutputFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
@@ -232,6 +240,10 @@ void add_encode(CLI::App& app, Context& context) {
       .add_option("--segmenter", options->segmenter,
                   "Label the frames with this network (background, person, object, ...) instead of masks")
       ->type_name("ONNX");
+  command
+      .add_option("--body", options->body,
+                  "Take the person's measures from this mesh, an .npz file with SMPL's arrays, at first")
+      ->type_name("NPZ");
   command.add_option("--holdout", options->holdout, "Keep frames N-1, 2N-1, ... out of the training, to judge by them")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("N");

@@ -62,6 +62,7 @@ nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
           {"labels_from", labels_from},
+          {"body_from", body_from},
           {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
           {"seed", seed},
           {"max_stored_pixels", max_stored_pixels},

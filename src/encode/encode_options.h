@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "ingest/capture.h"
+#include "tracking/body/body_prior.h"
 
 namespace kinora::encode {
 
@@ -18,8 +20,10 @@ std::string name_of(Preset preset);
 
 struct EncodeOptions {
   Preset preset = Preset::kBalanced;
-  int holdout = 0;           ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
-  std::string labels_from;   ///< in words, for the record: who labelled the frames
+  int holdout = 0;         ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
+  std::string labels_from; ///< in words, for the record: who labelled the frames
+  std::string body_from;   ///< likewise: whose measures `body` holds
+  std::optional<tracking::BodyPrior> body; ///< what is known of the measures of everybody in the capture
   ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   std::uint64_t seed = 1;
   std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each

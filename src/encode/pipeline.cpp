@@ -285,9 +285,11 @@ Json streams_json(const ingest::StreamEstimates& estimates) {
 
 EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
+  tracking::DeformingTrackerConfig deforming;
+  if (options.body) deforming.body.tracker.known = *options.body;
   Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
             CaptureCamera(info.has_poses),
-            SceneTracker(info, progress),
+            SceneTracker(info, deforming, progress),
             {},
             {},
             0,

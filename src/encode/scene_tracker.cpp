@@ -39,8 +39,9 @@ struct SceneTracker::Sight {
   double squares = 0;                            ///< sum of their squared lengths
 };
 
-SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, Progress& progress)
-    : capture_(capture), progress_(progress) {}
+SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
+                           Progress& progress)
+    : capture_(capture), deforming_(deforming), progress_(progress) {}
 
 std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& frame) const {
   std::array<Sight, 256> sights;
@@ -78,7 +79,7 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   tracked.centre = frame.camera.camera_to_world * mean;
   tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
   if (tracked.plan.motion == tracking::MotionKind::kDeforming) {
-    tracked.bending = std::make_unique<tracking::DeformingTracker>(label);
+    tracked.bending = std::make_unique<tracking::DeformingTracker>(label, deforming_);
   } else if (tracked.plan.motion == tracking::MotionKind::kRigid) {
     tracked.tracker = std::make_unique<tracking::RigidTracker>(label);
     tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});

@@ -34,7 +34,8 @@ struct TrackedLabel {
 /// Not thread-safe.
 class SceneTracker {
 public:
-  SceneTracker(const ingest::CaptureInfo& capture, Progress& progress);
+  SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
+               Progress& progress);
 
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
@@ -61,6 +62,7 @@ private:
   void begin_label(int label, const Sight& sight, const ingest::Frame& frame);
 
   const ingest::CaptureInfo& capture_;
+  tracking::DeformingTrackerConfig deforming_;
   Progress& progress_;
   int frames_ = 0;
   std::vector<SE3> corrections_; ///< of each frame; empty: none

@@ -54,6 +54,14 @@ TEST_F(Encode, LeavesAClipAReportAndNothingElse) {
   EXPECT_TRUE(quality.at("ground_truth").at("object_pose").is_object());
 }
 
+TEST_F(Encode, RefusesABodyThatIsNoneBeforeAnyWork) {
+  std::ofstream(path("body.npz")) << "not an archive";
+  const Said said = encode({path("c.mkv"), "--body", path("body.npz")});
+  EXPECT_EQ(said.code, 4);
+  EXPECT_NE(said.err.find("body.npz: it is no .npz file"), std::string::npos) << said.err;
+  EXPECT_FALSE(fs::exists(path("c.mkv")));
+}
+
 TEST_F(Encode, LabelsComeFromWhomeverTheUserAsks) {
   // Red pixels are a person.
   std::ofstream(path("net.onnx"), std::ios::binary) << onnx::convolution(1, {1, -1, 0}, {0});

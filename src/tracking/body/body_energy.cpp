@@ -179,7 +179,7 @@ BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, con
   const Accumulator sum = add_view(evidence, body, config);
   equations.energy = sum.energy;
   spread(sum, state, body.body().bones, equations);
-  add_prior(state, prior, equations);
+  add_prior(state, prior, config.poses, equations);
   return equations;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tracking/body/body_model.h"
+#include "tracking/body/pose_prior.h"
 #include "tracking/object_view.h"
 
 namespace kinora::tracking {
@@ -17,6 +18,7 @@ struct BodyEnergyConfig {
   double cutoff = 0.06;        ///< metres: what lies farther away counts little (scale of the Geman–McClure loss)
   double patch = 0.04;         ///< metres: errors nearer to each other are not independent
   double normal_length = 0.05; ///< metres that a right angle between both normals is worth
+  PosePriorConfig poses;
 };
 
 /// A measured point of the person, in the camera.

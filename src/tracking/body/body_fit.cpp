@@ -17,7 +17,7 @@ using Vec = Eigen::Vector3d;
 constexpr std::size_t kCoarsePoints = 400;
 constexpr std::size_t kFinePoints = 1500;
 constexpr int kSides = 8;
-constexpr std::size_t kKept = 3;        // hypotheses whose limbs are searched for
+constexpr std::size_t kKept = 4;        // hypotheses whose limbs are searched for
 constexpr double kDepthToMiddle = 0.08; // metres from the surface that is seen
 
 // Which way the person stands: the long axis of what is seen, if there is one and it is not far from the camera's.
@@ -81,6 +81,23 @@ BodyEnergyConfig wider(BodyEnergyConfig config) {
   return config;
 }
 
+// The best, but few of each side that is shown to the camera: somebody's back may look like a front until limbs are
+// searched for, and most starts may lead to one of the two.
+std::vector<BodyFit> best_of_each_side(std::vector<BodyFit> fits) {
+  constexpr double kSameSide = std::numbers::pi / 3;
+  constexpr int kOfEachSide = 2;
+  std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+  std::vector<BodyFit> best;
+  for (const BodyFit& fit : fits) {
+    const auto shows_same = [&fit](const BodyFit& other) {
+      const Eigen::Quaterniond turn(other.state.pose.root.linear());
+      return turn.angularDistance(Eigen::Quaterniond(fit.state.pose.root.linear())) < kSameSide;
+    };
+    if (best.size() < kKept && std::count_if(best.begin(), best.end(), shows_same) < kOfEachSide) best.push_back(fit);
+  }
+  return best;
+}
+
 } // namespace
 
 BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config) {
@@ -98,8 +115,7 @@ BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnerg
       fits.push_back({state, energy});
     }
   }
-  std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
-  fits.resize(kKept);
+  fits = best_of_each_side(std::move(fits));
   const BodyEvidence fine = gather_evidence(view, kFinePoints, config);
   for (BodyFit& fit : fits) {
     for (const Limb limb : kEveryLimb) search_limb(limb, coarse, prior, config, 0, 0, fit.state);

@@ -1,6 +1,9 @@
 #include "tracking/body/body_prior.h"
 
+#include <algorithm>
+
 #include "tracking/body/limbs.h"
+#include "tracking/body/pose_prior.h"
 
 namespace kinora::tracking {
 namespace {
@@ -29,10 +32,37 @@ template <class F> void for_each_angle(const F& visit) {
   }
 }
 
-void add_angles(const Angles& angles, BodyEquations& equations) {
-  equations.energy += angle_energy(angles);
+// The pose prior knows more of ball joints and hinges of limbs than their usual angles.
+bool is_in_pose_prior(int index) {
+  static const std::array<bool, kAngles> known = [] {
+    std::array<bool, kAngles> result{};
+    for (const Limb limb : kEveryLimb) {
+      std::fill_n(result.begin() + joints()[chain_of(limb).ball].first_angle, 3, true);
+      result.at(static_cast<std::size_t>(joints()[chain_of(limb).hinge].first_angle)) = true;
+    }
+    return result;
+  }();
+  return known.at(static_cast<std::size_t>(index));
+}
+
+void add_limb(Limb limb, const Angles& angles, const PosePriorConfig& poses, BodyEquations& equations) {
+  const PosePrior prior = pose_prior(limb, limb_angles(limb, angles), poses);
+  const Eigen::Index ball = 6 + joints()[chain_of(limb).ball].first_angle;
+  const Eigen::Index hinge = 6 + joints()[chain_of(limb).hinge].first_angle;
+  const std::array<Eigen::Index, kLimbAngles> rows = {ball, ball + 1, ball + 2, hinge};
+  for (std::size_t i = 0; i < kLimbAngles; ++i) {
+    equations.gradient[rows[i]] += prior.gradient[static_cast<Eigen::Index>(i)];
+    for (std::size_t j = 0; j < kLimbAngles; ++j) {
+      equations.hessian(rows[i], rows[j]) += prior.hessian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+}
+
+void add_angles(const Angles& angles, const PosePriorConfig& poses, BodyEquations& equations) {
+  equations.energy += angle_energy(angles, poses);
+  for (const Limb limb : kEveryLimb) add_limb(limb, angles, poses, equations);
   for_each_angle([&](int index, const JointInfo& joint, int i) {
-    const double usual = 1 / (joint.spread[i] * joint.spread[i]);
+    const double usual = is_in_pose_prior(index) ? 0.0 : 1 / (joint.spread[i] * joint.spread[i]);
     const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]);
     constexpr double kLimit = 1 / (kLimitSpread * kLimitSpread);
     equations.gradient[6 + index] += usual * (angles[index] - joint.usual[i]) + kLimit * beyond;
@@ -64,18 +94,19 @@ void find_collisions(const BodyInCamera& body, std::size_t part, double along, s
 
 } // namespace
 
-double angle_energy(const Angles& angles) {
+double angle_energy(const Angles& angles, const PosePriorConfig& poses) {
   double energy = 0;
+  for (const Limb limb : kEveryLimb) energy += pose_prior(limb, limb_angles(limb, angles), poses).energy;
   for_each_angle([&](int index, const JointInfo& joint, int i) {
-    const double unusual = (angles[index] - joint.usual[i]) / joint.spread[i];
+    const double unusual = is_in_pose_prior(index) ? 0.0 : (angles[index] - joint.usual[i]) / joint.spread[i];
     const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]) / kLimitSpread;
     energy += unusual * unusual + beyond * beyond;
   });
   return energy;
 }
 
-void add_prior(const BodyState& state, const BodyPrior& prior, BodyEquations& equations) {
-  add_angles(state.pose.angles, equations);
+void add_prior(const BodyState& state, const BodyPrior& prior, const PosePriorConfig& poses, BodyEquations& equations) {
+  add_angles(state.pose.angles, poses, equations);
   const PoseStep step = step_between(prior.state.pose, state.pose);
   const PoseStep slope = prior.pose_precision.cwiseProduct(step);
   equations.energy += slope.dot(step);

@@ -21,10 +21,10 @@ struct BodyPrior {
   Eigen::Matrix<double, kMeasures, kMeasures> shape_precision = Eigen::Matrix<double, kMeasures, kMeasures>::Zero();
 };
 
-void add_prior(const BodyState& state, const BodyPrior& prior, BodyEquations& equations);
+void add_prior(const BodyState& state, const BodyPrior& prior, const PosePriorConfig& poses, BodyEquations& equations);
 
 /// Energy of the pose's angles alone: limits and everyday poses.
-double angle_energy(const Angles& angles);
+double angle_energy(const Angles& angles, const PosePriorConfig& poses);
 
 /// What an arm that nobody sees would rather not do: enter trunk or thighs, or put the wrist behind the back.
 struct Reluctance {

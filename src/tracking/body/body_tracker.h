@@ -20,6 +20,7 @@ struct BodyTrackerConfig {
   int shape_frames = 20;          ///< that the measures are learned from
   double min_explained = 0.5;     ///< share of the measured surface that the body lies on; below, it is lost
   int lost_frames = 3;            ///< in a row, after which size and pose are fitted anew
+  BodyPrior known;                ///< of the measures, before anything is seen; its pose is not used
 };
 
 /// One frame's answer.
@@ -34,7 +35,7 @@ struct BodyTrackingResult {
 /// Not thread-safe. Same views, same bits, for any number of threads.
 class BodyTracker {
 public:
-  explicit BodyTracker(const BodyTrackerConfig& config = {}) : config_(config) {}
+  explicit BodyTracker(const BodyTrackerConfig& config = {}) : config_(config), known_(config.known) {}
 
   /// Views of the person's layer in order of time (seconds).
   BodyTrackingResult track(const ObjectView& view, const SE3& camera_to_world, double time);

@@ -84,7 +84,7 @@ std::vector<Candidate> thinned(const std::vector<Candidate>& points) {
 double limb_energy(const LimbChain& chain, const std::vector<Candidate>& points, const BodyState& state,
                    const ObjectView& view, const BodyEnergyConfig& config) {
   const BodyInCamera body(state);
-  double energy = angle_energy(state.pose.angles) + energy_of(find_reluctances(body));
+  double energy = angle_energy(state.pose.angles, config.poses) + energy_of(find_reluctances(body));
   for (const Candidate& c : points) {
     BodyInCamera::Match match(c.cost);
     for (const std::size_t part : chain.parts) body.match(part, c.point, config.normal_length, match);
@@ -125,14 +125,14 @@ std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points,
   const PosedBody body = pose_body(state.pose, state.shape);
   const LimbLengths lengths = lengths_of(chain, body);
   const Vec root = body.bones[chain.ball].translation();
-  const double most = angle_energy(state.pose.angles) + kTooFar;
+  const double most = angle_energy(state.pose.angles, config.poses) + kTooFar;
   std::vector<Trial> result;
   const auto add = [&](const Vec& target, double beyond, int swivels) {
     for (int i = 0; i < swivels; ++i) {
       Trial trial{0, state};
       const double swivel = 2 * std::numbers::pi * (i + 0.5) / swivels;
       trial.state.pose.angles = reach_for(limb, state.pose.angles, body, target, swivel, beyond);
-      if (angle_energy(trial.state.pose.angles) < most) result.push_back(trial);
+      if (angle_energy(trial.state.pose.angles, config.poses) < most) result.push_back(trial);
     }
   };
   for (const Vec& target : spread_targets(points, root, config.cutoff * config.cutoff)) {

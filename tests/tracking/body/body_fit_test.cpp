@@ -40,6 +40,17 @@ TEST(BodyFit, FindsArmsInOtherPosesThanUsual) {
   }
 }
 
+// Whose arms are stretched to the sides looks alike from both sides until the limbs are searched for.
+TEST(BodyFit, TellsAFrontFromABackWithArmsStretched) {
+  for (const int degrees : {0, 180}) {
+    BodyState truth = testing::standing(degrees, 1.75);
+    truth.pose.angles.setZero();
+    truth.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Eigen::Vector3d(-0.52, 0.04, -0.14);
+    truth.pose.angles.segment<3>(joints()[kRightShoulder].first_angle) = Eigen::Vector3d(-0.52, -0.04, 0.14);
+    EXPECT_LT(testing::mean_joint_distance(fitted(truth), truth), 0.03) << degrees;
+  }
+}
+
 TEST(BodyFit, FindsSomebodyWhoseLegsAreOutOfThePicture) {
   BodyState truth = testing::standing(-15);
   truth.pose.root.translation() += Eigen::Vector3d(0, 0.45, -1.0);
