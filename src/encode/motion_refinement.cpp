@@ -270,8 +270,8 @@ private:
                                        {kRigidity * spacing_, kPriorSigma, kHuber});
     problem.terms() = std::move(terms);
     problem.set_prior(states);
-    const double before = problem.energy(states);
-    const tracking::BlockSystem system = problem.linearise(states);
+    double before = 0;
+    const tracking::BlockSystem system = problem.linearise(states, before);
     for (double damping = 1e-3; damping < 1e3; damping *= 30) {
       const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
       const auto solved = tracking::solve_pcg(problem.pattern(), system, added, kIterations, kTolerance);

@@ -2,6 +2,8 @@
 """Fits the table of body/pose_prior.cpp: how people hold an arm and a leg.
 
 usage: fit_pose_prior.py MOCAP_CMU > table     (any Python 3, nothing else; seconds)
+       fit_pose_prior.py MOCAP_CMU --poses MOTION STEP > poses
+                                               (for bench_tracking_poses: each STEPth frame of 02_01, cmu_05_01, …)
 
 Source: the CMU Graphics Lab Motion Capture Database (mocap.cs.cmu.edu), free for all uses; the motions themselves are
 not part of Kinora. Read are asfamc/02.asf with its motions, and the BVH versions of 05_01, 49_04 and 102_01.
@@ -79,7 +81,7 @@ def rotation_vector(r):
 
 
 # A motion: for each frame, for each bone, the rotation from where it is at rest; and the bones' directions at rest.
-def read_amc(skeleton, motion):
+def read_amc(skeleton, motion, step=None):
     bones, children = {}, {}
     for block in skeleton.split(":bonedata")[1].split(":hierarchy")[0].split("begin")[1:]:
         words = {line.split()[0]: line.split()[1:] for line in block.splitlines() if line.split()}
@@ -120,12 +122,12 @@ def read_amc(skeleton, motion):
     for side in "lr":
         names.update({side + ours: side + theirs for ours, theirs in
                       (("shoulder", "humerus"), ("elbow", "radius"), ("hip", "femur"), ("knee", "tibia"))})
-    step = max(1, len(frames) // SAMPLES)
+    step = step or max(1, len(frames) // SAMPLES)
     directions = {ours: bones[name][0] for ours, name in names.items() if name in bones}
     return [{ours: p[name] for ours, name in names.items()} for p in map(place, frames[::step])], directions
 
 
-def read_bvh(text):
+def read_bvh(text, step=None):
     order, parents, offsets, channels, stack = [], {}, {}, {}, []
     hierarchy, motion = text.split("MOTION")
     for line in hierarchy.splitlines():
@@ -163,7 +165,7 @@ def read_bvh(text):
             names[side + ours] = side + theirs
             directions[side + ours] = unit(offsets[side + end])
     lines = [list(map(float, line.split())) for line in motion.splitlines()[3:] if line.split()]
-    step = max(1, len(lines) // SAMPLES)
+    step = step or max(1, len(lines) // SAMPLES)
     return [{ours: p[name] for ours, name in names.items()} for p in map(place, lines[::step])], directions
 
 
@@ -263,8 +265,26 @@ def fit_mixture(samples, count, rounds=60):
     return sorted(mixture, reverse=True)
 
 
+def print_poses(folder, motion, step):
+    if (folder / (motion + ".bvh.gz")).exists():
+        frames, directions = read_bvh(gzip.open(folder / (motion + ".bvh.gz"), "rt").read(), step)
+    else:
+        text = gzip.open(folder / "asfamc" / (motion + ".amc.gz"), "rt").read()
+        frames, directions = read_amc((folder / "asfamc" / "02.asf").read_text(), text, step)
+    limbs = []
+    for bones in (("shoulder", "elbow", "chest"), ("hip", "knee", "pelvis")):
+        limbs.append(limb_poses(frames, directions, "l", *bones))
+        # The right side's angles are the left one's in a mirror.
+        limbs.append([(a, -b, -c, bend) for a, b, c, bend in limb_poses(frames, directions, "r", *bones)])
+    for frame in zip(*limbs):
+        print(*(f"{angle:.5f}" for pose in frame for angle in pose))
+
+
 def main():
     folder = pathlib.Path(sys.argv[1])
+    if sys.argv[2:3] == ["--poses"]:
+        print_poses(folder, sys.argv[3], int(sys.argv[4]))
+        return
     for name, bones in (("Arms", ("shoulder", "elbow", "chest")), ("Legs", ("hip", "knee", "pelvis"))):
         samples = collect(folder, *bones)
         print(f"// {name}: {len(samples)} poses; 1 % and 99 % of each angle:", ", ".join(
