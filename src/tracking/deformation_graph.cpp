@@ -9,6 +9,8 @@
 namespace kinora::tracking {
 namespace {
 
+constexpr int kRings = 2; // of cells about a query's own that are within reach
+
 bool nearer(const NearestPoints::Neighbour& a, const NearestPoints::Neighbour& b) {
   return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
 }
@@ -26,7 +28,7 @@ NearestPoints::NearestPoints(std::span<const Eigen::Vector3d> points, double rea
     high = high.cwiseMax(point);
   }
   low_ = low;
-  const double size = std::max(reach_, (high - low).maxCoeff() / kMostCells);
+  const double size = std::max(reach_ / kRings, (high - low).maxCoeff() / kMostCells);
   cells_per_metre_ = 1 / size;
   for (int a = 0; a < 3; ++a) cells_[static_cast<std::size_t>(a)] = static_cast<int>((high[a] - low[a]) / size) + 1;
   const auto cell_of = [this](const Eigen::Vector3d& point) {
@@ -51,28 +53,42 @@ std::size_t NearestPoints::row_of(int y, int z) const {
 std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbour> found) const {
   std::size_t count = 0;
   if (points_.empty() || found.empty() || !query.allFinite()) return 0;
-  // Cells are at least as wide as the reach: only those about the query's own matter.
-  std::array<int, 3> first{};
-  std::array<int, 3> last{};
+  std::array<int, 3> own{};
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
     const double c = std::floor((query[a] - low_[a]) * cells_per_metre_);
-    if (c < -1 || c > cells_[i]) return 0;
-    first[i] = std::max(static_cast<int>(c) - 1, 0);
-    last[i] = std::min(static_cast<int>(c) + 1, cells_[i] - 1);
+    if (c < -kRings || c >= cells_[i] + kRings) return 0;
+    own[i] = static_cast<int>(c);
   }
-  const double reach_squared = reach_ * reach_;
-  for (int z = first[2]; z <= last[2]; ++z) {
-    for (int y = first[1]; y <= last[1]; ++y) {
-      const std::size_t row = row_of(y, z);
-      const std::uint32_t end = begin_[row + static_cast<std::size_t>(last[0]) + 1];
-      for (std::uint32_t k = begin_[row + static_cast<std::size_t>(first[0])]; k < end; ++k) {
-        const Neighbour candidate{sorted_[k].index, (sorted_[k].point - query).squaredNorm()};
-        if (candidate.squared_distance > reach_squared) continue;
-        if (count == found.size() && !nearer(candidate, found[count - 1])) continue;
-        std::size_t at = count < found.size() ? count++ : count - 1;
-        for (; at > 0 && nearer(candidate, found[at - 1]); --at) found[at] = found[at - 1];
-        found[at] = candidate;
+  const int first_x = std::max(own[0] - kRings, 0);
+  const int last_x = std::min(own[0] + kRings, cells_[0] - 1);
+  // How far away a cell begins along an axis; a little less, for rounding.
+  const auto gap = [&](int axis, int cell) {
+    const double side = cell < own[static_cast<std::size_t>(axis)] ? cell + 1 : cell;
+    const double along = std::abs(low_[axis] + side / cells_per_metre_ - query[axis]);
+    return cell == own[static_cast<std::size_t>(axis)] ? 0.0 : (1 - 1e-9) * along;
+  };
+  double farthest = reach_ * reach_; // that is of use yet, squared
+  // Rows of cells from the inside out: most of those farther out are not looked at.
+  for (int ring = 0; ring <= kRings; ++ring) {
+    for (int z = std::max(own[2] - ring, 0); z <= std::min(own[2] + ring, cells_[2] - 1); ++z) {
+      const int step = std::abs(z - own[2]) == ring ? 1 : 2 * ring;
+      for (int y = own[1] - ring; y <= own[1] + ring; y += step) {
+        if (y < 0 || y >= cells_[1]) continue;
+        const double gap_y = gap(1, y);
+        const double gap_z = gap(2, z);
+        if (gap_y * gap_y + gap_z * gap_z > farthest) continue;
+        const std::size_t row = row_of(y, z);
+        const std::uint32_t end = begin_[row + static_cast<std::size_t>(last_x) + 1];
+        for (std::uint32_t k = begin_[row + static_cast<std::size_t>(first_x)]; k < end; ++k) {
+          const Neighbour candidate{sorted_[k].index, (sorted_[k].point - query).squaredNorm()};
+          if (candidate.squared_distance > farthest) continue;
+          if (count == found.size() && !nearer(candidate, found[count - 1])) continue;
+          std::size_t at = count < found.size() ? count++ : count - 1;
+          for (; at > 0 && nearer(candidate, found[at - 1]); --at) found[at] = found[at - 1];
+          found[at] = candidate;
+          if (count == found.size()) farthest = found[count - 1].squared_distance;
+        }
       }
     }
   }
