@@ -8,9 +8,9 @@
 namespace kinora::tracking {
 
 struct PosePriorConfig {
-  double weight = 0.25; ///< of the energy: what is held in one frame is held in the next, and must not count anew
-  double trust = 0.5;   ///< probability that a limb is held as in the motions that the table was fitted to; else it is
-                        ///< held in any way about its joints' usual angles (skeleton.h): no pose costs much more
+  double weight = 1;  ///< of the energy; less lets hidden limbs go where they were led, and a cloth pass for a person
+  double trust = 0.5; ///< probability that a limb is held as in the motions that the table was fitted to; else it is
+                      ///< held in any way about its joints' usual angles (skeleton.h): no pose costs much more
 };
 
 /// A limb's ball joint and hinge, as in the pose's angles.
