@@ -150,6 +150,8 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
   config.alignment.rigid_iterations = whole("rigid");
   config.alignment.pcg_iterations = whole("pcg");
+  config.alignment.rigidity = knobs.at("rigidity");
+  config.alignment.prior_sigma = knobs.at("prior");
   return config;
 }
 
@@ -219,6 +221,8 @@ int main(int argc, char** argv) {
                      {"fine", {static_cast<double>(alignment.iterations[2])}},
                      {"rigid", {static_cast<double>(alignment.rigid_iterations)}},
                      {"pcg", {static_cast<double>(alignment.pcg_iterations)}},
+                     {"rigidity", {alignment.rigidity}},
+                     {"prior", {alignment.prior_sigma}},
                      {"body", {1}},
                      {"settle", {1}},
                      {"frames", {0}}};

@@ -1,6 +1,8 @@
 // Where the picture moves between two frames.
 #pragma once
 
+#include <algorithm>
+
 #include "core/image.h"
 
 namespace kinora::ingest {

@@ -92,6 +92,7 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
   surface_ = volume_->surface_points();
   if (nodes_.size() > old) connect_graph(thin_surface(surface_, kSampleShare * spacing_, 0));
   grow_graph(kSeenOften * unit_weight_);
+  renew_surface();
 }
 
 void DeformingTracker::connect_graph(std::span<const SurfaceSample> samples) {
@@ -136,7 +137,6 @@ void DeformingTracker::grow_graph(float min_weight) {
     births_.resize(nodes_.size(), records_.size() - 1);
     connect_graph(samples);
   }
-  renew_surface();
 }
 
 void DeformingTracker::renew_surface() {

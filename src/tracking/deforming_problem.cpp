@@ -104,7 +104,7 @@ DeformingProblem::PointResiduals DeformingProblem::residuals_at(std::size_t poin
 double DeformingProblem::energy_of(const PointResiduals& residuals) const {
   double sum = huber(residuals.plane, weights_.huber);
   for (const double value : residuals.textures) sum += huber(value, weights_.huber);
-  return sum;
+  return model_.point_weight * sum;
 }
 
 std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& residuals,
@@ -112,13 +112,14 @@ std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& r
   const PointTerms& terms = terms_[point];
   std::size_t count = 0;
   if (terms.plane_scale > 0) {
-    const double root = std::sqrt(huber_weight(residuals.plane, weights_.huber));
+    const double root = std::sqrt(model_.point_weight * huber_weight(residuals.plane, weights_.huber));
     rows[count++] = {root * residuals.plane, root * terms.plane_scale * terms.plane_normal};
   }
   double information = 0;
   double sum = 0;
   for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    const double weighted = huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
+    const double weighted =
+        model_.point_weight * huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
     information += weighted * terms.texture_scale[t];
     sum += weighted * residuals.textures[t];
   }
@@ -233,7 +234,6 @@ void DeformingProblem::add_points(std::size_t node, std::span<const PointJacobia
 void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const {
   const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
   const double information = 1 / (weights_.rigidity_sigma * weights_.rigidity_sigma);
-  using Rows = Eigen::Matrix<double, 3, 6>;
   for (const EdgeUse& use : edge_uses_[node]) {
     const GraphEdge& edge = model_.edges[static_cast<std::size_t>(use.edge)];
     const int own = static_cast<int>(node);
@@ -243,16 +243,27 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
       const int to = outward ? other : own;
       const Eigen::Vector3d residual = edge_residual(from, to, states);
       const double weight = information * huber_weight(residual.norm() / weights_.rigidity_sigma, weights_.huber);
-      Rows by_from;
-      by_from << Eigen::Matrix3d::Identity(), -skew(residual + states.positions[static_cast<std::size_t>(to)] -
-                                                    states.positions[static_cast<std::size_t>(from)]);
-      Rows by_to = Rows::Zero();
-      by_to.leftCols<3>() = -Eigen::Matrix3d::Identity();
-      const Rows& by_own = outward ? by_from : by_to;
-      const Rows& by_other = outward ? by_to : by_from;
-      system.blocks[diagonal].noalias() += weight * by_own.transpose() * by_own;
-      if (other > own) system.blocks[use.block].noalias() += weight * by_own.transpose() * by_other;
-      system.gradient[node].noalias() += weight * by_own.transpose() * residual;
+      const Eigen::Vector3d lever =
+          residual + states.positions[static_cast<std::size_t>(to)] - states.positions[static_cast<std::size_t>(from)];
+      const Eigen::Matrix3d turn = weight * skew(lever);
+      Block& own_block = system.blocks[diagonal];
+      own_block.diagonal().head<3>().array() += weight;
+      system.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
+      if (outward) {
+        own_block.topRightCorner<3, 3>() -= turn;
+        own_block.bottomLeftCorner<3, 3>() += turn;
+        own_block.bottomRightCorner<3, 3>() -= weight * lever * lever.transpose();
+        own_block.diagonal().tail<3>().array() += weight * lever.squaredNorm();
+        system.gradient[node].tail<3>() += weight * lever.cross(residual);
+      }
+      if (other < own) continue;
+      Block& between = system.blocks[use.block];
+      between.diagonal().head<3>().array() -= weight;
+      if (outward) {
+        between.bottomLeftCorner<3, 3>() -= turn;
+      } else {
+        between.topRightCorner<3, 3>() += turn;
+      }
     }
   }
 }

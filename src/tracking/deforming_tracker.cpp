@@ -92,6 +92,7 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   for (const SurfacePoint& point : surface_) weights.push_back(point.weight);
   unit_weight_ = weights.empty() ? 0 : static_cast<float>(median(weights));
   grow_graph(0);
+  renew_surface();
   past_ = std::make_unique<Past>();
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
@@ -155,7 +156,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   DeformingSelection selection = select_facing(surface_, skin_, view, prior, config_.max_points);
   const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
   selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
-  const LayerModel model{nodes_, edges_, selection.points};
+  const LayerModel model{nodes_, edges_, selection.points, selection.weight};
   const std::vector<NodePull> binding = body_.pulls(records_.size() - 1, frame.camera.camera_to_world.inverse());
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);

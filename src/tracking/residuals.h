@@ -104,8 +104,9 @@ inline std::optional<ProjectedPoint> project(const ModelPoint& model, const Obje
   if (!(p.u > -0.49 && p.v > -0.49 && p.u < view.intrinsics.width - 0.51 && p.v < view.intrinsics.height - 0.51)) {
     return std::nullopt;
   }
-  p.pixel_u = static_cast<int>(p.u + 0.5);
-  p.pixel_v = static_cast<int>(p.v + 0.5);
+  constexpr double kHalfPixel = 0.5; // from a pixel's middle to its rim
+  p.pixel_u = static_cast<int>(p.u + kHalfPixel);
+  p.pixel_v = static_cast<int>(p.v + kHalfPixel);
   return p;
 }
 

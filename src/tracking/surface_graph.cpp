@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <numeric>
-#include <queue>
 #include <set>
 #include <utility>
 
@@ -43,39 +44,42 @@ struct SampleLinks {
   }
 };
 
-/// Distances along the surface from one sample to those within reach; the rest stays infinite. Reusable.
+/// Walks along the surface from one sample to others, in order of distance. Reusable.
 class SurfacePaths {
 public:
   explicit SurfacePaths(const SampleLinks& links) : links_(links), distance_(links.links.size(), kInfinity) {}
 
-  const std::vector<double>& from(int start, double reach) {
+  /// Calls `visit(sample, distance)` for each sample within reach, the nearest first, until it returns false.
+  template <class Visit> void walk(int start, double reach, const Visit& visit) {
     for (const int i : reached_) distance_[static_cast<std::size_t>(i)] = kInfinity;
     reached_.clear();
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    queue_.clear();
     distance_[static_cast<std::size_t>(start)] = 0;
     reached_.push_back(start);
-    queue.emplace(0, start);
-    while (!queue.empty()) {
-      const auto [length, at] = queue.top();
-      queue.pop();
+    queue_.emplace_back(0, start);
+    while (!queue_.empty()) {
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+      const auto [length, at] = queue_.back();
+      queue_.pop_back();
       if (length > distance_[static_cast<std::size_t>(at)]) continue;
+      if (!visit(at, length)) return;
       for (const SampleLinks::Link& link : links_.links[static_cast<std::size_t>(at)]) {
         const double next = length + link.length;
         double& known = distance_[static_cast<std::size_t>(link.to)];
         if (next > reach || next >= known) continue;
         if (known == kInfinity) reached_.push_back(link.to);
         known = next;
-        queue.emplace(next, link.to);
+        queue_.emplace_back(next, link.to);
+        std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
       }
     }
-    return distance_;
   }
 
 private:
   const SampleLinks& links_;
   std::vector<double> distance_;
   std::vector<int> reached_;
+  std::vector<std::pair<double, int>> queue_; ///< a heap
 };
 
 std::vector<int> nearest_samples(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
@@ -147,28 +151,32 @@ void tie_pieces(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, 
 } // namespace
 
 std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight) {
-  using Key = std::array<int, 3>;
-  std::vector<std::pair<Key, std::size_t>> order;
+  struct Entry {
+    std::uint64_t cell;
+    std::uint32_t point;
+  };
+  constexpr int kBits = 21; // of a cell's number along an axis
+  constexpr double kFarthest = (1 << (kBits - 1)) - 1;
+  std::vector<Entry> order;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface[i].weight < min_weight) continue;
-    const Eigen::Vector3d c = surface[i].position.cast<double>() / cell;
-    order.push_back({{static_cast<int>(std::floor(c.x())), static_cast<int>(std::floor(c.y())),
-                      static_cast<int>(std::floor(c.z()))},
-                     i});
-  }
-  // Within a cell the heaviest comes first, equal weights in order.
-  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-    if (a.first != b.first) return a.first < b.first;
-    if (surface[a.second].weight != surface[b.second].weight) {
-      return surface[a.second].weight > surface[b.second].weight;
+    std::uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double c = std::clamp(std::floor(surface[i].position[axis] / cell), -kFarthest, kFarthest);
+      key = key << kBits | static_cast<std::uint64_t>(c + kFarthest);
     }
-    return a.second < b.second;
-  });
+    order.push_back({key, static_cast<std::uint32_t>(i)});
+  }
+  std::sort(order.begin(), order.end(),
+            [](const Entry& a, const Entry& b) { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
   std::vector<SurfaceSample> result;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i > 0 && order[i].first == order[i - 1].first) continue;
-    const SurfacePoint& point = surface[order[i].second];
+  for (auto first = order.begin(); first != order.end();) {
+    const auto last = std::find_if(first, order.end(), [&](const Entry& e) { return e.cell != first->cell; });
+    const auto heaviest = std::max_element(
+        first, last, [&](const Entry& a, const Entry& b) { return surface[a.point].weight < surface[b.point].weight; });
+    const SurfacePoint& point = surface[heaviest->point];
     result.push_back({point.position.cast<double>(), point.normal.cast<double>()});
+    first = last;
   }
   return result;
 }
@@ -192,29 +200,28 @@ std::vector<GraphEdge> connect_nodes(std::span<const Eigen::Vector3d> nodes, std
                                      double spacing, double sample_spacing, const EdgeConfig& config) {
   const SampleLinks links(samples, sample_spacing);
   const std::vector<int> sample_of = nearest_samples(nodes, samples, 2 * sample_spacing);
+  std::vector<std::vector<int>> nodes_at(samples.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (sample_of[i] >= 0) nodes_at[static_cast<std::size_t>(sample_of[i])].push_back(static_cast<int>(i));
+  }
   const double reach = config.reach * spacing;
   std::vector<std::vector<std::pair<int, int>>> found(chunk_count(nodes.size(), kNodesPerChunk));
   parallel_for(nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     SurfacePaths paths(links);
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (sample_of[i] < 0) continue;
-      const std::vector<double>& distance = paths.from(sample_of[i], reach);
-      std::vector<std::pair<double, int>> near;
-      for (std::size_t j = 0; j < nodes.size(); ++j) {
-        if (j == i || sample_of[j] < 0) continue;
-        const double along = distance[static_cast<std::size_t>(sample_of[j])];
-        // Half a sample at both ends is no detour.
-        if (along == kInfinity || along > config.max_detour * ((nodes[i] - nodes[j]).norm() + sample_spacing)) {
-          continue;
+      std::size_t kept = 0;
+      paths.walk(sample_of[i], reach, [&](int sample, double along) {
+        for (const int j : nodes_at[static_cast<std::size_t>(sample)]) {
+          const auto other = static_cast<std::size_t>(j);
+          // Half a sample at both ends is no detour.
+          const double longest = config.max_detour * ((nodes[i] - nodes[other]).norm() + sample_spacing);
+          if (other == i || along > longest || kept == static_cast<std::size_t>(config.neighbours)) continue;
+          found[chunk.index].emplace_back(std::minmax(static_cast<int>(i), j));
+          ++kept;
         }
-        near.emplace_back(along, static_cast<int>(j));
-      }
-      const std::size_t kept = std::min(near.size(), static_cast<std::size_t>(config.neighbours));
-      std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
-      for (std::size_t k = 0; k < kept; ++k) {
-        found[chunk.index].emplace_back(std::min(static_cast<int>(i), near[k].second),
-                                        std::max(static_cast<int>(i), near[k].second));
-      }
+        return kept < static_cast<std::size_t>(config.neighbours);
+      });
     }
   });
   std::set<std::pair<int, int>> edges;

@@ -105,7 +105,7 @@ private:
   std::vector<std::uint8_t> touch_bricks(const View& view);
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
-  void touch_around(const Places& places);
+  std::vector<std::uint8_t> touch_around(const Places& places, float reach);
   void update_bent(Brick& brick, const BentView& view) const;
   void append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const;
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }

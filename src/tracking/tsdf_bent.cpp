@@ -16,6 +16,54 @@ constexpr int kCorners = kSide / kCell + 1; // of them along a brick's side
 constexpr std::size_t kBricksPerChunk = 16;
 constexpr float kNearest = 0.05F; // metres before the camera
 
+/// Where the corners of a brick's cells are in the camera.
+class CornerPlaces {
+public:
+  CornerPlaces(const TsdfVolume::Bending& to_camera, const Eigen::Vector3f& first, float voxel) {
+    std::size_t i = 0;
+    for (int z = 0; z < kCorners; ++z) {
+      for (int y = 0; y < kCorners; ++y) {
+        for (int x = 0; x < kCorners; ++x, ++i) {
+          const Eigen::Vector3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+          const auto place = to_camera((first + kCell * at) * voxel);
+          known_[i] = place.has_value();
+          places_[i] = place.value_or(Eigen::Vector3f::Zero());
+        }
+      }
+    }
+  }
+
+  /// Places along the row of voxels at (y, z), at each cell's corner; and which of them are known.
+  std::array<bool, kCorners> row(int y, int z, std::array<Eigen::Vector3f, kCorners>& along) const {
+    const auto weights = [](int at) {
+      const float share = static_cast<float>(at % kCell) / kCell;
+      return std::array<float, 2>{1 - share, share};
+    };
+    const std::array<float, 2> by_y = weights(y);
+    const std::array<float, 2> by_z = weights(z);
+    std::array<bool, kCorners> known{};
+    for (std::size_t x = 0; x < kCorners; ++x) {
+      known[x] = true;
+      along[x].setZero();
+      for (std::size_t c = 0; c < 4; ++c) {
+        const std::size_t i =
+            index(x, static_cast<std::size_t>(y / kCell) + c % 2, static_cast<std::size_t>(z / kCell) + c / 2);
+        known[x] = known[x] && known_[i];
+        along[x] += by_y[c % 2] * by_z[c / 2] * places_[i];
+      }
+    }
+    return known;
+  }
+
+private:
+  static constexpr std::size_t index(std::size_t x, std::size_t y, std::size_t z) {
+    return (z * kCorners + y) * kCorners + x;
+  }
+  static constexpr std::size_t kAll = static_cast<std::size_t>(kCorners) * kCorners * kCorners;
+  std::array<Eigen::Vector3f, kAll> places_;
+  std::array<bool, kAll> known_{};
+};
+
 } // namespace
 
 struct TsdfVolume::BentView {
@@ -51,22 +99,43 @@ struct TsdfVolume::BentView {
   }
 };
 
-// The bricks that reach into the truncation about a surface.
-void TsdfVolume::touch_around(const Places& places) {
+// Makes the bricks within the truncation of the surface that is shown; returns a mark for each that comes within
+// `reach` (metres, not less) of it: no voxel of another learns anything.
+std::vector<std::uint8_t> TsdfVolume::touch_around(const Places& places, float reach) {
+  struct Range {
+    Eigen::Vector3i first = Eigen::Vector3i::Zero();
+    Eigen::Vector3i last = Eigen::Vector3i::Constant(-1);
+    bool operator==(const Range&) const = default;
+    bool contains(const Eigen::Vector3i& at) const {
+      return (at.array() >= first.array()).all() && (at.array() <= last.array()).all();
+    }
+  };
   const float brick_size = static_cast<float>(kSide * config_.voxel_size);
-  const float reach = static_cast<float>(config_.truncation) / brick_size;
+  const auto within = [&](const Eigen::Vector3f& place, float distance) {
+    return Range{((place.array() - distance) / brick_size).floor().cast<int>(),
+                 ((place.array() + distance) / brick_size).floor().cast<int>()};
+  };
+  std::vector<std::uint8_t> touched(bricks_.size(), 0);
+  std::array<Range, 2> before;
   for (std::size_t i = 0; i < places.of_cell.pixel_count(); ++i) {
-    const float* place = places.of_cell.data() + 3 * i;
-    if (std::isnan(place[0])) continue;
-    const Eigen::Vector3f local = Eigen::Vector3f(place[0], place[1], place[2]) / brick_size;
-    const Eigen::Vector3i first = (local.array() - reach).floor().cast<int>();
-    const Eigen::Vector3i last = (local.array() + reach).floor().cast<int>();
-    for (int z = first.z(); z <= last.z(); ++z) {
-      for (int y = first.y(); y <= last.y(); ++y) {
-        for (int x = first.x(); x <= last.x(); ++x) find_or_insert({x, y, z});
+    const Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(places.of_cell.data() + 3 * i);
+    if (std::isnan(place.x())) continue;
+    const std::array<Range, 2> ranges{within(place, static_cast<float>(config_.truncation)), within(place, reach)};
+    const auto& [near, all] = ranges;
+    if (ranges == before) continue;
+    before = ranges;
+    for (int z = all.first.z(); z <= all.last.z(); ++z) {
+      for (int y = all.first.y(); y <= all.last.y(); ++y) {
+        for (int x = all.first.x(); x <= all.last.x(); ++x) {
+          const std::int32_t found = near.contains({x, y, z}) ? find_or_insert({x, y, z}) : find({x, y, z});
+          if (found < 0) continue;
+          touched.resize(bricks_.size(), 0);
+          touched[static_cast<std::size_t>(found)] = 1;
+        }
       }
     }
   }
+  return touched;
 }
 
 void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
@@ -84,37 +153,17 @@ void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
       std::abs(view.distance(*centre, u, v)) > 2 * (truncation + static_cast<float>(kSide) * voxel)) {
     return;
   }
-  std::array<std::optional<Eigen::Vector3f>, static_cast<std::size_t>(kCorners * kCorners * kCorners)> corners;
-  const auto corner = [&](int x, int y, int z) -> std::optional<Eigen::Vector3f>& {
-    return corners[static_cast<unsigned>((z * kCorners + y) * kCorners + x)];
-  };
-  for (int z = 0; z < kCorners; ++z) {
-    for (int y = 0; y < kCorners; ++y) {
-      for (int x = 0; x < kCorners; ++x) {
-        const Eigen::Vector3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-        corner(x, y, z) = view.to_camera((first + kCell * at) * voxel);
-      }
-    }
-  }
+  const CornerPlaces corners(view.to_camera, first, voxel);
   std::size_t i = 0;
+  std::array<Eigen::Vector3f, kCorners> along; // the places of a row's ends and middle
   for (int z = 0; z < kSide; ++z) {
     for (int y = 0; y < kSide; ++y) {
+      const std::array<bool, kCorners> known = corners.row(y, z, along);
       for (int x = 0; x < kSide; ++x, ++i) {
-        Eigen::Vector3f p = Eigen::Vector3f::Zero();
-        bool whole = true;
-        for (int c = 0; c < 8 && whole; ++c) {
-          const int cx = c & 1;
-          const int cy = (c >> 1) & 1;
-          const int cz = c >> 2;
-          const auto& at = corner(x / kCell + cx, y / kCell + cy, z / kCell + cz);
-          const float fx = static_cast<float>(x % kCell) / kCell;
-          const float fy = static_cast<float>(y % kCell) / kCell;
-          const float fz = static_cast<float>(z % kCell) / kCell;
-          const float share = (cx != 0 ? fx : 1 - fx) * (cy != 0 ? fy : 1 - fy) * (cz != 0 ? fz : 1 - fz);
-          whole = at.has_value();
-          if (whole) p += share * *at;
-        }
-        if (!whole || !view.project(p, u, v)) continue;
+        const auto c = static_cast<std::size_t>(x / kCell);
+        if (!known[c] || !known[c + 1]) continue;
+        const Eigen::Vector3f p = along[c] + static_cast<float>(x % kCell) / kCell * (along[c + 1] - along[c]);
+        if (!view.project(p, u, v)) continue;
         float weight = view.planes.weights.at(u, v);
         if (weight <= 0) continue;
         const float distance = view.distance(p, u, v);
@@ -145,12 +194,14 @@ void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& int
   if (!fits) {
     throw Error(ErrorCode::kFailure, "the images to fuse differ in size from each other or from their camera");
   }
-  touch_around(places);
   // Half a cell of pixels is about as wide as a voxel; a grazing surface is longer.
   const float reach = static_cast<float>(config_.truncation + 3 * config_.voxel_size);
+  const std::vector<std::uint8_t> touched = touch_around(places, reach);
   const BentView local{view, intensity, intrinsics, to_camera, places, reach};
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) update_bent(*bricks_[i], local);
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      if (touched[i] != 0) update_bent(*bricks_[i], local);
+    }
   });
 }
 

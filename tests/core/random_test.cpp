@@ -1,5 +1,6 @@
 #include "core/random.h"
 
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,7 @@
 #include "encode/level_quantiser.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"

@@ -56,7 +56,7 @@ Members model() {
 class BodyMeshFile : public ::testing::Test {
 protected:
   std::filesystem::path write(const Members& members, zip_int32_t method = ZIP_CM_DEFLATE) {
-    const std::filesystem::path path = folder_.path() / "body.npz";
+    std::filesystem::path path = folder_.path() / "body.npz";
     int error = 0;
     zip_t* archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &error);
     for (const auto& [name, bytes] : members) {
@@ -70,7 +70,7 @@ protected:
   }
 
   std::filesystem::path write(const Bytes& bytes) {
-    const std::filesystem::path path = folder_.path() / "body.npz";
+    std::filesystem::path path = folder_.path() / "body.npz";
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     return path;
@@ -91,7 +91,7 @@ protected:
   std::string refusal_with(const std::string& name, const Bytes& bytes) {
     Members members = model();
     members[name + ".npy"] = bytes;
-    const std::string sentence = refusal(write(members));
+    std::string sentence = refusal(write(members));
     EXPECT_NE(sentence.find("array " + name), std::string::npos) << sentence;
     return sentence;
   }
