@@ -22,9 +22,10 @@ BodyVerdict LayerBody::verdict() const {
   return fits ? BodyVerdict::kPerson : BodyVerdict::kNobody;
 }
 
-void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time) {
+void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time,
+                      std::span<const NearbyObject> objects) {
   if (verdict() == BodyVerdict::kNobody) return;
-  last_ = tracker_.track(view, camera_to_world, time);
+  last_ = tracker_.track(view, camera_to_world, time, objects);
   records_.emplace_back();
   if (!tracker_.started()) return;
   const BodyState& state = tracker_.state();
