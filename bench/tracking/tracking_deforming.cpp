@@ -57,7 +57,8 @@ Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Moti
                           const std::vector<ingest::Frame>& frames, bool each) {
   Comparison all;
   std::vector<Comparison> by_frame(frames.size());
-  for (const auto& [id, places] : tracks) {
+  for (const auto& track_of_id : tracks) {
+    const auto& places = track_of_id.second;
     const auto first = std::find_if(frames.begin(), frames.end(), [&](const ingest::Frame& frame) {
       const auto found = places.find(frame.index);
       return found != places.end() && found->second.visible;

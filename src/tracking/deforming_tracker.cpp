@@ -155,9 +155,44 @@ std::vector<NodePull> DeformingTracker::pulls(const SE3& from_world, std::span<c
   return result;
 }
 
+// The nodes as the bones have carried them since the last frame that was tracked; none if there are no bones.
+std::vector<SE3> DeformingTracker::carried_by_bones() const {
+  std::size_t last = records_.size() - 1;
+  while (last > 0 && records_[--last].health != Health::kTracked) {
+  }
+  std::vector<SE3> motions = body_.carried(last, records_.size() - 1);
+  if (motions.size() != nodes_.size()) return {};
+  const Eigen::Translation3d origin(volume_->origin());
+  for (std::size_t n = 0; n < motions.size(); ++n) {
+    motions[n] = renormalized(SE3(origin.inverse() * motions[n] * origin * records_[last].nodes[n]));
+  }
+  return motions;
+}
+
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
          quality.empty_share() <= config_.max_empty_share;
+}
+
+// Without a frame just before, there is farther to go.
+DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, const DeformingSelection& selection,
+                                                     const ObjectView& view, NodeStates start,
+                                                     std::span<const NodePull> binding) const {
+  DeformingAlignment alignment;
+  alignment.nodes = std::move(start);
+  for (int pass = 0; pass < kPassesWhenFound; ++pass) {
+    alignment = align_deforming(model, selection.textures, view, alignment.nodes, alignment.nodes, spacing_,
+                                config_.alignment, binding);
+  }
+  return alignment;
+}
+
+// The share of the surface that would face the camera there that the view shows where it is.
+double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states) const {
+  const DeformingSelection facing = select_facing(surface_, skin_, view, states, config_.max_points);
+  if (facing.points.empty()) return 0;
+  const DeformingQuality quality = judge_deformation({nodes_, edges_, facing.points}, facing.textures, view, states);
+  return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
 }
 
 Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view,
@@ -177,15 +212,16 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       result.quality.empty_share() > kMuchEmpty ||
       (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
   if (unseen_ > 0 || doubtful || !is_healthy(result.quality)) {
-    DeformingAlignment elsewhere;
-    elsewhere.nodes = search_layer(model, selection.textures, view, prior).states;
-    // Without a frame just before, there is farther to go.
-    for (int pass = 0; pass < kPassesWhenFound; ++pass) {
-      elsewhere = align_deforming(model, selection.textures, view, elsewhere.nodes, elsewhere.nodes, spacing_,
-                                  config_.alignment, binding);
-    }
+    DeformingAlignment elsewhere =
+        align_from_afar(model, selection, view, search_layer(model, selection.textures, view, prior).states, binding);
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
+    if (const std::vector<SE3> carried = carried_by_bones(); !carried.empty()) {
+      const NodeStates start = states_in(world_to_camera, carried);
+      const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
+      elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
+      if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
+    }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   }
   if (!is_healthy(result.quality)) return Health::kLost;

@@ -9,6 +9,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/deforming_alignment.h"
+#include "tracking/deforming_selection.h"
 #include "tracking/frame_memory.h"
 #include "tracking/interaction.h"
 #include "tracking/layer_body.h"
@@ -86,9 +87,13 @@ private:
   void begin(const ingest::Frame& frame, const ObjectView& view);
   Health follow(const ingest::Frame& frame, const ObjectView& view, std::span<const NearbyObject> objects,
                 DeformingTrackingResult& result);
+  DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
+                                     const ObjectView& view, NodeStates start, std::span<const NodePull> binding) const;
+  double shown_share(const ObjectView& view, const NodeStates& states) const;
   bool is_healthy(const DeformingQuality& quality) const;
   std::vector<SE3> predicted(double time) const;
   std::vector<NodePull> pulls(const SE3& from_world, std::span<const NearbyObject> objects) const;
+  std::vector<SE3> carried_by_bones() const;
   SE3 relative_to_origin(const ingest::Frame& frame) const;
   NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
   void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);

@@ -44,6 +44,12 @@ std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world)
   return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
 }
 
+std::vector<SE3> LayerBody::carried(std::size_t from, std::size_t to) const {
+  if (verdict() != BodyVerdict::kPerson || from >= records_.size() || to >= records_.size()) return {};
+  if (!records_[from] || !records_[to]) return {};
+  return binding_.carried(records_[from]->bones, records_[to]->bones);
+}
+
 std::optional<JointPaths> LayerBody::joint_paths() const {
   const auto first =
       std::find_if(records_.begin(), records_.end(), [](const auto& record) { return record.has_value(); });

@@ -42,6 +42,8 @@ public:
   /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
   /// none if there is no body to trust.
   std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
+  /// How the bones carry each node, in the world, from one frame to another; none if either shows no body.
+  std::vector<SE3> carried(std::size_t from, std::size_t to) const;
   /// Where the nodes are in the last frame, and how much of each the view shows (both one for each node); nodes that
   /// were not there before are bound.
   void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);

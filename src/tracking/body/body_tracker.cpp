@@ -50,6 +50,7 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
     velocity_.setZero();
     result.health = started_ ? Health::kHeld : Health::kLost;
     result.limbs.fill(LimbHealth::kHidden);
+    if (started_) ++lost_frames_;
   } else {
     if (!started_ || lost_frames_ >= config_.lost_frames) begin(view, camera_to_world);
     follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, objects, result);

@@ -21,7 +21,7 @@ struct BodyTrackerConfig {
   std::size_t min_pixels = 60;    ///< fewer: the pose is held
   int shape_frames = 20;          ///< that the measures are learned from
   double min_explained = 0.5;     ///< share of the measured surface that the body lies on; below, it is lost
-  int lost_frames = 3;            ///< in a row, after which size and pose are fitted anew
+  int lost_frames = 3;            ///< or held, in a row, after which size and pose are fitted anew
   /// Of the heels of both hands. Fingers are long, and of most objects only the front is known.
   InteractionConfig interaction{.reach = 0.2, .presumes = true};
   BodyPrior known; ///< of the measures, before anything is seen; its pose is not used
