@@ -1,8 +1,10 @@
 #include "common/files.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
+#include <cstring>
 
 #include "core/error.h"
 

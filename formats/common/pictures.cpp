@@ -1,5 +1,7 @@
 #include "common/pictures.h"
 
+#include <cstring>
+
 #include "core/error.h"
 
 namespace kinora::formats {

@@ -1,5 +1,7 @@
 #include "mp4/mp4_writer.h"
 
+#include <vector>
+
 #include "core/error.h"
 
 extern "C" {

@@ -1,5 +1,6 @@
 #include "container/byte_source.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 

@@ -1,5 +1,6 @@
 #include "container/writer.h"
 
+#include <map>
 #include <set>
 
 #include <ebml/EbmlVoid.h>

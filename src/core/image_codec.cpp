@@ -1,5 +1,7 @@
 #include "core/image_codec.h"
 
+#include <cstring>
+
 #include "core/error.h"
 #include "core/jpeg_decoder.h"
 #include "core/png_codec.h"

@@ -1,6 +1,7 @@
 #include "core/png_codec.h"
 
 #include <csetjmp>
+#include <cstring>
 
 #include <png.h>
 

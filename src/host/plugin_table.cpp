@@ -1,5 +1,7 @@
 #include "host/plugin_table.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

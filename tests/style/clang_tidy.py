@@ -2,7 +2,8 @@
 """Runs the checks of .clang-tidy on every source that a build folder compiles, and on the header of the same name.
 
 clangd runs them: it looks at a file's own declarations alone, and is four times as fast as clang-tidy, which walks
-through everything that is included.
+through everything that is included. It takes nothing that a source uses from the precompiled header: what a source
+uses is to be included by it or by a header that it includes. Highway's sources are read for one instruction set.
 
 usage: clang_tidy.py ROOT BUILD [--jobs N]
 
@@ -25,6 +26,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 # Flags that change what clang reads; the rest is for g++ alone.
 KEPT_FLAGS = re.compile(r"-(D|U|std=|m|O|fPIC|fPIE|pthread).*")
 FLAGS_WITH_VALUE = ("-I", "-isystem")
+ONE_INSTRUCTION_SET = "-DHWY_COMPILE_ONLY_STATIC"
 FINDING = re.compile(r"E\[[\d:.]+\] (\[.*\] Line .*)")
 
 
@@ -45,6 +47,11 @@ def kept_flags(entry):
         elif word.startswith(FLAGS_WITH_VALUE) or KEPT_FLAGS.fullmatch(word):
             flags.append(word)
     return flags
+
+
+def folders(flags):
+    """Those of the flags that tell where headers are."""
+    return [f for f in flags if f in FLAGS_WITH_VALUE or f.startswith(("/", *FLAGS_WITH_VALUE))]
 
 
 class Headers:
@@ -83,8 +90,9 @@ class Headers:
 class Precompiled:
     """One clang precompiled header per set of flags, made when it is first needed."""
 
-    def __init__(self, header, folder):
+    def __init__(self, header, header_flags, folder):
         self.header = header
+        self.libraries = folders(header_flags)
         self.folder = folder
         self.made = {}
 
@@ -93,10 +101,10 @@ class Precompiled:
         if language not in self.made:
             name = hashlib.sha256(" ".join(language).encode()).hexdigest()[:16]
             output = self.folder / f"{name}.pch"
-            command = ["clang++-14", "-w", "-x", "c++-header", *language, str(self.header), "-o", str(output)]
-            self.made[language] = output if subprocess.run(command, check=False).returncode == 0 else None
-        output = self.made[language]
-        return ["-include-pch", str(output)] if output else ["-include", str(self.header)]
+            command = ["clang++-14", "-w", "-x", "c++-header", *language, *self.libraries, str(self.header)]
+            subprocess.run([*command, "-o", str(output)], check=True)
+            self.made[language] = output
+        return ["-include-pch", str(self.made[language])]
 
 
 def check(path, database):
@@ -120,7 +128,7 @@ def main():
     version = subprocess.run(["clangd-14", "--version"], check=True, capture_output=True, text=True).stdout
     headers = Headers(root)
     pch_header = root / "cmake/pch.h"
-    common = [version, headers.text(root / ".clang-tidy"), headers.text(pch_header)]
+    common = [version, ONE_INSTRUCTION_SET, headers.text(root / ".clang-tidy"), headers.text(pch_header)]
     cache = cache_folder()
 
     entries = {pathlib.Path(e["file"]).resolve(): e for e in json.loads((build / "compile_commands.json").read_text())}
@@ -133,7 +141,7 @@ def main():
 
     folder = build / "style"
     folder.mkdir(exist_ok=True)
-    precompiled = Precompiled(pch_header, folder)
+    precompiled = Precompiled(pch_header, kept_flags(entries[build / "pch.cpp"]), folder)
     waiting = []
     for path, flags in files.items():
         portable = " ".join(flags).replace(str(build), "<build>").replace(str(root), "<root>")
@@ -142,7 +150,7 @@ def main():
         if not (cache / key).exists():
             waiting.append((path, cache / key))
     commands = [
-        {"directory": str(root), "file": str(path), "arguments": ["clang++-14", "-w", *files[path],
+        {"directory": str(root), "file": str(path), "arguments": ["clang++-14", "-w", ONE_INSTRUCTION_SET, *files[path],
          *precompiled.flags(files[path]), "-c", str(path)]}
         for path, _ in waiting
     ]
