@@ -2,7 +2,8 @@
 // (gt/joints.csv): milliseconds per frame without those for the view, and millimetres. A rig's joints are not where
 // another's are: so there are errors as they are, and errors without each joint's constant offset in the space of its
 // parent's bone. Usage: bench_tracking_body CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by
-// frame; with KINORA_BENCH_BODY=FILE.npz the measures are those of a mesh at first.
+// frame; with KINORA_BENCH_BODY=FILE.npz the measures are those of a mesh at first; with KINORA_BENCH_ALONE set, nobody
+// holds anything.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
+#include "nearby_objects.h"
 #include "tracking/body/body_sizes.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/true_joints.h"
@@ -111,6 +113,7 @@ void run(const std::string& folder, int label) {
     config.known = tracking::measure_body(ingest::read_body_mesh(body));
   }
   BodyTracker tracker(config);
+  bench::NearbyObjects objects(label);
   std::vector<double> milliseconds;
   std::vector<double> processor;
   Differences differences;
@@ -119,9 +122,11 @@ void run(const std::string& folder, int label) {
   int not_tracked = 0;
   while (const auto frame = capture->next()) {
     const tracking::ObjectView view = tracking::view_layer(*frame, label);
+    std::vector<tracking::NearbyObject> nearby;
+    if (std::getenv("KINORA_BENCH_ALONE") == nullptr) nearby = objects.follow(*frame);
     const auto start = std::chrono::steady_clock::now();
     const std::clock_t processor_start = std::clock();
-    const tracking::BodyTrackingResult result = tracker.track(view, frame->camera.camera_to_world, frame->time);
+    const tracking::BodyTrackingResult result = tracker.track(view, frame->camera.camera_to_world, frame->time, nearby);
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     processor.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
     explained += result.explained;

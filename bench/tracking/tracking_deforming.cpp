@@ -20,6 +20,7 @@
 #include "ingest/capture.h"
 #include "ingest/true_tracks.h"
 #include "knobs.h"
+#include "nearby_objects.h"
 #include "stopwatch.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/point_track.h"
@@ -55,7 +56,7 @@ struct Comparison {
 Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion,
                           const std::vector<ingest::Frame>& frames, bool each) {
   Comparison all;
-  std::vector<Errors> by_frame(frames.size());
+  std::vector<Comparison> by_frame(frames.size());
   for (const auto& track_of_id : tracks) {
     const auto& places = track_of_id.second;
     const auto first = std::find_if(frames.begin(), frames.end(), [&](const ingest::Frame& frame) {
@@ -69,11 +70,12 @@ Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Moti
       const auto truth = places.find(frames[i].index);
       if (truth == places.end()) continue;
       (truth->second.visible ? all.visible : all.hidden).add(track[i], truth->second.point);
-      if (truth->second.visible) by_frame[i].add(track[i], truth->second.point);
+      (truth->second.visible ? by_frame[i].visible : by_frame[i].hidden).add(track[i], truth->second.point);
     }
   }
   for (std::size_t i = 0; each && i < frames.size(); ++i) {
-    std::printf("# frame %d: seen points %s mm\n", frames[i].index, by_frame[i].text().c_str());
+    std::printf("# frame %d: seen points %s mm, hidden %s mm\n", frames[i].index, by_frame[i].visible.text().c_str(),
+                by_frame[i].hidden.text().c_str());
   }
   return all;
 }
@@ -147,11 +149,14 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.voxel_size = knobs.at("voxel");
   config.fuse_interval = whole("fuse_interval");
   config.use_body = whole("body") != 0;
+  config.use_objects = whole("interaction") != 0;
   config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
   config.alignment.rigid_iterations = whole("rigid");
   config.alignment.pcg_iterations = whole("pcg");
   config.alignment.rigidity = knobs.at("rigidity");
   config.alignment.prior_sigma = knobs.at("prior");
+  config.alignment.photometric_share = knobs.at("texture");
+  config.alignment.silhouette_share = knobs.at("silhouette");
   return config;
 }
 
@@ -176,9 +181,11 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
   std::vector<double> milliseconds;
   std::vector<double> processor;
   int not_tracked = 0;
+  bench::NearbyObjects objects(static_cast<int>(knobs.at("label")));
   for (const ingest::Frame& frame : frames) {
+    const std::vector<tracking::NearbyObject> nearby = objects.follow(frame);
     const bench::Stopwatch watch;
-    const tracking::DeformingTrackingResult result = tracker.track(frame);
+    const tracking::DeformingTrackingResult result = tracker.track(frame, nearby);
     milliseconds.push_back(watch.milliseconds());
     processor.push_back(watch.processor_milliseconds());
     if (result.health != tracking::Health::kTracked) ++not_tracked;
@@ -223,7 +230,10 @@ int main(int argc, char** argv) {
                      {"pcg", {static_cast<double>(alignment.pcg_iterations)}},
                      {"rigidity", {alignment.rigidity}},
                      {"prior", {alignment.prior_sigma}},
+                     {"texture", {alignment.photometric_share}},
+                     {"silhouette", {alignment.silhouette_share}},
                      {"body", {1}},
+                     {"interaction", {1}},
                      {"settle", {1}},
                      {"frames", {0}}};
   try {

@@ -91,14 +91,19 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
     if (!labels_.contains(label) && sight.pixels >= kMinPixelsToBegin) begin_label(label, sight, frame);
     if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += sight.pixels;
   }
+  std::vector<tracking::NearbyObject> objects; // what hands may hold is followed first
   for (auto& [label, tracked] : labels_) {
-    if (tracked.bending) times.measure("track " + tracked.plan.name, [&, &t = tracked] { t.bending->track(frame); });
     if (!tracked.tracker) continue;
     const auto result =
         times.measure("track " + tracked.plan.name, [&, &t = tracked] { return t.tracker->track(frame); });
     tracked.poses.push_back(result.pose);
     tracked.relocalised += result.relocalised ? 1 : 0;
     tracked.weak_directions += result.weak_directions;
+    if (const auto object = tracking::nearby_object(*tracked.tracker)) objects.push_back(*object);
+  }
+  for (auto& [label, tracked] : labels_) {
+    if (!tracked.bending) continue;
+    times.measure("track " + tracked.plan.name, [&, &t = tracked] { t.bending->track(frame, objects); });
   }
   ++frames_;
 }

@@ -41,6 +41,15 @@ std::optional<Eigen::Vector3d> BodyBinding::place_of(std::size_t node, const Bon
          (1 - bound.hold.weight) * (bones[bound.hold.second] * bound.beside_second);
 }
 
+std::vector<SE3> BodyBinding::carried(const Bones& before, const Bones& now) const {
+  std::vector<SE3> result;
+  for (const std::optional<Bound>& bound : nodes_) {
+    const Joint bone = bound ? bound->hold.bone : kPelvis;
+    result.emplace_back(now[bone] * before[bone].inverse());
+  }
+  return result;
+}
+
 std::vector<NodePull> BodyBinding::pulls(const Bones& bones, const std::array<LimbHealth, kLimbs>& limbs,
                                          const SE3& from_world, double sigma) const {
   std::vector<NodePull> result(nodes_.size());

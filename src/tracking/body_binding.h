@@ -32,6 +32,10 @@ public:
   std::vector<NodePull> pulls(const Bones& bones, const std::array<LimbHealth, kLimbs>& limbs, const SE3& from_world,
                               double sigma) const;
 
+  /// How the bones carry each node from one pose of the body to another; a node that is bound to nothing goes with the
+  /// pelvis.
+  std::vector<SE3> carried(const Bones& before, const Bones& now) const;
+
 private:
   struct Bound {
     BoneHold hold;

@@ -45,16 +45,17 @@ struct DeformingTracker::Past {
 };
 
 DeformingTracker::DeformingTracker(int label, const DeformingTrackerConfig& config)
-    : label_(label), config_(config), body_(config.body) {}
+    : label_(label), config_(config), body_(config.body), interaction_(config.interaction) {}
 DeformingTracker::~DeformingTracker() = default;
 DeformingTracker::DeformingTracker(DeformingTracker&&) noexcept = default;
 DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = default;
 
-DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
+DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std::span<const NearbyObject> objects) {
+  if (!config_.use_objects) objects = {};
   const ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
-  if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time);
+  if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time, objects);
   if (volume_ == nullptr) {
     if (view.depth_pixels >= config_.first_pixels) {
       begin(frame, view);
@@ -64,7 +65,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame) {
     }
   } else {
     records_.push_back({records_.back().nodes, Health::kHeld});
-    if (view.depth_pixels >= config_.min_pixels) records_.back().health = follow(frame, view, result);
+    if (view.depth_pixels >= config_.min_pixels) records_.back().health = follow(frame, view, objects, result);
     if (records_.back().health == Health::kTracked) {
       unseen_ = 0;
     } else if (++unseen_ > config_.held_frames) {
@@ -97,18 +98,18 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
-  bind_body({});
+  learn_holds({}, {});
 }
 
 // To be called after the last frame's alignment; the nodes that it has brought were not `seen` in it as yet.
-void DeformingTracker::bind_body(std::vector<double> seen) {
-  if (!config_.use_body) return;
+void DeformingTracker::learn_holds(std::vector<double> seen, std::span<const NearbyObject> objects) {
   seen.resize(nodes_.size(), 0);
   std::vector<Eigen::Vector3d> places;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     places.emplace_back(volume_->origin() + records_.back().nodes[n] * nodes_[n]);
   }
-  body_.learn(places, seen);
+  if (config_.use_body) body_.learn(places, seen);
+  interaction_.learn(objects, places, seen);
 }
 
 SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {
@@ -144,12 +145,59 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
   return result;
 }
 
+// Where bones would have the nodes; or, of those that hold an object, where that would.
+std::vector<NodePull> DeformingTracker::pulls(const SE3& from_world, std::span<const NearbyObject> objects) const {
+  std::vector<NodePull> result = body_.pulls(records_.size() - 1, from_world);
+  result.resize(nodes_.size());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const auto place = interaction_.place_of(n, objects);
+    if (place) result[n] = {from_world * *place, 1 / config_.holding_sigma};
+  }
+  return result;
+}
+
+// The nodes as the bones have carried them since the last frame that was tracked; none if there are no bones.
+std::vector<SE3> DeformingTracker::carried_by_bones() const {
+  std::size_t last = records_.size() - 1;
+  while (last > 0 && records_[--last].health != Health::kTracked) {
+  }
+  std::vector<SE3> motions = body_.carried(last, records_.size() - 1);
+  if (motions.size() != nodes_.size()) return {};
+  const Eigen::Translation3d origin(volume_->origin());
+  for (std::size_t n = 0; n < motions.size(); ++n) {
+    motions[n] = renormalized(SE3(origin.inverse() * motions[n] * origin * records_[last].nodes[n]));
+  }
+  return motions;
+}
+
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
          quality.empty_share() <= config_.max_empty_share;
 }
 
-Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result) {
+// Without a frame just before, there is farther to go.
+DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, const DeformingSelection& selection,
+                                                     const ObjectView& view, NodeStates start,
+                                                     std::span<const NodePull> binding) const {
+  DeformingAlignment alignment;
+  alignment.nodes = std::move(start);
+  for (int pass = 0; pass < kPassesWhenFound; ++pass) {
+    alignment = align_deforming(model, selection.textures, view, alignment.nodes, alignment.nodes, spacing_,
+                                config_.alignment, binding);
+  }
+  return alignment;
+}
+
+// The share of the surface that would face the camera there that the view shows where it is.
+double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states) const {
+  const DeformingSelection facing = select_facing(surface_, skin_, view, states, config_.max_points);
+  if (facing.points.empty()) return 0;
+  const DeformingQuality quality = judge_deformation({nodes_, edges_, facing.points}, facing.textures, view, states);
+  return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
+}
+
+Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view,
+                                std::span<const NearbyObject> objects, DeformingTrackingResult& result) {
   const std::vector<SE3> expected = predicted(frame.time);
   const SE3 world_to_camera = relative_to_origin(frame);
   const NodeStates prior = states_in(world_to_camera, expected);
@@ -157,7 +205,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
   selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
   const LayerModel model{nodes_, edges_, selection.points, selection.weight};
-  const std::vector<NodePull> binding = body_.pulls(records_.size() - 1, frame.camera.camera_to_world.inverse());
+  const std::vector<NodePull> binding = pulls(frame.camera.camera_to_world.inverse(), objects);
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
@@ -165,15 +213,16 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       result.quality.empty_share() > kMuchEmpty ||
       (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
   if (unseen_ > 0 || doubtful || !is_healthy(result.quality)) {
-    DeformingAlignment elsewhere;
-    elsewhere.nodes = search_layer(model, selection.textures, view, prior).states;
-    // Without a frame just before, there is farther to go.
-    for (int pass = 0; pass < kPassesWhenFound; ++pass) {
-      elsewhere = align_deforming(model, selection.textures, view, elsewhere.nodes, elsewhere.nodes, spacing_,
-                                  config_.alignment, binding);
-    }
+    DeformingAlignment elsewhere =
+        align_from_afar(model, selection, view, search_layer(model, selection.textures, view, prior).states, binding);
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
+    if (const std::vector<SE3> carried = carried_by_bones(); !carried.empty()) {
+      const NodeStates start = states_in(world_to_camera, carried);
+      const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
+      elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
+      if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
+    }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   }
   if (!is_healthy(result.quality)) return Health::kLost;
@@ -193,7 +242,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     grows_ = nodes_.size() > old;
     unfused_ = 0;
   }
-  bind_body(std::move(alignment.seen));
+  learn_holds(std::move(alignment.seen), objects);
   return Health::kTracked;
 }
 

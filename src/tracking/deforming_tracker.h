@@ -9,7 +9,9 @@
 
 #include "ingest/frame.h"
 #include "tracking/deforming_alignment.h"
+#include "tracking/deforming_selection.h"
 #include "tracking/frame_memory.h"
+#include "tracking/interaction.h"
 #include "tracking/layer_body.h"
 #include "tracking/motion.h"
 #include "tracking/new_pieces.h"
@@ -31,8 +33,11 @@ struct DeformingTrackerConfig {
   int held_frames = 30;           ///< unseen for longer: lost
   int fuse_interval = 1;          ///< tracked frames from one that is fused to the next, while no new nodes come
   bool use_body = true;           ///< false: no skeleton is looked for
+  bool use_objects = true;        ///< false: nothing is held
   DeformingAlignmentConfig alignment;
   LayerBodyConfig body;
+  InteractionConfig interaction;
+  double holding_sigma = 0.01; ///< metres, of a node beside the object that it holds
 };
 
 /// One frame's answer.
@@ -54,8 +59,8 @@ public:
   DeformingTracker& operator=(DeformingTracker&&) noexcept;
 
   /// Frames in order of time. A frame without labels is the layer's as a whole. Throws Error(kFailure) if the frame's
-  /// images differ in size.
-  DeformingTrackingResult track(const ingest::Frame& frame);
+  /// images differ in size. `objects`: those that the layer may hold, as they are in this frame.
+  DeformingTrackingResult track(const ingest::Frame& frame, std::span<const NearbyObject> objects = {});
 
   int label() const { return label_; }
   /// Whether the layer has been seen at all; without, there is no motion.
@@ -80,14 +85,20 @@ private:
   struct Future;
 
   void begin(const ingest::Frame& frame, const ObjectView& view);
-  Health follow(const ingest::Frame& frame, const ObjectView& view, DeformingTrackingResult& result);
+  Health follow(const ingest::Frame& frame, const ObjectView& view, std::span<const NearbyObject> objects,
+                DeformingTrackingResult& result);
+  DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
+                                     const ObjectView& view, NodeStates start, std::span<const NodePull> binding) const;
+  double shown_share(const ObjectView& view, const NodeStates& states) const;
   bool is_healthy(const DeformingQuality& quality) const;
   std::vector<SE3> predicted(double time) const;
+  std::vector<NodePull> pulls(const SE3& from_world, std::span<const NearbyObject> objects) const;
+  std::vector<SE3> carried_by_bones() const;
   SE3 relative_to_origin(const ingest::Frame& frame) const;
   NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
   void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);
   void fuse(const ObjectView& view, NodeStates states);
-  void bind_body(std::vector<double> seen);
+  void learn_holds(std::vector<double> seen, std::span<const NearbyObject> objects);
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
   void renew_surface();
@@ -113,6 +124,7 @@ private:
   std::vector<std::size_t> births_; ///< for each node, the first record that is not a guess
   std::unique_ptr<Past> past_;
   LayerBody body_;
+  Interaction interaction_;
   int unseen_ = 0;
   int unfused_ = 0;   ///< tracked frames since the last that was fused
   bool grows_ = true; ///< the last frame that was fused has brought nodes

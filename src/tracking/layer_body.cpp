@@ -22,9 +22,10 @@ BodyVerdict LayerBody::verdict() const {
   return fits ? BodyVerdict::kPerson : BodyVerdict::kNobody;
 }
 
-void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time) {
+void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time,
+                      std::span<const NearbyObject> objects) {
   if (verdict() == BodyVerdict::kNobody) return;
-  last_ = tracker_.track(view, camera_to_world, time);
+  last_ = tracker_.track(view, camera_to_world, time, objects);
   records_.emplace_back();
   if (!tracker_.started()) return;
   const BodyState& state = tracker_.state();
@@ -41,6 +42,12 @@ std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world)
   const std::optional<Record>& record = records_[frame];
   if (!record || !record->trusted) return {};
   return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
+}
+
+std::vector<SE3> LayerBody::carried(std::size_t from, std::size_t to) const {
+  if (verdict() != BodyVerdict::kPerson || from >= records_.size() || to >= records_.size()) return {};
+  if (!records_[from] || !records_[to]) return {};
+  return binding_.carried(records_[from]->bones, records_[to]->bones);
 }
 
 std::optional<JointPaths> LayerBody::joint_paths() const {

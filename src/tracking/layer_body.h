@@ -35,12 +35,15 @@ public:
   explicit LayerBody(const LayerBodyConfig& config = {}) : config_(config), tracker_(config.tracker) {}
 
   /// The next frame, whether the layer is seen in it or not; time in seconds. A layer that has turned out to be nobody
-  /// is not followed on.
-  void track(const ObjectView& view, const SE3& camera_to_world, double time);
+  /// is not followed on. `objects`: those that the hands may hold, as they are in this frame.
+  void track(const ObjectView& view, const SE3& camera_to_world, double time,
+             std::span<const NearbyObject> objects = {});
 
   /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
   /// none if there is no body to trust.
   std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
+  /// How the bones carry each node, in the world, from one frame to another; none if either shows no body.
+  std::vector<SE3> carried(std::size_t from, std::size_t to) const;
   /// Where the nodes are in the last frame, and how much of each the view shows (both one for each node); nodes that
   /// were not there before are bound.
   void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);

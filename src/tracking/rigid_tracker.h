@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "ingest/frame.h"
@@ -57,6 +58,8 @@ public:
   /// The fused model in canonical space; nullptr before the object's first frame. Its intensity is the texture of
   /// ObjectView.
   const TsdfVolume* model() const { return volume_.get(); }
+  /// The model's surface, relative to the model's origin; valid until the next frame.
+  std::span<const SurfacePoint> surface() const { return surface_; }
 
 private:
   struct Candidate;

@@ -87,6 +87,16 @@ void add_reluctances(const BodyInCamera& body, Accumulator& sum) {
   }
 }
 
+void add_held_hand(const BodyInCamera& body, const HeldHand& held, const BodyEnergyConfig& config, Accumulator& sum) {
+  sum.energy += holding_energy(held, body.body(), config);
+  const Vec heel = heel_of_hand(body.body(), held.arm);
+  const Vec off = heel - held.place;
+  const double weight = kHoldingWeight * robust_weight(off.squaredNorm(), config) / (config.sigma * config.sigma);
+  for (int axis = 0; axis < 3; ++axis) {
+    add(body, {hand_part(held.arm), off[axis], heel, Vec::Unit(axis), heel_point(), weight}, sum);
+  }
+}
+
 void merge(const Accumulator& from, Accumulator& to) {
   for (std::size_t i = 0; i < kBodyParts; ++i) {
     to.parts[i].hessian += from.parts[i].hessian;
@@ -176,7 +186,8 @@ BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, con
   equations.gradient.setZero();
   equations.hessian.setZero();
   const BodyInCamera body(state);
-  const Accumulator sum = add_view(evidence, body, config);
+  Accumulator sum = add_view(evidence, body, config);
+  for (const HeldHand& held : prior.hands) add_held_hand(body, held, config, sum);
   equations.energy = sum.energy;
   spread(sum, state, body.body().bones, equations);
   add_prior(state, prior, config.poses, equations);

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tracking/body/body_evidence.h"
+#include "tracking/body/held_hand.h"
 
 namespace kinora::tracking {
 
@@ -18,6 +18,7 @@ struct BodyEquations {
 struct BodyPrior {
   BodyState state;
   PoseStep pose_precision = PoseStep::Zero(); ///< one over variances
+  std::vector<HeldHand> hands;                ///< that hold something
   Eigen::Matrix<double, kMeasures, kMeasures> shape_precision = Eigen::Matrix<double, kMeasures, kMeasures>::Zero();
 };
 

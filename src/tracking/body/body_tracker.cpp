@@ -20,6 +20,7 @@ constexpr double kLegTurn = 0.08;
 constexpr double kVelocityKept = 0.8; // of a frame's velocity in the next
 constexpr double kMargin = 3;         // energy that another pose of a limb must save
 constexpr double kJumpCost = 20;      // and per metre that it is away
+constexpr std::array<Limb, 2> kArms = {kLeftArm, kRightArm};
 
 bool is_below(int joint, Joint ancestor) {
   while (joint >= 0 && joint != ancestor) joint = joints()[static_cast<std::size_t>(joint)].parent;
@@ -40,7 +41,8 @@ BodyState transformed(const SE3& transform, const BodyState& state) {
 
 } // namespace
 
-BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_to_world, double time) {
+BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_to_world, double time,
+                                      std::span<const NearbyObject> objects) {
   const double seconds = std::max(time - time_, 1e-3);
   time_ = time;
   BodyTrackingResult result;
@@ -48,9 +50,10 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
     velocity_.setZero();
     result.health = started_ ? Health::kHeld : Health::kLost;
     result.limbs.fill(LimbHealth::kHidden);
+    if (started_) ++lost_frames_;
   } else {
     if (!started_ || lost_frames_ >= config_.lost_frames) begin(view, camera_to_world);
-    follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, result);
+    follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, objects, result);
     lost_frames_ = result.health == Health::kLost ? lost_frames_ + 1 : 0;
   }
   return result;
@@ -82,13 +85,18 @@ PoseStep BodyTracker::pose_precision(double seconds) const {
 }
 
 void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds,
-                         BodyTrackingResult& result) {
+                         std::span<const NearbyObject> objects, BodyTrackingResult& result) {
   const SE3 world_to_camera = camera_to_world.inverse();
   BodyPrior prior = known_;
   const bool learning = shape_frames_ < config_.shape_frames;
   BodyState state = transformed(world_to_camera, predicted(seconds));
   prior.state.pose = state.pose;
   prior.pose_precision = pose_precision(seconds);
+  for (std::size_t i = 0; i < kArms.size(); ++i) {
+    if (const auto place = interaction_.place_of(i, objects)) {
+      prior.hands.push_back({kArms[i], world_to_camera * *place});
+    }
+  }
   minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
   search_limbs(evidence, prior, state, result);
   result.refitted = fresh_;
@@ -97,6 +105,18 @@ void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_worl
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
   move_to(transformed(camera_to_world, state), seconds);
+  if (result.health == Health::kTracked) learn_holds(objects, result);
+}
+
+void BodyTracker::learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result) {
+  const PosedBody body = pose_body(state_.pose, state_.shape);
+  std::vector<Eigen::Vector3d> places;
+  std::vector<double> seen;
+  for (const Limb arm : kArms) {
+    places.push_back(heel_of_hand(body, arm));
+    seen.push_back(result.limbs[arm] == LimbHealth::kSeen ? 1 : 0);
+  }
+  interaction_.learn(objects, places, seen);
 }
 
 // What a fit has left to do, and what a search has found, is no motion.

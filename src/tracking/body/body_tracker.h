@@ -3,10 +3,12 @@
 // "BodyFusion", ICCV 2017, and "DoubleFusion", CVPR 2018 (what a skeleton is good for beside a deformation graph).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "tracking/body/body_energy.h"
 #include "tracking/body/limb_search.h"
+#include "tracking/interaction.h"
 #include "tracking/motion.h"
 
 namespace kinora::tracking {
@@ -19,8 +21,10 @@ struct BodyTrackerConfig {
   std::size_t min_pixels = 60;    ///< fewer: the pose is held
   int shape_frames = 20;          ///< that the measures are learned from
   double min_explained = 0.5;     ///< share of the measured surface that the body lies on; below, it is lost
-  int lost_frames = 3;            ///< in a row, after which size and pose are fitted anew
-  BodyPrior known;                ///< of the measures, before anything is seen; its pose is not used
+  int lost_frames = 3;            ///< or held, in a row, after which size and pose are fitted anew
+  /// Of the heels of both hands. Fingers are long, and of most objects only the front is known.
+  InteractionConfig interaction{.reach = 0.2, .presumes = true};
+  BodyPrior known; ///< of the measures, before anything is seen; its pose is not used
 };
 
 /// One frame's answer.
@@ -35,10 +39,13 @@ struct BodyTrackingResult {
 /// Not thread-safe. Same views, same bits, for any number of threads.
 class BodyTracker {
 public:
-  explicit BodyTracker(const BodyTrackerConfig& config = {}) : config_(config), known_(config.known) {}
+  explicit BodyTracker(const BodyTrackerConfig& config = {})
+      : config_(config), interaction_(config.interaction), known_(config.known) {}
 
-  /// Views of the person's layer in order of time (seconds).
-  BodyTrackingResult track(const ObjectView& view, const SE3& camera_to_world, double time);
+  /// Views of the person's layer in order of time (seconds). `objects`: those that the hands may hold, as they are in
+  /// this frame.
+  BodyTrackingResult track(const ObjectView& view, const SE3& camera_to_world, double time,
+                           std::span<const NearbyObject> objects = {});
 
   bool started() const { return started_; }
   /// The body in the last frame; the pose's root is in the world.
@@ -48,9 +55,11 @@ private:
   void begin(const ObjectView& view, const SE3& camera_to_world);
   BodyState predicted(double seconds) const;
   PoseStep pose_precision(double seconds) const;
-  void follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds, BodyTrackingResult& result);
+  void follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds,
+              std::span<const NearbyObject> objects, BodyTrackingResult& result);
   void move_to(const BodyState& state, double seconds);
   void learn_shape(const BodyEvidence& evidence, const BodyState& in_camera);
+  void learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result);
   void search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state, BodyTrackingResult& result);
   double explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
   double empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
@@ -60,6 +69,7 @@ private:
   double time_ = 0;
   BodyState state_;
   PoseStep velocity_ = PoseStep::Zero(); ///< per second
+  Interaction interaction_;              ///< of both hands
   bool fresh_ = true;                    ///< fitted anew in this frame
   int lost_frames_ = 0;                  ///< in a row
   BodyPrior known_;                      ///< of the measures

@@ -213,6 +213,7 @@ bool search_limb(Limb limb, const BodyEvidence& evidence, const BodyPrior& prior
   for (const Joint joint : {chain.ball, chain.hinge, chain.end}) {
     free.pose_precision.segment(6 + joints()[joint].first_angle, joints()[joint].angle_count).setZero();
   }
+  free.hands.clear();
   const std::vector<Candidate> points = points_for(chain, evidence, BodyInCamera(state), config);
   const std::vector<Trial> best = best_trials(limb, points, evidence, state, config);
   const Vec end = place_bones(state.pose, state.shape)[chain.end].translation();

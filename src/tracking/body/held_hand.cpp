@@ -1,0 +1,18 @@
+#include "tracking/body/held_hand.h"
+
+namespace kinora::tracking {
+
+std::size_t hand_part(Limb arm) { return chain_of(arm).parts.back(); }
+
+PartPoint heel_point() { return {0, -Eigen::Vector3d::UnitY()}; }
+
+Eigen::Vector3d heel_of_hand(const PosedBody& body, Limb arm) {
+  const std::size_t part = hand_part(arm);
+  return body.bones[body_parts()[part].bone] * position_of(body.parts[part], heel_point());
+}
+
+double holding_energy(const HeldHand& held, const PosedBody& body, const BodyEnergyConfig& config) {
+  return kHoldingWeight * robust_loss((heel_of_hand(body, held.arm) - held.place).squaredNorm(), config);
+}
+
+} // namespace kinora::tracking
