@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "ingest/background_model.h"
+#include "ingest/background_map.h"
 #include "ingest/frame_labelling.h"
 #include "ingest/handled_things.h"
 
@@ -10,17 +10,15 @@ namespace kinora::ingest {
 namespace {
 
 constexpr int kSamples = 48;
-constexpr double kStillDistance = 0.01; ///< metres that a still camera's poses may differ
-constexpr double kStillAngle = 0.01;    ///< radians
-constexpr double kLeastStill = 0.35;    ///< share of the background that keeps still, else the camera moves
+constexpr double kLeastStill = 0.35; ///< share of the background that keeps still, else the camera is elsewhere
 
 class MotionSegmenter final : public Segmenter {
 public:
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
     labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
     std::vector<SegmentationView> samples = read_samples(open, range, progress);
-    if (camera_moves_) return take_all_for_background(progress);
-    auto background = std::make_unique<BackgroundModel>(samples);
+    if (samples.empty()) return;
+    auto background = std::make_unique<BackgroundMap>(samples);
     if (background->still_share() < kLeastStill) return take_all_for_background(progress);
     SceneThings things = find_handled_things(samples, *background);
     labels_[1] = {"person", "deforming", "what moves before the background, without the things it handles"};
@@ -48,23 +46,17 @@ private:
     }
     progress.stage("looking for what moves", static_cast<std::size_t>(std::min(frames, kSamples)));
     std::vector<SegmentationView> samples;
-    std::optional<SE3> first;
     while (const auto frame = capture->next()) {
-      if (!first) first = frame->camera.camera_to_world;
-      const SE3 moved = first->inverse() * frame->camera.camera_to_world;
-      camera_moves_ |= moved.translation().norm() > kStillDistance || rotation_angle(moved) > kStillAngle;
-      if (camera_moves_) return {};
       samples.push_back(segmentation_view(*frame, segmentation_factor(frame->depth.width())));
       progress.advance(samples.size(), "");
     }
-    camera_moves_ |= samples.empty();
     return samples;
   }
 
   void take_all_for_background(Progress& progress) {
-    labels_[0].why = "the camera moves: without masks or a network everything is taken for background";
-    progress.warn("the camera moves, so that what moves by itself cannot be told without masks or --segmenter; "
-                  "everything is taken for background");
+    labels_[0].why = "hardly anything keeps still: without masks or a network everything is taken for background";
+    progress.warn("hardly anything keeps still before the camera, so that what moves by itself cannot be told without "
+                  "masks or --segmenter; everything is taken for background");
   }
 
   void add_thing(const HandledThing& thing, int label) {
@@ -78,7 +70,6 @@ private:
       labels_[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
   }
 
-  bool camera_moves_ = false;
   std::map<int, LabelInfo> labels_;
   std::unique_ptr<FrameLabelling> labelling_;
 };

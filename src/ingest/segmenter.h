@@ -26,8 +26,9 @@ public:
   virtual const std::map<int, LabelInfo>& labels() const = 0;
 };
 
-/// Without a network, for a still camera: what differs from the background or wavers is in front of it, what is flat
-/// or was seen alone is a thing, the rest is a person. With a moving camera everything is background, and says so.
+/// Without a network, for a camera that is still or whose frames know where it is: what differs from the background or
+/// wavers is in front of it, what is flat or was seen alone is a thing, the rest is a person. Where hardly anything
+/// keeps still everything is background, and says so.
 std::unique_ptr<Segmenter> make_motion_segmenter();
 
 /// The capture whose frames come in `range`, with a segmenter's labels in place of its own: it has masks, and every
