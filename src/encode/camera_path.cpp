@@ -70,7 +70,8 @@ CameraPath follow_camera(ingest::Capture& capture, StageTimes& times, Progress& 
     indices.push_back(frame->index);
     progress.advance(indices.size(), "");
   }
-  CameraPath path{{}, report_of(tracker)};
+  CameraPath path{{}, 0, report_of(tracker)};
+  for (const auto& result : tracker.results()) path.lost += result.health == tracking::Health::kLost ? 1 : 0;
   if (!tracker.moves()) return path;
   const std::vector<SE3> poses = tracker.path();
   for (std::size_t i = 0; i < indices.size(); ++i) path.camera_to_world[indices[i]] = poses[i];

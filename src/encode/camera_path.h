@@ -15,6 +15,7 @@ namespace kinora::encode {
 struct CameraPath {
   std::map<int, SE3>
       camera_to_world;   ///< by the frame's index; empty: the camera is still, or the frames say where it is
+  int lost = 0;          ///< frames that do not show where the camera is
   nlohmann::json report; ///< "path" (moving or still), "why", and how it was followed
 
   bool moves() const { return !camera_to_world.empty(); }

@@ -1,5 +1,7 @@
 #include "encode/capture_preparation.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "ingest/mask_completion.h"
@@ -21,6 +23,19 @@ private:
   Progress& to_;
 };
 
+constexpr int kMostRounds = 3;
+constexpr double kSamePath = 0.01; // metres, and radians
+
+double largest_change(const CameraPath& before, const CameraPath& after) {
+  double largest = 0;
+  for (const auto& [frame, pose] : before.camera_to_world) {
+    const auto found = after.camera_to_world.find(frame);
+    const SE3 change = found == after.camera_to_world.end() ? pose : SE3(pose.inverse() * found->second);
+    largest = std::max({largest, change.translation().norm(), rotation_angle(change)});
+  }
+  return largest;
+}
+
 class Preparation {
 public:
   Preparation(const CaptureRequest& request, Progress& progress)
@@ -33,10 +48,10 @@ public:
   PreparedCapture run() {
     const ingest::CaptureInfo info = open(quiet_)->info();
     has_masks_ = info.has_masks;
-    if (!info.has_poses) follow(has_masks_ ? *labelled(quiet_) : *open(quiet_));
+    if (!info.has_poses) follow(has_masks_ ? *labelled(segmenter(), quiet_) : *open(quiet_));
     find_registration();
-    if (result_.camera->moves() && !has_masks_) follow(*labelled(quiet_));
-    result_.capture = labelled(progress_);
+    if (result_.camera->moves() && !has_masks_) follow_background();
+    result_.capture = labelled(segmenter(), progress_);
     return std::move(result_);
   }
 
@@ -47,6 +62,19 @@ private:
 
   void follow(ingest::Capture& capture) {
     result_.camera = std::make_shared<CameraPath>(follow_camera(capture, result_.times, progress_));
+  }
+
+  // What moves misleads who follows the camera, and a wrong path whoever tells what moves: by turns.
+  void follow_background() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::shared_ptr<const CameraPath> before = result_.camera;
+      follow(*labelled(request_.network.empty() ? ingest::make_foreground_segmenter() : segmenter(), quiet_));
+      if (result_.camera->lost > before->lost) { // too little was left to follow
+        result_.camera = before;
+        return;
+      }
+      if (largest_change(*before, *result_.camera) < kSamePath) return;
+    }
   }
 
   void find_registration() {
@@ -68,13 +96,13 @@ private:
     return has_masks_ ? ingest::make_mask_completion() : ingest::make_motion_segmenter();
   }
 
-  std::unique_ptr<ingest::Capture> labelled(Progress& progress) {
+  std::unique_ptr<ingest::Capture> labelled(std::unique_ptr<ingest::Segmenter> segmenter, Progress& progress) {
     const auto open_range = [&](const ingest::FrameRange& range) {
       ingest::CaptureOptions how = options_;
       how.frames = range;
       return placed_capture(request_.open(how, progress), result_.camera);
     };
-    return ingest::segmented_capture(open_range, options_.frames, segmenter(), progress);
+    return ingest::segmented_capture(open_range, options_.frames, std::move(segmenter), progress);
   }
 
   const CaptureRequest& request_;

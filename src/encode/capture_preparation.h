@@ -29,10 +29,9 @@ struct PreparedCapture {
 };
 
 /// Reads the capture several times. Where it brings no poses its camera is followed; if it moves, colour is then
-/// compared with depth and frames are labelled with these poses, and the camera is followed once more through labelled
-/// frames, so that what moves does not mislead it. Labels come from the network if there is one, else from masks, else
-/// from motion. Same capture, same bits, for any number of threads. Throws what reading, segmenters and the network
-/// throw.
+/// compared with depth, what moves is told from the background with these poses, and the camera is followed again
+/// without it until its path stays the same. Labels come from the network if there is one, else from masks, else from
+/// motion. Same capture, same bits, for any number of threads. Throws what reading, segmenters and the network throw.
 PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress);
 
 } // namespace kinora::encode

@@ -120,6 +120,18 @@ void FrameLabelling::label(Frame& frame) {
   sharpen_borders(frame.color, kSharpened, frame.labels);
 }
 
+void FrameLabelling::mark_foreground(Frame& frame) const {
+  const int factor = segmentation_factor(frame.depth.width());
+  const SegmentationView view = segmentation_view(frame, factor);
+  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view).ground_of(view));
+  frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
+  for_rows(frame.labels.height(), [&](int v) {
+    const int y = std::min(v / factor, foreground.height() - 1);
+    for (int u = 0; u < frame.labels.width(); ++u)
+      frame.labels.at(u, v) = foreground.at(std::min(u / factor, foreground.width() - 1), y);
+  });
+}
+
 /// What is known of the last frame moves with the picture.
 void FrameLabelling::carry_last_labels(const SegmentationView& view) {
   if (last_labels_.empty() || things_.things.empty()) return;

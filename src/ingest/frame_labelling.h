@@ -15,6 +15,8 @@ public:
 
   /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
   void label(Frame& frame);
+  /// Only what is in front of the background, as label 1 in whole pixels of the view; as if the frame came alone.
+  void mark_foreground(Frame& frame) const;
 
 private:
   void carry_last_labels(const SegmentationView& view);

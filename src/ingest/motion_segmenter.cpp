@@ -14,20 +14,24 @@ constexpr double kLeastStill = 0.35; ///< share of the background that keeps sti
 
 class MotionSegmenter final : public Segmenter {
 public:
+  explicit MotionSegmenter(bool only_foreground) : only_foreground_(only_foreground) {}
+
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
     labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
     std::vector<SegmentationView> samples = read_samples(open, range, progress);
     if (samples.empty()) return;
     auto background = std::make_unique<BackgroundMap>(samples);
     if (background->still_share() < kLeastStill) return take_all_for_background(progress);
-    SceneThings things = find_handled_things(samples, *background);
+    SceneThings things = only_foreground_ ? SceneThings{} : find_handled_things(samples, *background);
     labels_[1] = {"person", "deforming", "what moves before the background, without the things it handles"};
     for (std::size_t i = 0; i < things.things.size(); ++i) add_thing(things.things[i], static_cast<int>(i) + 2);
     labelling_ = std::make_unique<FrameLabelling>(std::move(background), std::move(things), samples.size());
   }
 
   void label(Frame& frame) override {
-    if (labelling_)
+    if (labelling_ && only_foreground_)
+      labelling_->mark_foreground(frame);
+    else if (labelling_)
       labelling_->label(frame);
     else
       frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
@@ -70,12 +74,15 @@ private:
       labels_[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
   }
 
+  bool only_foreground_;
   std::map<int, LabelInfo> labels_;
   std::unique_ptr<FrameLabelling> labelling_;
 };
 
 } // namespace
 
-std::unique_ptr<Segmenter> make_motion_segmenter() { return std::make_unique<MotionSegmenter>(); }
+std::unique_ptr<Segmenter> make_motion_segmenter() { return std::make_unique<MotionSegmenter>(false); }
+
+std::unique_ptr<Segmenter> make_foreground_segmenter() { return std::make_unique<MotionSegmenter>(true); }
 
 } // namespace kinora::ingest

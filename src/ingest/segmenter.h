@@ -31,6 +31,10 @@ public:
 /// keeps still everything is background, and says so.
 std::unique_ptr<Segmenter> make_motion_segmenter();
 
+/// The same, but all that is in front of the background gets label 1, at the size at which scenes are taken apart: in a
+/// fraction of the time. Frames may come in any order.
+std::unique_ptr<Segmenter> make_foreground_segmenter();
+
 /// The capture whose frames come in `range`, with a segmenter's labels in place of its own: it has masks, and every
 /// frame's are complete. `open` must not read masks. The first pass is made here. Throws what the capture throws.
 std::unique_ptr<Capture> segmented_capture(const CaptureFactory& open, const FrameRange& range,
