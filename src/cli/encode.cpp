@@ -14,10 +14,6 @@
 #include "core/error.h"
 #include "encode/pipeline.h"
 #include "ingest/body_mesh.h"
-#include "ingest/mask_completion.h"
-#include "ingest/network_segmenter.h"
-#include "ingest/registration_json.h"
-#include "ingest/registration_search.h"
 #include "player/evaluate.h"
 #include "tracking/body/body_sizes.h"
 
@@ -57,56 +53,18 @@ ingest::CaptureOptions capture_options(const Options& options) {
   ingest::CaptureOptions out;
   out.format = options.format;
   if (!options.frames.empty()) out.frames = ingest::FrameRange::parse(options.frames);
-  out.use_masks = !options.no_masks && options.segmenter.empty();
+  out.use_masks = !options.no_masks;
   return out;
 }
 
-/// A capture whose frames are labelled, and in words by whom.
-struct LabelledCapture {
-  std::unique_ptr<ingest::Capture> capture;
-  std::string labels_from;
-};
-
-ingest::FoundRegistration find_registration(const Options& options, Context& context) {
-  const auto capture =
-      ingest::Capture::open(context.plugins(), options.capture, capture_options(options), context.progress);
-  ingest::FoundRegistration found = ingest::search_registration(*capture, context.progress);
-  if (found.geometry) {
-    const ingest::RegistrationGeometry& cameras = *found.geometry;
-    context.progress.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
-                                      "length of {:.1f} pixels, depth {:.1f}; depth is carried into colour",
-                                      cameras.color.fx, cameras.depth.fx));
-  }
-  return found;
-}
-
-Json registration_json(const ingest::FoundRegistration& found) {
-  if (found.pairs == 0) return {{"applied", false}, {"why", "needs camera poses, and views that show the same"}};
-  return {{"applied", found.geometry.has_value()},
-          {"pairs", found.pairs},
-          {"unexplained_as_given", rounded(found.unexplained_as_given)},
-          {"unexplained", rounded(found.unexplained)},
-          {"cameras", found.geometry ? ingest::to_json(*found.geometry) : Json(nullptr)}};
-}
-
-// Masks where there are some, else what moves, unless a network is asked for.
-LabelledCapture open_labelled(const Options& options, const ingest::FoundRegistration& registration, Context& context) {
-  const auto open = [&](const ingest::FrameRange& range) {
-    ingest::CaptureOptions how = capture_options(options);
-    how.frames = range;
-    how.registration = registration.geometry;
-    return ingest::Capture::open(context.plugins(), options.capture, how, context.progress);
+encode::PreparedCapture prepare(const Options& options, Context& context) {
+  encode::CaptureRequest request;
+  request.open = [&](const ingest::CaptureOptions& how, Progress& progress) {
+    return ingest::Capture::open(context.plugins(), options.capture, how, progress);
   };
-  const ingest::FrameRange range = capture_options(options).frames;
-  if (!options.segmenter.empty()) {
-    return {ingest::segmented_capture(open, range, ingest::make_network_segmenter(options.segmenter), context.progress),
-            "network " + options.segmenter.filename().string()};
-  }
-  if (auto capture = open(range); capture->info().has_masks) {
-    capture.reset();
-    return {ingest::segmented_capture(open, range, ingest::make_mask_completion(), context.progress), "masks"};
-  }
-  return {ingest::segmented_capture(open, range, ingest::make_motion_segmenter(), context.progress), "motion"};
+  request.options = capture_options(options);
+  request.network = options.segmenter;
+  return encode::prepare_capture(request, context.progress);
 }
 
 encode::EncodeOptions encode_options(const Options& options) {
@@ -180,11 +138,8 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
 
   const Stopwatch watch;
-  const ingest::FoundRegistration registration = find_registration(options, context);
-  const LabelledCapture labelled = open_labelled(options, registration, context);
-  how.labels_from = labelled.labels_from;
-  encode::EncodeResult result = encode::encode_capture(*labelled.capture, how, context.progress);
-  result.report["streams"]["registration"] = registration_json(registration);
+  const encode::PreparedCapture prepared = prepare(options, context);
+  encode::EncodeResult result = encode::encode_capture(prepared, how, context.progress);
   context.progress.stage("writing", 0);
   encode::write_clip(result.clip, out.writing_path());
   out.commit();

@@ -61,7 +61,6 @@ std::size_t EncodeOptions::expected_frames(int frame_count) const {
 nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
-          {"labels_from", labels_from},
           {"body_from", body_from},
           {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
           {"seed", seed},

@@ -20,9 +20,8 @@ std::string name_of(Preset preset);
 
 struct EncodeOptions {
   Preset preset = Preset::kBalanced;
-  int holdout = 0;         ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
-  std::string labels_from; ///< in words, for the record: who labelled the frames
-  std::string body_from;   ///< likewise: whose measures `body` holds
+  int holdout = 0;       ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
+  std::string body_from; ///< in words, for the record: whose measures `body` holds
   std::optional<tracking::BodyPrior> body; ///< what is known of the measures of everybody in the capture
   ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   std::uint64_t seed = 1;

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "encode/capture_camera.h"
 #include "encode/layer_report.h"
 #include "encode/motion_refinement.h"
 #include "encode/scene_tracker.h"
@@ -28,7 +27,6 @@ using Json = nlohmann::json;
 /// What one pass over the frames leaves behind.
 struct Pass {
   fields::PixelStore pixels;
-  CaptureCamera camera;
   SceneTracker scene;
   ingest::StreamEstimates streams;
   Clip clip;                  ///< timeline and camera path
@@ -48,15 +46,6 @@ void add_to_timeline(const ingest::Frame& frame, bool held_out, Clip& clip) {
   clip.held_out.push_back(held_out);
 }
 
-// Where the camera has been is known in the end: layers and pixels that were followed as it was thought to be go along.
-void settle_camera(Pass& pass) {
-  pass.clip.camera_to_world = pass.camera.path();
-  const std::vector<SE3> corrections = pass.camera.corrections();
-  if (corrections.empty()) return;
-  pass.scene.carry_along(corrections);
-  pass.pixels.set_poses(pass.clip.camera_to_world);
-}
-
 void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pass& pass, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
   progress.stage("reading and tracking", options.expected_frames(info.frame_count));
@@ -66,7 +55,7 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     if (!frame) break;
     const bool held_out = is_held_out(i, options.holdout);
     add_to_timeline(*frame, held_out, pass.clip);
-    pass.camera.place(*frame, pass.times);
+    if (i == 0 || info.has_poses) pass.clip.camera_to_world.push_back(frame->camera.camera_to_world);
     const bool labelled = !info.has_masks || !frame->labels.empty();
     pass.streams.add(*frame);
     pass.scene.add(*frame, pass.times);
@@ -79,7 +68,6 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     progress.advance(i + 1, "");
   }
   pass.scene.finish(pass.times);
-  settle_camera(pass);
   pass.clip.intrinsics = info.intrinsics;
   if (pass.clip.times.empty()) {
     throw Error(ErrorCode::kCorruptInput, "the capture has no usable frame in the range; look at the warnings above");
@@ -252,7 +240,14 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   pass.clip.layers.push_back(std::move(layer));
 }
 
-Json capture_json(const ingest::Capture& capture, const Pass& pass) {
+Json camera_json(const PreparedCapture& prepared) {
+  if (!prepared.camera->report.is_null()) return prepared.camera->report;
+  if (!prepared.capture->info().has_poses) return {{"path", "still"}, {"why", "nobody looked whether it moves"}};
+  return {{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}};
+}
+
+Json capture_json(const PreparedCapture& prepared, const Pass& pass) {
+  const ingest::Capture& capture = *prepared.capture;
   const ingest::CaptureInfo& info = capture.info();
   Json skipped = Json::array();
   for (const ingest::SkippedFrame& frame : capture.skipped()) {
@@ -266,35 +261,44 @@ Json capture_json(const ingest::Capture& capture, const Pass& pass) {
           {"frames_held_out", held_out},
           {"frames_without_mask", pass.unlabelled},
           {"frames_per_second", info.frames_per_second},
-          {"has_poses", info.has_poses},
+          {"has_poses", info.has_poses && !prepared.camera->moves()},
           {"has_masks", info.has_masks},
           {"stored_pixels", pass.pixels.pixels().size()},
           {"skipped", skipped}};
 }
 
-Json streams_json(const ingest::StreamEstimates& estimates) {
+Json registration_json(const ingest::FoundRegistration& found) {
+  if (found.pairs == 0) return {{"applied", false}, {"why", "needs a camera that moves, and views that show the same"}};
+  return {{"applied", found.geometry.has_value()},
+          {"pairs", found.pairs},
+          {"unexplained_as_given", round4(found.unexplained_as_given)},
+          {"unexplained", round4(found.unexplained)},
+          {"cameras", found.geometry ? ingest::to_json(*found.geometry) : Json(nullptr)}};
+}
+
+Json streams_json(const ingest::StreamEstimates& estimates, const ingest::FoundRegistration& registration) {
   const ingest::StreamReport report = estimates.report();
   Json gains = Json::array();
   for (const double gain : report.gains) gains.push_back(round4(gain));
   return {{"exposure_gains", std::move(gains)},
           {"exposure_changes", report.exposure_changes},
-          {"depth_behind_color_s", report.time_offset ? Json(round4(*report.time_offset)) : Json(nullptr)}};
+          {"depth_behind_color_s", report.time_offset ? Json(round4(*report.time_offset)) : Json(nullptr)},
+          {"registration", registration_json(registration)}};
 }
 
 } // namespace
 
-EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& options, Progress& progress) {
-  const ingest::CaptureInfo& info = capture.info();
+EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions& options, Progress& progress) {
+  const ingest::CaptureInfo& info = prepared.capture->info();
   tracking::DeformingTrackerConfig deforming;
   if (options.body) deforming.body.tracker.known = *options.body;
   Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
-            CaptureCamera(info.has_poses),
             SceneTracker(info, deforming, progress),
             {},
             {},
             0,
-            {}};
-  pass_over_frames(capture, options, pass, progress);
+            prepared.times};
+  pass_over_frames(*prepared.capture, options, pass, progress);
   Json report = {{"schema", "kinora.encode/1"}, {"layers", Json::array()}, {"not_modelled", Json::array()}};
   const std::vector<LayerJob> jobs = share_rays(pass, options, report["not_modelled"]);
   if (jobs.empty()) {
@@ -305,14 +309,16 @@ EncodeResult encode_capture(ingest::Capture& capture, const EncodeOptions& optio
   pass.clip.metadata["not_modelled"] = report["not_modelled"];
   for (const LayerJob& job : jobs) train_layer(job, options, pass, report, progress);
   const std::size_t frames = pass.clip.times.size();
-  pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", options.json()}};
+  Json config = options.json();
+  config["labels_from"] = prepared.labels_from;
+  pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", config}};
   pass.clip.metadata["frames_per_second"] = info.frames_per_second;
   if (info.registration) pass.clip.metadata["registration"] = ingest::to_json(*info.registration);
   report["version"] = KINORA_VERSION;
-  report["config"] = options.json();
-  report["capture"] = capture_json(capture, pass);
-  report["camera"] = pass.camera.json();
-  report["streams"] = streams_json(pass.streams);
+  report["config"] = std::move(config);
+  report["capture"] = capture_json(prepared, pass);
+  report["camera"] = camera_json(prepared);
+  report["streams"] = streams_json(pass.streams, prepared.registration);
   report["timing"] = {{"stages", pass.times.json(frames)}};
   return {std::move(pass.clip), std::move(report)};
 }

@@ -21,16 +21,6 @@ tracking::Motion with_frames_before(const tracking::Motion& motion, int count) {
   return tracking::Motion::deforming(motion.graph(), std::move(all));
 }
 
-tracking::Motion corrected(const tracking::Motion& motion, const std::vector<SE3>& corrections) {
-  std::vector<tracking::Motion::Deformation> all = motion.deformations();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (DualQuaternion& node : all[i].node_to_world) {
-      node = DualQuaternion::from(renormalized(corrections[i] * node.to_se3()));
-    }
-  }
-  return tracking::Motion::deforming(motion.graph(), std::move(all));
-}
-
 } // namespace
 
 struct SceneTracker::Sight {
@@ -114,19 +104,6 @@ void SceneTracker::finish(StageTimes& times) {
   }
 }
 
-void SceneTracker::carry_along(const std::vector<SE3>& corrections) {
-  corrections_ = corrections;
-  for (auto& [label, tracked] : labels_) {
-    const auto first = static_cast<std::size_t>(tracked.first_frame);
-    const SE3& at_first = corrections[first]; // canonical space stays the world of the first frame
-    tracked.centre = at_first * tracked.centre;
-    for (std::size_t i = first; i < tracked.poses.size(); ++i) {
-      SE3& pose = tracked.poses[i].canonical_to_world;
-      pose = renormalized(corrections[i] * pose * at_first.inverse());
-    }
-  }
-}
-
 double SceneTracker::largest_move(const TrackedLabel& label) {
   double largest = 0;
   for (const auto& pose : label.poses) {
@@ -143,17 +120,11 @@ std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& 
   if (!joints) return std::nullopt;
   auto& places = joints->places;
   places.insert(places.begin(), static_cast<std::size_t>(label.first_frame), places.front());
-  for (std::size_t i = 0; i < std::min(places.size(), corrections_.size()); ++i) {
-    for (Eigen::Vector3d& place : places[i]) place = corrections_[i] * place;
-  }
   return joints;
 }
 
 tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
-  if (label.bending) {
-    const tracking::Motion motion = with_frames_before(label.bending->motion(), label.first_frame);
-    return corrections_.empty() ? motion : corrected(motion, corrections_);
-  }
+  if (label.bending) return with_frames_before(label.bending->motion(), label.first_frame);
   const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
   return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
 }

@@ -43,10 +43,6 @@ public:
   /// After the last frame: what was found late is followed back to where it was before (DeformingTracker::settle_past).
   void finish(StageTimes& times);
 
-  /// After `finish`: a frame's world turns out to lie elsewhere, and what was seen in it goes along. One transform for
-  /// each frame, from the world that it was given to that which holds for all.
-  void carry_along(const std::vector<SE3>& corrections);
-
   /// By label, in ascending order.
   const std::map<int, TrackedLabel>& labels() const { return labels_; }
   /// The label's motion over the whole timeline: still if it never left its place by more than tracking can tell.
@@ -65,7 +61,6 @@ private:
   tracking::DeformingTrackerConfig deforming_;
   Progress& progress_;
   int frames_ = 0;
-  std::vector<SE3> corrections_; ///< of each frame; empty: none
   std::map<int, TrackedLabel> labels_;
   bool warned_of_crowd_ = false;
 };

@@ -112,12 +112,6 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});
 }
 
-void PixelStore::set_poses(const std::vector<SE3>& camera_to_world) {
-  for (StoredFrame& frame : frames_) {
-    frame.camera.camera_to_world = camera_to_world[static_cast<std::size_t>(frame.frame)];
-  }
-}
-
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {
   PixelStore part(max_pixels, frames_.size());
   const double share = static_cast<double>(max_pixels) / static_cast<double>(std::max<std::size_t>(pixels_.size(), 1));

@@ -34,9 +34,6 @@ public:
   /// `timeline_index`: the frame's place in the clip's timeline. Throws Error(kFailure) if `max_pixels` are exceeded.
   void add(const ingest::Frame& frame, int timeline_index);
 
-  /// Gives every frame its camera anew: camera to world by the place in the timeline.
-  void set_poses(const std::vector<SE3>& camera_to_world);
-
   /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
   /// about `max_pixels`.
   PixelStore thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const;

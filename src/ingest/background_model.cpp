@@ -24,12 +24,17 @@ struct Wavering {
   std::size_t on = 0;
   std::size_t off = 0;
 
-  void add(std::span<const SegmentationView> samples, int u, int v, double z) {
+  /// Counts the samples' measurements at pixel (u, v), against z there. What is found within `slack` pixels is there.
+  void add(std::span<const SegmentationView> samples, int u, int v, double z, int slack) {
     const double tolerance = 1.5 * same_surface_tolerance(z);
     for (const SegmentationView& sample : samples) {
       const double seen = sample.depth.at(u, v);
       if (seen <= 0 || seen < z - kNear || seen > z + kNear) continue;
-      ++(std::abs(seen - z) <= tolerance ? on : off);
+      bool there = std::abs(seen - z) <= tolerance;
+      for (int y = std::max(0, v - slack); y <= std::min(sample.depth.height() - 1, v + slack) && !there; ++y)
+        for (int x = std::max(0, u - slack); x <= std::min(sample.depth.width() - 1, u + slack) && !there; ++x)
+          there = std::abs(sample.depth.at(x, y) - z) <= tolerance;
+      ++(there ? on : off);
     }
   }
   bool moves() const {
@@ -60,6 +65,12 @@ bool median_color(std::span<const SegmentationView> samples, std::size_t i, cons
   return true;
 }
 
+/// How many of the views that saw a pixel must agree on its depth.
+std::size_t support_among(std::size_t count) {
+  if (count < kFewSamples) return 1;
+  return std::max<std::size_t>(3, static_cast<std::size_t>(kMinSupport * static_cast<double>(count)));
+}
+
 /// Median of the farthest window of sorted depths that holds `support` of them; 0 if there is none.
 float farthest_stable(const std::vector<float>& sorted, std::size_t support) {
   for (std::size_t last = sorted.size(); last-- > 0;) {
@@ -73,9 +84,10 @@ float farthest_stable(const std::vector<float>& sorted, std::size_t support) {
 
 } // namespace
 
-BackgroundModel::BackgroundModel(std::span<const SegmentationView> samples)
-    : intrinsics_(samples.front().intrinsics), depth_(intrinsics_.width, intrinsics_.height),
-      color_(intrinsics_.width, intrinsics_.height, 3), has_color_(intrinsics_.width, intrinsics_.height) {
+BackgroundModel::BackgroundModel(std::span<const SegmentationView> samples, int slack)
+    : slack_(slack), intrinsics_(samples.front().intrinsics), depth_(intrinsics_.width, intrinsics_.height),
+      color_(intrinsics_.width, intrinsics_.height, 3), has_color_(intrinsics_.width, intrinsics_.height),
+      known_(intrinsics_.width, intrinsics_.height), measured_(intrinsics_.width, intrinsics_.height) {
   find_farthest_stable(samples);
   planes_ = find_planes(depth_, intrinsics_);
   drop_wavering_planes(samples);
@@ -85,26 +97,28 @@ BackgroundModel::BackgroundModel(std::span<const SegmentationView> samples)
 }
 
 void BackgroundModel::find_farthest_stable(std::span<const SegmentationView> samples) {
-  const std::size_t count = samples.size();
-  const std::size_t support =
-      count < kFewSamples
-          ? 1
-          : std::max<std::size_t>(3, static_cast<std::size_t>(kMinSupport * static_cast<double>(count)));
   parallel_for(depth_.pixel_count(), kPixelsPerChunk, [&](const Chunk& pixels) {
     std::vector<float> measured;
     for (std::size_t i = pixels.begin; i < pixels.end; ++i) {
       measured.clear();
-      for (const SegmentationView& sample : samples)
-        if (const float z = sample.depth.data()[i]; z > 0) measured.push_back(z);
+      std::size_t count = 0;
+      for (const SegmentationView& sample : samples) {
+        const float z = sample.depth.data()[i];
+        count += z != kUnseen ? 1 : 0;
+        if (z > 0) measured.push_back(z);
+      }
+      measured_.data()[i] = measured.empty() ? 0 : 1;
+      if (count < std::min(samples.size(), kFewSamples)) continue;
+      known_.data()[i] = 1;
       std::sort(measured.begin(), measured.end());
-      depth_.data()[i] = farthest_stable(measured, support);
+      depth_.data()[i] = farthest_stable(measured, support_among(count));
       const auto unmeasured = static_cast<double>(count - measured.size());
       if (unmeasured < std::max(1.0, kMinUnmeasured * static_cast<double>(count))) continue;
       // Holes of one surface look like it; where something stands before a background out of range, they do not.
       std::uint8_t hole[3];
       std::uint8_t surface[3];
       (void)median_color(
-          samples, i, [](float z) { return z <= 0; }, hole);
+          samples, i, [](float z) { return z == 0; }, hole);
       const bool seen = median_color(
           samples, i, [](float z) { return z > 0; }, surface);
       if (!seen || difference(hole, surface) > kColorChange) depth_.data()[i] = kNever;
@@ -132,7 +146,8 @@ void BackgroundModel::drop_wavering_planes(std::span<const SegmentationView> sam
       if (!(z > 0) || z == kNever) continue;
       const Eigen::Vector3d point = intrinsics_.unproject(u, v, z);
       for (std::size_t i = 0; i < planes_.size(); ++i)
-        if (std::abs(planes_[i].distance(point)) <= same_surface_tolerance(z)) wavering[i].add(samples, u, v, z);
+        if (std::abs(planes_[i].distance(point)) <= same_surface_tolerance(z))
+          wavering[i].add(samples, u, v, z, slack_);
     }
   }
   std::vector<Plane> still;
@@ -150,7 +165,7 @@ void BackgroundModel::drop_wavering(std::span<const SegmentationView> samples) {
       const std::int32_t number = surfaces.map.at(u, v);
       const bool inside = number >= 0 && surfaces.map.at(u - 1, v) == number && surfaces.map.at(u + 1, v) == number &&
                           surfaces.map.at(u, v - 1) == number && surfaces.map.at(u, v + 1) == number;
-      if (inside) wavering[static_cast<std::size_t>(number)].add(samples, u, v, depth_.at(u, v));
+      if (inside) wavering[static_cast<std::size_t>(number)].add(samples, u, v, depth_.at(u, v), slack_);
     }
   }
   std::size_t known = 0;
@@ -185,7 +200,9 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
     const SurfaceComponents parts = surface_components(sample.depth, moving, intrinsics_);
     const auto touch = [&](int u, int v, int x, int y) {
       const std::int32_t number = surfaces.map.at(u, v);
-      if (number < 0 || ground.at(u, v) != Ground::kBackground || ground.at(x, y) == Ground::kUnmeasured) return;
+      if (number < 0 || ground.at(u, v) != Ground::kBackground || ground.at(x, y) == Ground::kUnmeasured ||
+          ground.at(x, y) == Ground::kUnknown)
+        return;
       const float a = sample.depth.at(u, v);
       const float b = sample.depth.at(x, y);
       if (std::abs(a - b) > 2 * same_surface_tolerance(a) || surfaces.map.at(x, y) == number) {
@@ -231,7 +248,7 @@ void BackgroundModel::find_colors(std::span<const SegmentationView> samples) {
       if (z <= 0) continue;
       const double tolerance = z == kNever ? 0 : 1.5 * same_surface_tolerance(z);
       const auto is_background = [&](float seen) {
-        return z == kNever ? seen <= 0 : seen > 0 && seen >= z - tolerance;
+        return z == kNever ? seen == 0 : seen > 0 && seen >= z - tolerance;
       };
       if (median_color(samples, i, is_background, &color_.data()[3 * i])) has_color_.data()[i] = 1;
     }
@@ -245,12 +262,28 @@ bool BackgroundModel::on_plane(const Eigen::Vector3d& point) const {
   });
 }
 
+/// The least depth within the slack of a pixel that has one.
+float BackgroundModel::nearest_around(int u, int v) const {
+  float nearest = depth_.at(u, v);
+  if (slack_ == 0 || nearest == 0) return nearest;
+  for (int y = std::max(0, v - slack_); y <= std::min(depth_.height() - 1, v + slack_); ++y)
+    for (int x = std::max(0, u - slack_); x <= std::min(depth_.width() - 1, u + slack_); ++x)
+      if (const float z = depth_.at(x, y); z > 0) nearest = std::min(nearest, z);
+  return nearest;
+}
+
 Ground BackgroundModel::ground_of(int u, int v, const Eigen::Vector3d& point) const {
   if (!(point.z() > 0)) return Ground::kUnmeasured;
-  const float behind = depth_.at(u, v);
+  if (known_.at(u, v) == 0) return Ground::kUnknown;
+  const float behind = nearest_around(u, v);
   if (behind > 0 && behind < kNever && point.z() > behind - 1.3 * same_surface_tolerance(behind))
     return Ground::kBackground;
   return on_plane(point) ? Ground::kBackground : Ground::kForeground;
+}
+
+bool BackgroundModel::shows(int u, int v, const Eigen::Vector3d& point) const {
+  const double z = depth_.at(u, v);
+  return z > 0 && std::abs(point.z() - z) <= 1.3 * same_surface_tolerance(z);
 }
 
 Image<Ground> BackgroundModel::ground_of(const SegmentationView& view) const {

@@ -14,9 +14,10 @@ constexpr std::size_t kFewSamples = 6;
 constexpr std::size_t kRowsPerChunk = 16;
 constexpr float kImpossible = -100;
 constexpr float kLeastScore = 0.3F;
-constexpr float kOfLast = 2.5F; ///< score of a pixel whose neighbourhood had the label before
-constexpr float kOfFace = 2;    ///< … that lies on a flat face
-constexpr float kOfRest = 1.5F; ///< … where the thing lay
+constexpr float kOfLast = 2.5F;  ///< score of a pixel whose neighbourhood had the label before
+constexpr float kOfFace = 2;     ///< … that lies on a flat face
+constexpr float kOfRest = 1.5F;  ///< … where the thing lay
+constexpr double kAtRest = 0.02; ///< metres
 constexpr float kSameDepth = 0.06F;
 constexpr float kAlike = 0.8F;      ///< mean log ratio at which a lost thing is found again by colour alone
 constexpr double kLeastBody = 0.02; ///< square metres: less is no person, unless it hangs on one
@@ -85,25 +86,50 @@ Mask faces_of(const HandledThing& thing, const SegmentationView& view, const Mas
   return result;
 }
 
+/// Whether the surface at a pixel is where the thing last lay.
+bool lies_at_rest(const HandledThing& thing, const SegmentationView& view, int u, int v) {
+  const Eigen::Vector3d point = view.camera_to_world * view.intrinsics.unproject(u, v, view.depth.at(u, v));
+  for (std::size_t i = thing.rests.size(); i-- > 0;) {
+    const RestingPlace& rest = thing.rests[i];
+    const auto seen = seen_point(rest.camera.intrinsics, rest.camera.camera_to_world.inverse() * point);
+    if (!seen || !(rest.depth.at(seen->u, seen->v) > 0)) continue;
+    return std::abs(rest.depth.at(seen->u, seen->v) - seen->z) < kAtRest;
+  }
+  return false;
+}
+
 } // namespace
 
-FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundModel> background, SceneThings things, std::size_t samples)
+FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples)
     : background_(std::move(background)), things_(std::move(things)), samples_(samples),
       lost_(things_.things.size(), true) {}
 
 void FrameLabelling::label(Frame& frame) {
   const int factor = segmentation_factor(frame.depth.width());
   const SegmentationView view = segmentation_view(frame, factor);
-  const Mask foreground = foreground_mask(view, background_->ground_of(view));
+  const BackgroundLook background(*background_, view);
+  const Mask foreground = foreground_mask(view, background.ground_of(view));
   carry_last_labels(view);
   LabelImage labels = label_things(view, foreground);
   label_persons(view, foreground, labels);
   last_labels_ = labels;
   last_depth_ = view.depth;
   last_color_ = view.color;
-  fill_unmeasured(view, labels);
-  frame.labels = at_full_size(frame, factor, view, labels);
+  fill_unmeasured(view, background, labels);
+  frame.labels = at_full_size(frame, factor, view, background, labels);
   sharpen_borders(frame.color, kSharpened, frame.labels);
+}
+
+void FrameLabelling::mark_foreground(Frame& frame) const {
+  const int factor = segmentation_factor(frame.depth.width());
+  const SegmentationView view = segmentation_view(frame, factor);
+  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view).ground_of(view));
+  frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
+  for_rows(frame.labels.height(), [&](int v) {
+    const int y = std::min(v / factor, foreground.height() - 1);
+    for (int u = 0; u < frame.labels.width(); ++u)
+      frame.labels.at(u, v) = foreground.at(std::min(u / factor, foreground.width() - 1), y);
+  });
 }
 
 /// What is known of the last frame moves with the picture.
@@ -158,7 +184,7 @@ void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view
         possible = faces.at(u, v) != 0;
         if (faces.at(u, v) == kOnFace) support += kOfFace;
       }
-      if (!model.flat && model.rest_depth.at(u, v) > 0 && std::abs(model.rest_depth.at(u, v) - z) < 0.02F) {
+      if (lies_at_rest(model, view, u, v)) {
         support += kOfRest;
         possible = true;
       }
@@ -230,13 +256,14 @@ void FrameLabelling::label_persons(const SegmentationView& view, const Mask& for
 }
 
 /// Pixels without depth beside a labelled one follow it where they do not look like the background.
-void FrameLabelling::fill_unmeasured(const SegmentationView& view, LabelImage& labels) const {
+void FrameLabelling::fill_unmeasured(const SegmentationView& view, const BackgroundLook& background,
+                                     LabelImage& labels) {
   for (int round = 0; round < 3; ++round) {
     const LabelImage before = labels;
     for_rows(labels.height(), [&](int v) {
       for (int u = 0; u < labels.width(); ++u) {
         if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
-        const int change = background_->color_difference(u, v, view.color.pixel(u, v));
+        const int change = background.color_difference(u, v, view.color.pixel(u, v));
         if (change < 0 || change > kColorChange) labels.at(u, v) = label_around(before, u, v, 1);
       }
     });
@@ -244,7 +271,7 @@ void FrameLabelling::fill_unmeasured(const SegmentationView& view, LabelImage& l
 }
 
 LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const SegmentationView& view,
-                                        const LabelImage& small) const {
+                                        const BackgroundLook& background, const LabelImage& small) {
   if (factor == 1) return small;
   const Intrinsics& intrinsics = frame.camera.intrinsics;
   LabelImage labels(intrinsics.width, intrinsics.height);
@@ -254,13 +281,13 @@ LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const Se
       const int y = std::min(v / factor, small.height() - 1);
       const float z = frame.depth.at(u, v);
       if (z <= 0) {
-        const int change = background_->color_difference(x, y, frame.color.pixel(u, v));
+        const int change = background.color_difference(x, y, frame.color.pixel(u, v));
         std::uint8_t label = small.at(x, y);
         if (label == 0) label = label_around(small, x, y, 1);
         if (change < 0 ? small.at(x, y) != 0 : change > kColorChange) labels.at(u, v) = label;
         continue;
       }
-      if (background_->ground_of(x, y, intrinsics.unproject(u, v, z)) != Ground::kForeground) continue;
+      if (background.ground_of(intrinsics.unproject(u, v, z)) != Ground::kForeground) continue;
       float nearest = std::numeric_limits<float>::infinity();
       for (int j = std::max(0, y - 1); j <= std::min(small.height() - 1, y + 1); ++j) {
         for (int i = std::max(0, x - 1); i <= std::min(small.width() - 1, x + 1); ++i) {

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "ingest/background_model.h"
 #include "ingest/handled_things.h"
 
 namespace kinora::ingest {
@@ -12,10 +11,12 @@ namespace kinora::ingest {
 class FrameLabelling {
 public:
   /// `samples`: how many frames the background was made from.
-  FrameLabelling(std::unique_ptr<BackgroundModel> background, SceneThings things, std::size_t samples);
+  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples);
 
   /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
   void label(Frame& frame);
+  /// Only what is in front of the background, as label 1 in whole pixels of the view; as if the frame came alone.
+  void mark_foreground(Frame& frame) const;
 
 private:
   void carry_last_labels(const SegmentationView& view);
@@ -27,10 +28,11 @@ private:
   LabelImage label_things(const SegmentationView& view, const Mask& foreground);
   void clean_things(const SegmentationView& view, LabelImage& labels);
   void label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const;
-  void fill_unmeasured(const SegmentationView& view, LabelImage& labels) const;
-  LabelImage at_full_size(const Frame& frame, int factor, const SegmentationView& view, const LabelImage& small) const;
+  static void fill_unmeasured(const SegmentationView& view, const BackgroundLook& background, LabelImage& labels);
+  static LabelImage at_full_size(const Frame& frame, int factor, const SegmentationView& view,
+                                 const BackgroundLook& background, const LabelImage& small);
 
-  std::unique_ptr<BackgroundModel> background_;
+  std::unique_ptr<BackgroundMap> background_;
   SceneThings things_;
   std::size_t samples_;
   std::vector<bool> lost_; ///< by thing: not seen in the last frame

@@ -15,7 +15,7 @@ constexpr double kLeastThing = 0.002;  ///< square metres
 constexpr double kLargestThing = 0.8;  ///< metres across
 constexpr double kLeastBody = 0.5;     ///< metres across
 constexpr double kRestDistance = 0.02; ///< metres that a thing at rest seems to move
-constexpr float kThere = 0.05F;        ///< metres from where it rests: the thing, perhaps pressed or tilted
+constexpr double kThere = 0.05;        ///< metres from where it rests: the thing, perhaps pressed or tilted
 constexpr double kRestShare = 0.1;     ///< of the samples
 constexpr double kTouching = 0.1;      ///< metres: closer in depth, beside each other, two parts may be one body
 constexpr double kFlatShare = 0.4;     ///< of the samples
@@ -37,9 +37,9 @@ struct SampleParts {
   int body = -1; ///< number of the largest part, if it can be one
 };
 
-SampleParts parts_of(const SegmentationView& sample, const BackgroundModel& background) {
+SampleParts parts_of(const SegmentationView& sample, const BackgroundMap& background) {
   SampleParts result;
-  result.foreground = foreground_mask(sample, background.ground_of(sample));
+  result.foreground = foreground_mask(sample, BackgroundLook(background, sample).ground_of(sample));
   result.parts = surface_components(sample.depth, result.foreground, sample.intrinsics);
   const int largest = result.parts.largest();
   if (largest >= 0 && result.parts.list[static_cast<std::size_t>(largest)].extent() >= kLeastBody)
@@ -49,14 +49,27 @@ SampleParts parts_of(const SegmentationView& sample, const BackgroundModel& back
 
 /// A surface that was seen alone at one place.
 struct Resting {
-  Eigen::Vector3d centroid;
+  Eigen::Vector3d centroid; ///< world
   double first_area;
   std::vector<std::size_t> samples;
   std::vector<double> areas;
   double flat = 0;  ///< square metres of flat faces, when first seen
   ColorModel color; ///< not finished
   Image<std::uint16_t> hits;
-  DepthImage depth;
+  RestingPlace place; ///< as the first of the samples sees it
+
+  /// Calls use(SeenPoint) for all of it that lies in the view's picture, whatever hides it.
+  template <class Use> void for_each_in(const SegmentationView& view, const Use& use) const {
+    const SE3 to_view = view.camera_to_world.inverse() * place.camera.camera_to_world;
+    for (int v = 0; v < place.depth.height(); ++v) {
+      for (int u = 0; u < place.depth.width(); ++u) {
+        const float z = place.depth.at(u, v);
+        if (!(z > 0)) continue;
+        const auto seen = seen_point(view.intrinsics, to_view * place.camera.intrinsics.unproject(u, v, z));
+        if (seen) use(*seen);
+      }
+    }
+  }
 };
 
 double flat_area(const SegmentationView& view, const SurfaceComponents& parts, std::size_t number) {
@@ -70,22 +83,14 @@ double flat_area(const SegmentationView& view, const SurfaceComponents& parts, s
   return area / (view.intrinsics.fx * view.intrinsics.fy);
 }
 
-bool same_rest(const Resting& resting, const SurfaceComponent& part) {
+bool same_rest(const Resting& resting, const SurfaceComponent& part, const Eigen::Vector3d& centroid) {
   const double ratio = part.area / resting.first_area;
-  return (part.centroid - resting.centroid).norm() < kRestDistance && ratio > 0.6 && ratio < 1.67;
-}
-
-/// 1 where depth is measured in some of the samples.
-Mask ever_measured(std::span<const SegmentationView> samples) {
-  Mask mask(samples.front().depth.width(), samples.front().depth.height());
-  for (const SegmentationView& sample : samples)
-    for (std::size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] |= sample.depth.data()[i] > 0 ? 1 : 0;
-  return mask;
+  return (centroid - resting.centroid).norm() < kRestDistance && ratio > 0.6 && ratio < 1.67;
 }
 
 /// True if a part is whole (not cut by the edge of what is measured) and nothing larger is close to it in space.
 bool lies_alone(const SegmentationView& view, const SurfaceComponents& parts, std::size_t number,
-                const Mask& measured) {
+                const BackgroundLook& background) {
   const auto own = static_cast<std::int32_t>(number);
   int rim = 0;
   int cut = 0;
@@ -98,7 +103,7 @@ bool lies_alone(const SegmentationView& view, const SurfaceComponents& parts, st
         ++rim;
         const int x = u + 3 * du;
         const int y = v + 3 * dv;
-        if (!measured.contains(x, y) || measured.at(x, y) == 0) ++cut;
+        if (!parts.map.contains(x, y) || !background.ever_measured(view.intrinsics.unproject(x, y, z))) ++cut;
         for (int step = 1; step <= kBorder && parts.map.contains(u + step * du, v + step * dv); ++step) {
           const std::int32_t other = parts.map.at(u + step * du, v + step * dv);
           if (other < 0 || other == own || parts.list[static_cast<std::size_t>(other)].area < parts.list[number].area)
@@ -111,37 +116,50 @@ bool lies_alone(const SegmentationView& view, const SurfaceComponents& parts, st
   return cut < kMaxCut * rim;
 }
 
-std::vector<Resting> find_resting(std::span<const SegmentationView> samples, std::span<const SampleParts> parts) {
+/// Marks where a part of a sample lies, in the picture of the place where the thing was first seen.
+void add_part(const SegmentationView& sample, const SurfaceComponents& surfaces, std::size_t number, Resting& resting) {
+  const SE3 to_place = resting.place.camera.camera_to_world.inverse() * sample.camera_to_world;
+  for (int v = 0; v < surfaces.map.height(); ++v) {
+    for (int u = 0; u < surfaces.map.width(); ++u) {
+      if (surfaces.map.at(u, v) != static_cast<std::int32_t>(number)) continue;
+      resting.color.add(sample.color.pixel(u, v));
+      const Eigen::Vector3d point = to_place * sample.intrinsics.unproject(u, v, sample.depth.at(u, v));
+      const auto seen = seen_point(resting.place.camera.intrinsics, point);
+      if (!seen) continue;
+      ++resting.hits.at(seen->u, seen->v);
+      resting.place.depth.at(seen->u, seen->v) = static_cast<float>(seen->z);
+    }
+  }
+}
+
+std::vector<Resting> find_resting(std::span<const SegmentationView> samples, std::span<const SampleParts> parts,
+                                  const BackgroundMap& background) {
   std::vector<Resting> all;
-  const Mask measured = ever_measured(samples);
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const SurfaceComponents& surfaces = parts[k].parts;
+    const BackgroundLook look(background, samples[k]);
     for (std::size_t n = 0; n < surfaces.list.size(); ++n) {
       const SurfaceComponent& part = surfaces.list[n];
       if (static_cast<int>(n) == parts[k].body || part.area < kLeastThing || part.extent() > kLargestThing ||
-          part.area < kMinFill * part.extent() * part.extent() || !lies_alone(samples[k], surfaces, n, measured))
+          part.area < kMinFill * part.extent() * part.extent() || !lies_alone(samples[k], surfaces, n, look))
         continue;
-      auto found = std::find_if(all.begin(), all.end(), [&](const Resting& r) { return same_rest(r, part); });
+      const Eigen::Vector3d centroid = samples[k].camera_to_world * part.centroid;
+      auto found = std::find_if(all.begin(), all.end(), [&](const Resting& r) { return same_rest(r, part, centroid); });
       if (found == all.end()) {
-        const DepthImage& depth = samples[k].depth;
-        all.push_back({part.centroid,
+        const Intrinsics& camera = samples[k].intrinsics;
+        all.push_back({centroid,
                        part.area,
                        {},
                        {},
                        flat_area(samples[k], surfaces, n),
                        {},
-                       {depth.width(), depth.height()},
-                       {depth.width(), depth.height()}});
+                       {camera.width, camera.height},
+                       {{camera, samples[k].camera_to_world}, {camera.width, camera.height}}});
         found = all.end() - 1;
       }
       found->samples.push_back(k);
       found->areas.push_back(part.area);
-      for (std::size_t i = 0; i < surfaces.map.pixel_count(); ++i) {
-        if (surfaces.map.data()[i] != static_cast<std::int32_t>(n)) continue;
-        ++found->hits.data()[i];
-        found->depth.data()[i] = samples[k].depth.data()[i];
-        found->color.add(&samples[k].color.data()[3 * i]);
-      }
+      add_part(samples[k], surfaces, n, *found);
     }
   }
   const auto least =
@@ -149,7 +167,7 @@ std::vector<Resting> find_resting(std::span<const SegmentationView> samples, std
   std::erase_if(all, [&](const Resting& r) { return r.samples.size() < least; });
   for (Resting& resting : all)
     for (std::size_t i = 0; i < resting.hits.pixel_count(); ++i)
-      if (2 * resting.hits.data()[i] < resting.samples.size()) resting.depth.data()[i] = 0;
+      if (2 * resting.hits.data()[i] < resting.samples.size()) resting.place.depth.data()[i] = 0;
   return all;
 }
 
@@ -160,16 +178,15 @@ std::size_t disturbances(const Resting& resting, std::span<const SegmentationVie
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (std::find(resting.samples.begin(), resting.samples.end(), k) != resting.samples.end()) continue;
     std::size_t pixels = 0, same = 0, behind = 0;
-    for (std::size_t i = 0; i < resting.depth.pixel_count(); ++i) {
-      const float rest = resting.depth.data()[i];
-      const float seen = samples[k].depth.data()[i];
-      if (rest <= 0 || seen <= 0) continue;
+    resting.for_each_in(samples[k], [&](const SeenPoint& rest) {
+      const double seen = samples[k].depth.at(rest.u, rest.v);
+      if (seen <= 0) return;
       ++pixels;
-      if (std::abs(seen - rest) < kThere)
+      if (std::abs(seen - rest.z) < kThere)
         ++same;
-      else if (seen > rest)
+      else if (seen > rest.z)
         ++behind;
-    }
+    });
     if (3 * same >= pixels || 2 * behind >= pixels) ++count;
   }
   return count;
@@ -183,7 +200,7 @@ HandledThing thing_of(const Resting& resting) {
   std::nth_element(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2), areas.end());
   thing.area = areas[areas.size() / 2];
   thing.bends = resting.flat < kFlatThing * resting.first_area;
-  thing.rest_depth = resting.depth;
+  thing.rests = {resting.place};
   return thing;
 }
 
@@ -202,8 +219,7 @@ std::vector<HandledThing> merged(const std::vector<Resting>& all) {
       continue;
     }
     const std::size_t index = static_cast<std::size_t>(same - things.begin());
-    for (std::size_t i = 0; i < thing.rest_depth.pixel_count(); ++i)
-      if (thing.rest_depth.data()[i] > 0) same->rest_depth.data()[i] = thing.rest_depth.data()[i];
+    same->rests.push_back(std::move(thing.rests.front()));
     const std::vector<std::size_t>& before = all[last_place[index]].samples;
     const bool together =
         std::find_first_of(before.begin(), before.end(), all[r].samples.begin(), all[r].samples.end()) != before.end();
@@ -323,6 +339,17 @@ ColorModel colors_of_others(std::span<const SegmentationView> samples, std::span
 
 } // namespace
 
+std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point) {
+  if (!(point.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d pixel = intrinsics.project(point);
+  if (!(pixel.x() > -1 && pixel.y() > -1 && pixel.x() < intrinsics.width && pixel.y() < intrinsics.height))
+    return std::nullopt;
+  const int u = nearest_pixel(pixel.x());
+  const int v = nearest_pixel(pixel.y());
+  if (u < 0 || v < 0 || u >= intrinsics.width || v >= intrinsics.height) return std::nullopt;
+  return SeenPoint{u, v, point.z()};
+}
+
 Mask foreground_mask(const SegmentationView& view, const Image<Ground>& ground) {
   Mask mask(view.depth.width(), view.depth.height());
   for (std::size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] = ground.data()[i] == Ground::kForeground ? 1 : 0;
@@ -335,7 +362,7 @@ Mask foreground_mask(const SegmentationView& view, const Image<Ground>& ground) 
   return mask;
 }
 
-SceneThings find_handled_things(std::span<const SegmentationView> samples, const BackgroundModel& background) {
+SceneThings find_handled_things(std::span<const SegmentationView> samples, const BackgroundMap& background) {
   SceneThings result;
   if (samples.size() < kLeastSamples) return result;
   std::vector<SampleParts> parts(samples.size());
@@ -344,13 +371,12 @@ SceneThings find_handled_things(std::span<const SegmentationView> samples, const
   const int width = samples.front().depth.width();
   const int height = samples.front().depth.height();
   std::vector<Mask> marks(samples.size(), Mask(width, height));
-  std::vector<Resting> resting = find_resting(samples, parts);
+  std::vector<Resting> resting = find_resting(samples, parts, background);
   const auto least = kRestShare * static_cast<double>(samples.size());
   std::erase_if(resting, [&](const Resting& r) { return static_cast<double>(disturbances(r, samples)) < least; });
   for (const Resting& r : resting)
     for (const std::size_t k : r.samples)
-      for (std::size_t i = 0; i < r.depth.pixel_count(); ++i)
-        if (r.depth.data()[i] > 0) marks[k].data()[i] = 1;
+      r.for_each_in(samples[k], [&](const SeenPoint& seen) { marks[k].at(seen.u, seen.v) = 1; });
   result.things = merged(resting);
   std::vector<HandledThing> flat = find_flat_things(samples, parts, result.things, marks);
   std::move(flat.begin(), flat.end(), std::back_inserter(result.things));

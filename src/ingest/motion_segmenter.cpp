@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "ingest/background_model.h"
+#include "ingest/background_map.h"
 #include "ingest/frame_labelling.h"
 #include "ingest/handled_things.h"
 
@@ -10,26 +10,28 @@ namespace kinora::ingest {
 namespace {
 
 constexpr int kSamples = 48;
-constexpr double kStillDistance = 0.01; ///< metres that a still camera's poses may differ
-constexpr double kStillAngle = 0.01;    ///< radians
-constexpr double kLeastStill = 0.35;    ///< share of the background that keeps still, else the camera moves
+constexpr double kLeastStill = 0.35; ///< share of the background that keeps still, else the camera is elsewhere
 
 class MotionSegmenter final : public Segmenter {
 public:
+  explicit MotionSegmenter(bool only_foreground) : only_foreground_(only_foreground) {}
+
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
     labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
     std::vector<SegmentationView> samples = read_samples(open, range, progress);
-    if (camera_moves_) return take_all_for_background(progress);
-    auto background = std::make_unique<BackgroundModel>(samples);
+    if (samples.empty()) return;
+    auto background = std::make_unique<BackgroundMap>(samples);
     if (background->still_share() < kLeastStill) return take_all_for_background(progress);
-    SceneThings things = find_handled_things(samples, *background);
+    SceneThings things = only_foreground_ ? SceneThings{} : find_handled_things(samples, *background);
     labels_[1] = {"person", "deforming", "what moves before the background, without the things it handles"};
     for (std::size_t i = 0; i < things.things.size(); ++i) add_thing(things.things[i], static_cast<int>(i) + 2);
     labelling_ = std::make_unique<FrameLabelling>(std::move(background), std::move(things), samples.size());
   }
 
   void label(Frame& frame) override {
-    if (labelling_)
+    if (labelling_ && only_foreground_)
+      labelling_->mark_foreground(frame);
+    else if (labelling_)
       labelling_->label(frame);
     else
       frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
@@ -48,23 +50,17 @@ private:
     }
     progress.stage("looking for what moves", static_cast<std::size_t>(std::min(frames, kSamples)));
     std::vector<SegmentationView> samples;
-    std::optional<SE3> first;
     while (const auto frame = capture->next()) {
-      if (!first) first = frame->camera.camera_to_world;
-      const SE3 moved = first->inverse() * frame->camera.camera_to_world;
-      camera_moves_ |= moved.translation().norm() > kStillDistance || rotation_angle(moved) > kStillAngle;
-      if (camera_moves_) return {};
       samples.push_back(segmentation_view(*frame, segmentation_factor(frame->depth.width())));
       progress.advance(samples.size(), "");
     }
-    camera_moves_ |= samples.empty();
     return samples;
   }
 
   void take_all_for_background(Progress& progress) {
-    labels_[0].why = "the camera moves: without masks or a network everything is taken for background";
-    progress.warn("the camera moves, so that what moves by itself cannot be told without masks or --segmenter; "
-                  "everything is taken for background");
+    labels_[0].why = "hardly anything keeps still: without masks or a network everything is taken for background";
+    progress.warn("hardly anything keeps still before the camera, so that what moves by itself cannot be told without "
+                  "masks or --segmenter; everything is taken for background");
   }
 
   void add_thing(const HandledThing& thing, int label) {
@@ -78,13 +74,15 @@ private:
       labels_[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
   }
 
-  bool camera_moves_ = false;
+  bool only_foreground_;
   std::map<int, LabelInfo> labels_;
   std::unique_ptr<FrameLabelling> labelling_;
 };
 
 } // namespace
 
-std::unique_ptr<Segmenter> make_motion_segmenter() { return std::make_unique<MotionSegmenter>(); }
+std::unique_ptr<Segmenter> make_motion_segmenter() { return std::make_unique<MotionSegmenter>(false); }
+
+std::unique_ptr<Segmenter> make_foreground_segmenter() { return std::make_unique<MotionSegmenter>(true); }
 
 } // namespace kinora::ingest

@@ -1,6 +1,9 @@
 // A frame at the size at which a scene is taken apart: at most 320 pixels wide.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "ingest/frame.h"
 #include "ingest/sensor_noise.h"
 
@@ -13,13 +16,25 @@ constexpr int kSegmentationWidth = 320;
 struct SegmentationView {
   Intrinsics intrinsics;
   ColorImage color;
-  DepthImage depth;
+  DepthImage depth; ///< metres; 0: not measured; kUnseen: another camera's view does not tell (`seen_from`)
+  SE3 camera_to_world = SE3::Identity();
 };
+
+constexpr float kUnseen = -1;
 
 /// The least factor that makes an image narrow enough.
 constexpr int segmentation_factor(int width) { return (width + kSegmentationWidth - 1) / kSegmentationWidth; }
 
 SegmentationView segmentation_view(const Frame& frame, int factor);
+
+/// What a view shows, as another camera would have seen it at that moment. Surfaces are drawn as register_depth draws
+/// them; where nothing was measured and nothing stands in front, the view is taken for infinitely far.
+/// From the view's own camera: the view itself.
+SegmentationView seen_from(const Camera& camera, const SegmentationView& view);
+
+/// The pixel whose square holds a point of the image plane. Halves count for the higher one, also after rounding
+/// errors.
+inline int nearest_pixel(double coordinate) { return static_cast<int>(std::floor(coordinate + 0.5 + 1e-6)); }
 
 /// Two measurements of one surface, at different times or in neighbouring pixels, differ by less (metres).
 constexpr double same_surface_tolerance(double z) { return std::max(0.012, 3 * depth_sigma(z)); }

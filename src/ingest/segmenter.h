@@ -26,9 +26,14 @@ public:
   virtual const std::map<int, LabelInfo>& labels() const = 0;
 };
 
-/// Without a network, for a still camera: what differs from the background or wavers is in front of it, what is flat
-/// or was seen alone is a thing, the rest is a person. With a moving camera everything is background, and says so.
+/// Without a network, for a camera that is still or whose frames know where it is: what differs from the background or
+/// wavers is in front of it, what is flat or was seen alone is a thing, the rest is a person. Where hardly anything
+/// keeps still everything is background, and says so.
 std::unique_ptr<Segmenter> make_motion_segmenter();
+
+/// The same, but all that is in front of the background gets label 1, at the size at which scenes are taken apart: in a
+/// fraction of the time. Frames may come in any order.
+std::unique_ptr<Segmenter> make_foreground_segmenter();
 
 /// The capture whose frames come in `range`, with a segmenter's labels in place of its own: it has masks, and every
 /// frame's are complete. `open` must not read masks. The first pass is made here. Throws what the capture throws.

@@ -34,11 +34,21 @@ encode::EncodeOptions quick_options() {
   return options;
 }
 
+encode::PreparedCapture prepare_folder(const TemporaryFolder& folder, const ingest::CaptureOptions& options,
+                                       Progress& progress) {
+  static const auto kTable = host::PluginTable::builtin();
+  encode::CaptureRequest request;
+  request.open = [&](const ingest::CaptureOptions& how, Progress& to) {
+    return ingest::Capture::open(kTable, folder.path(), how, to);
+  };
+  request.options = options;
+  return encode::prepare_capture(request, progress);
+}
+
 encode::EncodeResult encode_folder(const TemporaryFolder& folder, const encode::EncodeOptions& options,
                                    Progress& progress) {
-  const auto table = host::PluginTable::builtin();
-  const auto capture = ingest::Capture::open(table, folder.path(), {}, progress);
-  return encode::encode_capture(*capture, options, progress);
+  const encode::PreparedCapture prepared = prepare_folder(folder, {}, progress);
+  return encode::encode_capture(prepared, options, progress);
 }
 
 Json layer_named(const Json& report, const std::string& name) {
@@ -130,6 +140,27 @@ TEST(Encoder, CarriedCameraIsFoundAndWhatMovesStaysWhereItIsInTheWorld) {
   EXPECT_LT(quality.at("ground_truth").at("object_pose").at("error_m_mean").get<double>(), 0.008);
 }
 
+TEST(Encoder, ColourOfACarriedCameraIsRegisteredToItsDepth) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.poses = true;
+  scene.frames = 16;
+  scene.color_zoom = 0.9;
+  write_box_capture(folder, scene);
+  for (int i = 0; i < scene.frames; ++i) {
+    std::filesystem::remove(folder.path() / ("frame-" + six_digits(i) + ".pose.txt"));
+  }
+  Listener listener;
+  const encode::PreparedCapture prepared = prepare_folder(folder, {}, listener);
+  ASSERT_TRUE(prepared.registration.geometry);
+  EXPECT_NEAR(prepared.registration.geometry->color.fx, scene.color_intrinsics().fx, 3);
+  EXPECT_TRUE(prepared.capture->info().has_poses);
+  ASSERT_EQ(prepared.camera->camera_to_world.size(), 16U);
+  for (const auto& [i, found] : prepared.camera->camera_to_world) {
+    EXPECT_LT((found.translation() - scene.camera_to_world(i).translation()).norm(), 0.01) << i;
+  }
+}
+
 TEST(Encoder, StillCameraWithoutPosesIsStoredOnce) {
   const TemporaryFolder folder;
   BoxScene scene;
@@ -155,8 +186,7 @@ TEST(Encoder, RemembersTheCamerasThatRegisteredTheCapture) {
   const auto table = host::PluginTable::builtin();
   ingest::CaptureOptions how;
   how.registration = {scene.intrinsics(), scene.color_intrinsics(), SE3::Identity()};
-  const auto capture = ingest::Capture::open(table, folder.path(), how, listener);
-  encode::Clip clip = encode::encode_capture(*capture, quick_options(), listener).clip;
+  encode::Clip clip = encode::encode_capture(prepare_folder(folder, how, listener), quick_options(), listener).clip;
   EXPECT_EQ(clip.intrinsics, scene.color_intrinsics());
 
   const auto quality = [&](encode::Clip judged) {
@@ -218,8 +248,9 @@ TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   ingest::CaptureOptions how;
   how.use_masks = false;
   const auto table = host::PluginTable::builtin();
-  const auto capture = ingest::Capture::open(table, folder.path(), how, listener);
-  const encode::EncodeResult result = encode::encode_capture(*capture, options, listener);
+  encode::PreparedCapture unlabelled;
+  unlabelled.capture = ingest::Capture::open(table, folder.path(), how, listener);
+  const encode::EncodeResult result = encode::encode_capture(unlabelled, options, listener);
   ASSERT_EQ(result.clip.layers.size(), 1U);
   EXPECT_EQ(result.clip.layers[0].name, "background");
   EXPECT_TRUE(listener.warnings.empty());

@@ -1,4 +1,4 @@
-// A room with a floor, a wall and a box that moves, as a still camera with noise sees it.
+// A room with a floor, a wall and a body that walks, as a camera with noise sees it.
 #pragma once
 
 #include "core/random.h"
@@ -22,32 +22,43 @@ struct MovingScene {
   int frames = 24;
   bool has_body = true; ///< a round body, wider than a limb, that walks to the right
   double speed = 0.03;  ///< metres per frame
+  bool carried = false; ///< a hand moves and turns the camera, and its frames tell where it is
 
   static Intrinsics intrinsics() { return {160, 120, 140, 140, 79.5, 59.5}; }
 
   /// Where the body's axis stands at frame i (metres).
   double body_x(int i) const { return -0.35 + speed * i; }
 
+  SE3 camera_to_world(int i) const {
+    SE3 pose = SE3::Identity();
+    if (!carried) return pose;
+    pose.translation() = Eigen::Vector3d(0.25 * std::sin(0.3 * i), 0.04 * std::sin(0.5 * i), 0);
+    pose.rotate(Eigen::AngleAxisd(-0.1 * std::sin(0.3 * i), Eigen::Vector3d::UnitY()));
+    return pose;
+  }
+
   Frame frame(int i, LabelImage* truth = nullptr) const {
     const Intrinsics k = intrinsics();
     Frame frame;
     frame.index = i;
     frame.time = i / 30.0;
-    frame.camera.intrinsics = k;
+    frame.camera = {k, camera_to_world(i)};
+    const Eigen::Vector3d eye = frame.camera.camera_to_world.translation();
     frame.color = ColorImage(k.width, k.height, 3);
     frame.depth = DepthImage(k.width, k.height);
     if (truth != nullptr) *truth = LabelImage(k.width, k.height);
     Random random(17, static_cast<std::uint64_t>(i));
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
-        const Eigen::Vector3d ray = k.unproject(u, v, 1);
-        double z = 2.5; // the wall
+        const Eigen::Vector3d ray = frame.camera.camera_to_world.linear() * k.unproject(u, v, 1);
+        double z = (2.5 - eye.z()) / ray.z(); // the wall
         int color[3] = {200, 200, 190};
-        if (const double floor = ray.y() > 0 ? 0.8 / ray.y() : 100; floor < z) {
+        if (const double floor = ray.y() > 0 ? (0.8 - eye.y()) / ray.y() : 100; floor < z) {
           z = floor;
           color[0] = 120, color[1] = 90, color[2] = 60;
         }
-        if (const double body = body_depth(ray, body_x(i)); has_body && body > 0 && body < z) {
+        if (const double body = body_depth(ray, Eigen::Vector3d(body_x(i), 0.1, 1.7) - eye);
+            has_body && body > 0 && body < z) {
           z = body;
           color[0] = 40, color[1] = 60, color[2] = 160;
           if (truth != nullptr) truth->at(u, v) = 1;
@@ -61,11 +72,11 @@ struct MovingScene {
   }
 
 private:
-  /// An upright ellipsoid, 1.2 m high, 0.5 m wide, at 1.7 m; 0: missed.
-  static double body_depth(const Eigen::Vector3d& ray, double x) {
+  /// An upright ellipsoid, 1.2 m high, 0.5 m wide, as seen from the origin; 0: missed.
+  static double body_depth(const Eigen::Vector3d& ray, const Eigen::Vector3d& middle) {
     const Eigen::Vector3d scale(1 / 0.25, 1 / 0.6, 1 / 0.2);
     const Eigen::Vector3d d = ray.cwiseProduct(scale);
-    const Eigen::Vector3d c = Eigen::Vector3d(x, 0.1, 1.7).cwiseProduct(scale);
+    const Eigen::Vector3d c = middle.cwiseProduct(scale);
     const double b = d.dot(c);
     const double root = b * b - d.squaredNorm() * (c.squaredNorm() - 1);
     return root < 0 ? 0 : (b - std::sqrt(root)) / d.squaredNorm();
@@ -83,12 +94,10 @@ public:
   std::optional<Frame> next() override {
     if (next_ >= scene_.frames || !range_.contains(next_)) return std::nullopt;
     Frame frame = scene_.frame(next_);
-    if (moving_camera) frame.camera.camera_to_world.translation().x() = 0.05 * next_;
     next_ += range_.step;
     return frame;
   }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
-  bool moving_camera = false;
 
 private:
   MovingScene scene_;

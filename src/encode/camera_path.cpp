@@ -1,0 +1,87 @@
+#include "encode/camera_path.h"
+
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "tracking/camera_tracker.h"
+
+namespace kinora::encode {
+namespace {
+
+using Json = nlohmann::json;
+
+Json report_of(const tracking::CameraTracker& tracker) {
+  std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
+  for (const auto& result : tracker.results()) ++health[std::string(tracking::name_of(result.health))];
+  if (!tracker.moves()) {
+    return {{"path", "still"},
+            {"why", "no stretch of frames is explained significantly better by another place of the camera"},
+            {"frames", health}};
+  }
+  return {{"path", "moving"},
+          {"why", fmt::format("from frame {} of the timeline on, the background is explained significantly better by "
+                              "another place of the camera",
+                              *tracker.moving_from())},
+          {"frames", health},
+          {"key_frames", tracker.keyframe_count()},
+          {"loops", tracker.loop_count()}};
+}
+
+class PlacedCapture final : public ingest::Capture {
+public:
+  PlacedCapture(std::unique_ptr<ingest::Capture> capture, std::shared_ptr<const CameraPath> path)
+      : capture_(std::move(capture)), path_(std::move(path)), info_(capture_->info()) {
+    info_.has_poses = true;
+  }
+
+  const ingest::CaptureInfo& info() const override { return info_; }
+  const std::vector<ingest::SkippedFrame>& skipped() const override { return capture_->skipped(); }
+
+  std::optional<ingest::Frame> next() override {
+    std::optional<ingest::Frame> frame = capture_->next();
+    if (!frame) return frame;
+    const auto found = path_->camera_to_world.find(frame->index);
+    if (found == path_->camera_to_world.end()) {
+      throw Error(
+          ErrorCode::kCorruptInput,
+          fmt::format("frame {} could not be read before; leave the capture alone while it is encoded", frame->index));
+    }
+    frame->camera.camera_to_world = found->second;
+    return frame;
+  }
+
+private:
+  std::unique_ptr<ingest::Capture> capture_;
+  std::shared_ptr<const CameraPath> path_;
+  ingest::CaptureInfo info_;
+};
+
+} // namespace
+
+CameraPath follow_camera(ingest::Capture& capture, StageTimes& times, Progress& progress) {
+  progress.stage("looking where the camera is", static_cast<std::size_t>(capture.info().frame_count));
+  tracking::CameraTracker tracker;
+  std::vector<int> indices;
+  while (const auto frame = times.measure("read for the camera", [&] { return capture.next(); })) {
+    progress.check();
+    times.measure("track camera", [&] { tracker.track(*frame); });
+    indices.push_back(frame->index);
+    progress.advance(indices.size(), "");
+  }
+  CameraPath path{{}, 0, report_of(tracker)};
+  for (const auto& result : tracker.results()) path.lost += result.health == tracking::Health::kLost ? 1 : 0;
+  if (!tracker.moves()) return path;
+  const std::vector<SE3> poses = tracker.path();
+  for (std::size_t i = 0; i < indices.size(); ++i) path.camera_to_world[indices[i]] = poses[i];
+  return path;
+}
+
+std::unique_ptr<ingest::Capture> placed_capture(std::unique_ptr<ingest::Capture> capture,
+                                                std::shared_ptr<const CameraPath> path) {
+  if (!path->moves()) return capture;
+  return std::make_unique<PlacedCapture>(std::move(capture), std::move(path));
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,33 @@
+// Where the camera of a capture without poses was, frame by frame, as the background shows.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "encode/stage_times.h"
+#include "ingest/capture.h"
+
+namespace kinora::encode {
+
+/// Plain data.
+struct CameraPath {
+  std::map<int, SE3>
+      camera_to_world;   ///< by the frame's index; empty: the camera is still, or the frames say where it is
+  int lost = 0;          ///< frames that do not show where the camera is
+  nlohmann::json report; ///< "path" (moving or still), "why", and how it was followed
+
+  bool moves() const { return !camera_to_world.empty(); }
+};
+
+/// Follows the camera through the frames of a capture without poses (tracking::CameraTracker), which is read to its
+/// end. The same bits for any number of threads. Throws what the capture throws.
+CameraPath follow_camera(ingest::Capture& capture, StageTimes& times, Progress& progress);
+
+/// The capture with the path's poses in its frames: it has poses then. The capture itself if the path does not move.
+/// A frame that the path does not know is Error(kCorruptInput): the capture changed between two readings.
+std::unique_ptr<ingest::Capture> placed_capture(std::unique_ptr<ingest::Capture> capture,
+                                                std::shared_ptr<const CameraPath> path);
+
+} // namespace kinora::encode

@@ -1,0 +1,122 @@
+#include "encode/capture_preparation.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "ingest/mask_completion.h"
+#include "ingest/network_segmenter.h"
+#include "ingest/segmenter.h"
+
+namespace kinora::encode {
+namespace {
+
+/// Passes everything on but warnings: the last reading of a capture repeats them.
+class QuietProgress final : public Progress {
+public:
+  explicit QuietProgress(Progress& to) : to_(to) {}
+  void stage(const std::string& name, std::size_t total) override { to_.stage(name, total); }
+  void advance(std::size_t done, const std::string& detail) override { to_.advance(done, detail); }
+  bool cancelled() const override { return to_.cancelled(); }
+
+private:
+  Progress& to_;
+};
+
+constexpr int kMostRounds = 3;
+constexpr double kSamePath = 0.01; // metres, and radians
+
+double largest_change(const CameraPath& before, const CameraPath& after) {
+  double largest = 0;
+  for (const auto& [frame, pose] : before.camera_to_world) {
+    const auto found = after.camera_to_world.find(frame);
+    const SE3 change = found == after.camera_to_world.end() ? pose : SE3(pose.inverse() * found->second);
+    largest = std::max({largest, change.translation().norm(), rotation_angle(change)});
+  }
+  return largest;
+}
+
+class Preparation {
+public:
+  Preparation(const CaptureRequest& request, Progress& progress)
+      : request_(request), options_(request.options), progress_(progress), quiet_(progress) {
+    if (request.network.empty()) return;
+    options_.use_masks = false;
+    (void)segmenter(); // a network that is none is known before the work begins
+  }
+
+  PreparedCapture run() {
+    const ingest::CaptureInfo info = open(quiet_)->info();
+    has_masks_ = info.has_masks;
+    if (!info.has_poses) follow(has_masks_ ? *labelled(segmenter(), quiet_) : *open(quiet_));
+    find_registration();
+    if (result_.camera->moves() && !has_masks_) follow_background();
+    result_.capture = labelled(segmenter(), progress_);
+    return std::move(result_);
+  }
+
+private:
+  std::unique_ptr<ingest::Capture> open(Progress& progress) const {
+    return placed_capture(request_.open(options_, progress), result_.camera);
+  }
+
+  void follow(ingest::Capture& capture) {
+    result_.camera = std::make_shared<CameraPath>(follow_camera(capture, result_.times, progress_));
+  }
+
+  // What moves misleads who follows the camera, and a wrong path whoever tells what moves: by turns.
+  void follow_background() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::shared_ptr<const CameraPath> before = result_.camera;
+      follow(*labelled(request_.network.empty() ? ingest::make_foreground_segmenter() : segmenter(), quiet_));
+      if (result_.camera->lost > before->lost) { // too little was left to follow
+        result_.camera = before;
+        return;
+      }
+      if (largest_change(*before, *result_.camera) < kSamePath) return;
+    }
+  }
+
+  void find_registration() {
+    if (options_.registration) return;
+    result_.registration = ingest::search_registration(*open(quiet_), progress_);
+    if (!result_.registration.geometry) return;
+    options_.registration = result_.registration.geometry;
+    progress_.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
+                               "length of {:.1f} pixels, depth {:.1f}; depth is carried into colour",
+                               options_.registration->color.fx, options_.registration->depth.fx));
+  }
+
+  std::unique_ptr<ingest::Segmenter> segmenter() {
+    if (!request_.network.empty()) {
+      result_.labels_from = "network " + request_.network.filename().string();
+      return ingest::make_network_segmenter(request_.network);
+    }
+    result_.labels_from = has_masks_ ? "masks" : "motion";
+    return has_masks_ ? ingest::make_mask_completion() : ingest::make_motion_segmenter();
+  }
+
+  std::unique_ptr<ingest::Capture> labelled(std::unique_ptr<ingest::Segmenter> segmenter, Progress& progress) {
+    const auto open_range = [&](const ingest::FrameRange& range) {
+      ingest::CaptureOptions how = options_;
+      how.frames = range;
+      return placed_capture(request_.open(how, progress), result_.camera);
+    };
+    return ingest::segmented_capture(open_range, options_.frames, std::move(segmenter), progress);
+  }
+
+  const CaptureRequest& request_;
+  ingest::CaptureOptions options_;
+  Progress& progress_;
+  QuietProgress quiet_;
+  PreparedCapture result_;
+  bool has_masks_ = false;
+};
+
+} // namespace
+
+PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress) {
+  return Preparation(request, progress).run();
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,37 @@
+// From a capture as it was recorded to one that can be encoded: its frames know where the camera was, colour lies on
+// depth, and pixels are labelled.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "encode/camera_path.h"
+#include "ingest/registration_search.h"
+
+namespace kinora::encode {
+
+/// What to prepare.
+struct CaptureRequest {
+  /// Opens the capture anew, from its first frame on.
+  std::function<std::unique_ptr<ingest::Capture>(const ingest::CaptureOptions&, Progress&)> open;
+  ingest::CaptureOptions options; ///< with a registration none is looked for
+  std::filesystem::path network;  ///< labels the frames, instead of masks; empty: none
+};
+
+struct PreparedCapture {
+  std::unique_ptr<ingest::Capture> capture;
+  std::shared_ptr<const CameraPath> camera = std::make_shared<CameraPath>(); ///< where the capture has no poses
+  ingest::FoundRegistration registration;
+  std::string labels_from; ///< in words: "masks", "motion", or the network
+  StageTimes times;        ///< of what was done so far
+};
+
+/// Reads the capture several times. Where it brings no poses its camera is followed; if it moves, colour is then
+/// compared with depth, what moves is told from the background with these poses, and the camera is followed again
+/// without it until its path stays the same. Labels come from the network if there is one, else from masks, else from
+/// motion. Same capture, same bits, for any number of threads. Throws what reading, segmenters and the network throw.
+PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress);
+
+} // namespace kinora::encode
