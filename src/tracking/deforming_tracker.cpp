@@ -220,7 +220,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     if (const std::vector<SE3> carried = carried_by_bones(); !carried.empty()) {
       const NodeStates start = states_in(world_to_camera, carried);
       const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
-      elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
+      elsewhere = align_from_afar({nodes_, edges_, facing.points, facing.weight}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
