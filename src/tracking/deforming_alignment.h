@@ -20,7 +20,7 @@ struct PointTexture {
 
 struct DeformingAlignmentConfig {
   static constexpr std::size_t kStages = 3;
-  double rigidity = 0.075;        ///< standard deviation of a neighbour's place, in units of the nodes' spacing
+  double rigidity = 0.1;          ///< standard deviation of a neighbour's place, in units of the nodes' spacing
   double prior_sigma = 0.05;      ///< metres
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
   double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
