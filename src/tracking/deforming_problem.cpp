@@ -104,7 +104,7 @@ DeformingProblem::PointResiduals DeformingProblem::residuals_at(std::size_t poin
 double DeformingProblem::energy_of(const PointResiduals& residuals) const {
   double sum = huber(residuals.plane, weights_.huber);
   for (const double value : residuals.textures) sum += huber(value, weights_.huber);
-  return model_.point_weight * sum;
+  return sum;
 }
 
 std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& residuals,
@@ -112,14 +112,13 @@ std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& r
   const PointTerms& terms = terms_[point];
   std::size_t count = 0;
   if (terms.plane_scale > 0) {
-    const double root = std::sqrt(model_.point_weight * huber_weight(residuals.plane, weights_.huber));
+    const double root = std::sqrt(huber_weight(residuals.plane, weights_.huber));
     rows[count++] = {root * residuals.plane, root * terms.plane_scale * terms.plane_normal};
   }
   double information = 0;
   double sum = 0;
   for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    const double weighted =
-        model_.point_weight * huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
+    const double weighted = huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
     information += weighted * terms.texture_scale[t];
     sum += weighted * residuals.textures[t];
   }

@@ -52,7 +52,6 @@ struct LayerModel {
   std::span<const Eigen::Vector3d> nodes; ///< canonical, relative to the origin
   std::span<const GraphEdge> edges;
   std::span<const SkinnedPoint> points;
-  double point_weight = 1; ///< of the terms of each point: how many of the surface it stands for
 };
 
 /// Thread-safe to read.

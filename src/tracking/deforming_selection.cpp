@@ -66,7 +66,6 @@ DeformingSelection select_facing(std::span<const SurfacePoint> surface, std::spa
   const std::size_t count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
   const std::size_t wanted = std::min(count, max_points);
   DeformingSelection selection;
-  if (wanted > 0) selection.weight = static_cast<double>(count) / static_cast<double>(wanted);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (chosen[i] == 0) continue;

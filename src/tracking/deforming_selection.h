@@ -13,7 +13,6 @@ namespace kinora::tracking {
 struct DeformingSelection {
   std::vector<SkinnedPoint> points;
   std::vector<PointTexture> textures; ///< the fused ones; of the last view once it is told
-  double weight = 1;                  ///< how many points of the surface each stands for
 
   /// Adds what `view`, another frame's, shows of each point, of which the nodes' `states` there say where it is.
   void add_last_view(const ObjectView& view, const NodeStates& states);

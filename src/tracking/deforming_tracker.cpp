@@ -204,7 +204,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   DeformingSelection selection = select_facing(surface_, skin_, view, prior, config_.max_points);
   const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
   selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
-  const LayerModel model{nodes_, edges_, selection.points, selection.weight};
+  const LayerModel model{nodes_, edges_, selection.points};
   const std::vector<NodePull> binding = pulls(frame.camera.camera_to_world.inverse(), objects);
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
@@ -220,7 +220,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     if (const std::vector<SE3> carried = carried_by_bones(); !carried.empty()) {
       const NodeStates start = states_in(world_to_camera, carried);
       const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
-      elsewhere = align_from_afar({nodes_, edges_, facing.points, facing.weight}, facing, view, start, binding);
+      elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);

@@ -27,7 +27,7 @@ struct DeformingTrackerConfig {
   std::size_t max_nodes = 700;
   std::size_t first_pixels = 150; ///< pixels with clean depth that the layer's first frame must have
   std::size_t min_pixels = 60;    ///< fewer: the deformation is held
-  std::size_t max_points = 4000;  ///< model points used for alignment
+  std::size_t max_points = 6000;  ///< model points used for alignment
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
   double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost

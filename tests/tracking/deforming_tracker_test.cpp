@@ -303,7 +303,7 @@ TEST(DeformingTracker, HasNoPastToSettleWhereAllWasSeenFromTheFirst) {
   const Plate plate;
   DeformingTracker tracker(2);
   tracker.settle_past(); // nothing was ever seen
-  for (int i = 0; i < 3; ++i) tracker.track(render_plate(plate, pose_at({0, 0, -1}, 0, 0), i));
+  for (int i = 0; i < 3; ++i) tracker.track(render_plate(plate, pose_at({0, 0, -1}, 0, 0), i, noisy()));
   const Motion before = tracker.motion();
   tracker.settle_past();
   expect_same(before, tracker.motion());
