@@ -18,15 +18,19 @@ std::unique_ptr<Segmenter> prepared(const MovingScene& scene) {
   return segmenter;
 }
 
-TEST(MotionSegmenter, FindsABodyThatWalksAndThatWasThereFromTheFirstFrame) {
-  const MovingScene scene;
-  const auto segmenter = prepared(scene);
+void expect_body_labelled(const MovingScene& scene, Segmenter& segmenter) {
   for (int i = 0; i < scene.frames; i += 4) {
     LabelImage truth;
     Frame frame = scene.frame(i, &truth);
-    segmenter->label(frame);
+    segmenter.label(frame);
     EXPECT_GT(overlap(frame.labels, truth, 1), 0.85) << i;
   }
+}
+
+TEST(MotionSegmenter, FindsABodyThatWalksAndThatWasThereFromTheFirstFrame) {
+  const MovingScene scene;
+  const auto segmenter = prepared(scene);
+  expect_body_labelled(scene, *segmenter);
   ASSERT_TRUE(segmenter->labels().contains(1));
   EXPECT_EQ(segmenter->labels().at(1).kind, "deforming");
   EXPECT_FALSE(segmenter->labels().at(1).why.empty());
@@ -46,13 +50,7 @@ TEST(MotionSegmenter, TakesARoomInWhichNothingMovesForBackground) {
 TEST(MotionSegmenter, FindsABodyThatWalksBeforeACarriedCamera) {
   MovingScene scene;
   scene.carried = true;
-  const auto segmenter = prepared(scene);
-  for (int i = 0; i < scene.frames; i += 4) {
-    LabelImage truth;
-    Frame frame = scene.frame(i, &truth);
-    segmenter->label(frame);
-    EXPECT_GT(overlap(frame.labels, truth, 1), 0.85) << i;
-  }
+  expect_body_labelled(scene, *prepared(scene));
 }
 
 TEST(MotionSegmenter, TakesAThingThatACarriedCameraLooksPastForBackground) {
