@@ -271,12 +271,12 @@ private:
     problem.terms() = std::move(terms);
     problem.set_prior(states);
     double before = 0;
-    const tracking::BlockSystem system = problem.linearise(states, before);
+    const tracking::BlockSystem system = problem.linearise(tracking::pose_layer(points, states), before);
     for (double damping = 1e-3; damping < 1e3; damping *= 30) {
       const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
       const auto solved = tracking::solve_pcg(problem.pattern(), system, added, kIterations, kTolerance);
       const NodeStates candidate = tracking::stepped(states, solved.step);
-      if (!(problem.energy(candidate) < before)) continue;
+      if (!(problem.energy(tracking::pose_layer(points, candidate)) < before)) continue;
       for (std::size_t n = 0; n < nodes.size(); ++n) {
         nodes[n] =
             DualQuaternion::from(SE3(Eigen::Translation3d(warp.world_origin()) * candidate.transforms[n].to_se3() *

@@ -37,11 +37,11 @@ struct Seen {
   int pixel_v = -1;
 };
 
-Seen look(const SkinnedPoint& point, const NodeStates& states, const ObjectView& view) {
+Seen look(const SkinnedPoint& point, const BlendedMotion& motion, const Eigen::Vector3d& place,
+          const ObjectView& view) {
   Seen seen;
-  const BlendedMotion blended = blend_motion(states, point.influence);
-  seen.place = blended.apply(point.position);
-  seen.normal = blended.rotate(point.normal);
+  seen.place = place;
+  seen.normal = motion.rotate(point.normal);
   if (!(seen.place.z() > kNearest) || seen.normal.dot(seen.place) > -kFacingCosine * seen.place.norm()) return seen;
   const Eigen::Vector2d pixel = view.intrinsics.project(seen.place);
   seen.u = pixel.x();
@@ -136,26 +136,27 @@ ProblemWeights weights_of(double spacing, const DeformingAlignmentConfig& config
 /// Levenberg–Marquardt with the damping of Nielsen, "Damping Parameter in Marquardt's Method", 1999.
 class Damped {
 public:
-  /// One step that lowers the energy, if there is one within a few tries.
-  bool step(const DeformingProblem& problem, const DeformingAlignmentConfig& config, DeformingAlignment& result) {
+  /// One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
+  bool step(const DeformingProblem& problem, const DeformingAlignmentConfig& config, LayerPose& pose,
+            std::vector<double>& energies) {
     constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;
     double before = 0;
-    const BlockSystem system = problem.linearise(result.nodes, before);
+    const BlockSystem system = problem.linearise(pose, before);
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
       const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
       const double promised = -model_change(problem.pattern(), system, solved.step);
-      NodeStates candidate = stepped(result.nodes, solved.step);
+      LayerPose candidate = pose_layer(problem.model().points, stepped(pose.nodes, solved.step));
       const double after = problem.energy(candidate);
       if (after < before) {
         const double gain = promised > 0 ? (before - after) / promised : 1.0;
         const double factor = 1 - std::pow(2 * std::min(gain, 1.0) - 1, 3);
         damping_ = std::clamp(damping_ * std::max(1.0 / 3, factor), 1e-6, 1e3);
         growth_ = 2;
-        result.energies.push_back(before);
-        result.energies.push_back(after);
-        result.nodes = std::move(candidate);
+        energies.push_back(before);
+        energies.push_back(after);
+        pose = std::move(candidate);
         return true;
       }
       damping_ = std::min(damping_ * growth_, 1e3);
@@ -209,23 +210,24 @@ NodeStates turned_about(const NodeStates& states, const Eigen::Vector3d& pivot, 
 }
 
 void align_rigidly(DeformingProblem& problem, std::span<const PointTexture> textures, const ObjectView& view, int level,
-                   double gate, int iterations, const DeformingAlignmentConfig& config, NodeStates& states) {
+                   double gate, int iterations, const DeformingAlignmentConfig& config, LayerPose& pose) {
   problem.set_level(level);
   for (int i = 0; i < iterations; ++i) {
-    associate(problem.model(), textures, view, states, level, gate, config, problem.terms());
+    associate(problem.model(), textures, view, pose, level, gate, config, problem.terms());
     Block information;
     Twist gradient;
-    const Eigen::Vector3d pivot = mean_place(states);
-    problem.linearise_rigid(states, pivot, information, gradient);
+    const Eigen::Vector3d pivot = mean_place(pose.nodes);
+    problem.linearise_rigid(pose, pivot, information, gradient);
     const double largest = information.diagonal().maxCoeff();
     if (!(largest > 0)) return;
-    const double before = problem.energy(states);
+    const double before = problem.energy(pose);
     for (double damping = 1e-3; damping < 1e3; damping *= 10) {
       Block damped = information;
       damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
-      NodeStates candidate = turned_about(states, pivot, damped.ldlt().solve(-gradient));
+      LayerPose candidate =
+          pose_layer(problem.model().points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
       if (problem.energy(candidate) < before) {
-        states = std::move(candidate);
+        pose = std::move(candidate);
         break;
       }
     }
@@ -235,14 +237,14 @@ void align_rigidly(DeformingProblem& problem, std::span<const PointTexture> text
 } // namespace
 
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
-               const NodeStates& states, int level, double gate, const DeformingAlignmentConfig& config,
+               const LayerPose& pose, int level, double gate, const DeformingAlignmentConfig& config,
                std::vector<PointTerms>& terms) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   terms.assign(model.points.size(), PointTerms());
   std::vector<float> image(model.points.size(), kNone);
   parallel_for(model.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      const Seen seen = look(model.points[p], states, view);
+      const Seen seen = look(model.points[p], pose.motions[p], pose.places[p], view);
       if (seen.pixel_u < 0) continue;
       if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0) {
         set_rim(seen, view, gate, config.silhouette_share, terms[p]);
@@ -266,9 +268,9 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
                          const NodeStates& start, int level, double gate, int iterations,
                          const DeformingAlignmentConfig& config) {
   DeformingProblem problem(model, view, weights_of(1, config));
-  NodeStates states = start;
-  align_rigidly(problem, textures, view, level, gate, iterations, config, states);
-  return states;
+  LayerPose pose = pose_layer(model.points, start);
+  align_rigidly(problem, textures, view, level, gate, iterations, config, pose);
+  return pose.nodes;
 }
 
 DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
@@ -276,11 +278,10 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
                                    double spacing, const DeformingAlignmentConfig& config,
                                    std::span<const NodePull> binding) {
   DeformingAlignment result;
-  result.nodes = start;
   DeformingProblem problem(model, view, weights_of(spacing, config));
+  LayerPose pose = pose_layer(model.points, start);
   if (config.rigid_iterations > 0) {
-    align_rigidly(problem, textures, view, kStages[0].level, kStages[0].gate, config.rigid_iterations, config,
-                  result.nodes);
+    align_rigidly(problem, textures, view, kStages[0].level, kStages[0].gate, config.rigid_iterations, config, pose);
   }
   problem.set_prior(prior);
   Damped damped;
@@ -288,14 +289,15 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
     const Stage& stage = kStages[s];
     problem.set_level(stage.level);
     for (int i = 0; i < config.iterations[s]; ++i) {
-      associate(model, textures, view, result.nodes, stage.level, stage.gate, config, problem.terms());
+      associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
       result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });
       const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
       problem.set_binding(bowed(binding, looked_at));
-      if (!damped.step(problem, config, result)) break;
+      if (!damped.step(problem, config, pose, result.energies)) break;
     }
   }
+  result.nodes = std::move(pose.nodes);
   return result;
 }
 
@@ -304,8 +306,9 @@ DeformingQuality judge_deformation(const LayerModel& model, std::span<const Poin
   DeformingQuality quality;
   double sums[5] = {};
   double count = 0;
+  const LayerPose pose = pose_layer(model.points, states);
   for (std::size_t p = 0; p < model.points.size(); ++p) {
-    const Seen seen = look(model.points[p], states, view);
+    const Seen seen = look(model.points[p], pose.motions[p], pose.places[p], view);
     if (seen.pixel_u < 0) continue;
     const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
     if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {

@@ -70,11 +70,11 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
 DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& states);
 
-/// Finds what each point is compared with at `states`: the plane of the pixel that it falls on, and its textures; or,
+/// Finds what each point is compared with at `pose`: the plane of the pixel that it falls on, and its textures; or,
 /// where the camera sees past it, the plane through the camera and the nearest rim of the silhouette.
 /// Exposed for tests.
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
-               const NodeStates& states, int level, double gate, const DeformingAlignmentConfig& config,
+               const LayerPose& pose, int level, double gate, const DeformingAlignmentConfig& config,
                std::vector<PointTerms>& terms);
 
 } // namespace kinora::tracking

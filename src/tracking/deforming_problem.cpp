@@ -137,16 +137,14 @@ Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStat
          states.positions[j];
 }
 
-double DeformingProblem::energy(const NodeStates& states) const {
+double DeformingProblem::energy(const LayerPose& pose) const {
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      const SkinnedPoint& point = model_.points[p];
-      if (!has_terms(terms_[p])) continue;
-      parts[chunk.index] += energy_of(residuals_at(p, blend_motion(states, point.influence).apply(point.position)));
+      if (has_terms(terms_[p])) parts[chunk.index] += energy_of(residuals_at(p, pose.places[p]));
     }
   });
-  return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(states);
+  return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(pose.nodes);
 }
 
 double DeformingProblem::energy_beside_points(const NodeStates& states) const {
@@ -171,7 +169,8 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
   for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
-BlockSystem DeformingProblem::linearise(const NodeStates& states, double& energy) const {
+BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) const {
+  const NodeStates& states = pose.nodes;
   std::vector<PointJacobians> jacobians(model_.points.size());
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
@@ -180,8 +179,7 @@ BlockSystem DeformingProblem::linearise(const NodeStates& states, double& energy
       if (!has_terms(terms_[p])) continue;
       PointJacobians& out = jacobians[p];
       const SkinnedPoint& point = model_.points[p];
-      const BlendedMotion blended = blend_motion(states, point.influence);
-      const Eigen::Vector3d place = blended.apply(point.position);
+      const Eigen::Vector3d& place = pose.places[p];
       const PointResiduals residuals = residuals_at(p, place);
       parts[chunk.index] += energy_of(residuals);
       out.rows = rows_of(p, residuals, rows);
@@ -189,7 +187,7 @@ BlockSystem DeformingProblem::linearise(const NodeStates& states, double& energy
         out.residuals[r] = rows[r].residual;
         const Eigen::Vector3d m = place.cross(rows[r].gradient);
         for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
-          out.by_node[r][k] = pulled_back(states, point.influence, blended, k, rows[r].gradient, m);
+          out.by_node[r][k] = pulled_back(states, point.influence, pose.motions[p], k, rows[r].gradient, m);
         }
       }
     }
@@ -276,7 +274,7 @@ void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const No
   system.gradient[node].head<3>() += weight * off;
 }
 
-void DeformingProblem::linearise_rigid(const NodeStates& states, const Eigen::Vector3d& pivot, Block& information,
+void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information,
                                        Twist& gradient) const {
   struct Part {
     Block information = Block::Zero();
@@ -287,8 +285,7 @@ void DeformingProblem::linearise_rigid(const NodeStates& states, const Eigen::Ve
     std::array<PointRow, kRows> rows;
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
       if (!has_terms(terms_[p])) continue;
-      const SkinnedPoint& point = model_.points[p];
-      const Eigen::Vector3d place = blend_motion(states, point.influence).apply(point.position);
+      const Eigen::Vector3d& place = pose.places[p];
       const std::size_t count = rows_of(p, residuals_at(p, place), rows);
       for (std::size_t r = 0; r < count; ++r) {
         Twist row;

@@ -8,19 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "tracking/blended_motion.h"
 #include "tracking/block_system.h"
+#include "tracking/layer_pose.h"
 #include "tracking/object_view.h"
 #include "tracking/surface_graph.h"
 
 namespace kinora::tracking {
-
-/// A point of the model with the nodes that carry it. Canonical, relative to the layer's origin.
-struct SkinnedPoint {
-  Eigen::Vector3d position;
-  Eigen::Vector3d normal;
-  Influence influence;
-};
 
 /// What a point is compared with, fixed while the solver steps. A scale is the root of a term's weight over its
 /// standard deviation; zero: there is no such term.
@@ -72,13 +65,13 @@ public:
   void set_rigidity_sigma(double sigma) { weights_.rigidity_sigma = sigma; }
 
   /// Half the sum of squares of all terms, in standard deviations, with Huber's bend.
-  double energy(const NodeStates& states) const;
-  /// Gauss–Newton system about `states`, weights as Huber has them there; and the energy there. Same bits for any
+  /// `pose`, here and below: the model's points under some states of its nodes.
+  double energy(const LayerPose& pose) const;
+  /// Gauss–Newton system about `pose`, weights as Huber has them there; and the energy there. Same bits for any
   /// number of threads.
-  BlockSystem linearise(const NodeStates& states, double& energy) const;
+  BlockSystem linearise(const LayerPose& pose, double& energy) const;
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
-  void linearise_rigid(const NodeStates& states, const Eigen::Vector3d& pivot, Block& information,
-                       Twist& gradient) const;
+  void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information, Twist& gradient) const;
 
 private:
   /// A point's residuals at some place, in standard deviations; zero where there is no such term.

@@ -84,15 +84,17 @@ NodeStates disturbed(const Scene& scene, double size, std::uint64_t seed) {
 
 // The derivative by the step of some nodes against differences of the energy; `tolerance` in units of its length.
 void expect_gradient(const DeformingProblem& problem, const NodeStates& states, double size, double tolerance) {
+  const std::span<const SkinnedPoint> points = problem.model().points;
   double energy_there = 0;
-  const BlockSystem system = problem.linearise(states, energy_there);
-  EXPECT_NEAR(energy_there, problem.energy(states), 1e-9 * energy_there);
+  const LayerPose pose = pose_layer(points, states);
+  const BlockSystem system = problem.linearise(pose, energy_there);
+  EXPECT_NEAR(energy_there, problem.energy(pose), 1e-9 * energy_there);
   for (const std::size_t node : {0U, 20U, 31U, 40U, 62U}) {
     for (int i = 0; i < 6; ++i) {
       const auto energy = [&](double step) {
         std::vector<Twist> steps(states.size(), Twist::Zero());
         steps[node][i] = step;
-        return problem.energy(stepped(states, steps));
+        return problem.energy(pose_layer(points, stepped(states, steps)));
       };
       const double expected = (energy(size) - energy(-size)) / (2 * size);
       EXPECT_NEAR(system.gradient[node][i], expected, tolerance * (1 + system.gradient[node].norm()))
@@ -107,7 +109,7 @@ TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
   DeformingProblem problem(model, scene.view, {});
   DeformingAlignmentConfig config;
   config.photometric_share = 0;
-  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, config, problem.terms());
+  associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, config, problem.terms());
   problem.set_prior(scene.start);
   expect_gradient(problem, disturbed(scene, 0.02, 4), 1e-6, 1e-4);
 }
@@ -140,7 +142,7 @@ TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
   }
   const LayerModel model = scene.model();
   DeformingProblem problem(model, scene.view, {});
-  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, {}, problem.terms());
+  associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, {}, problem.terms());
   for (PointTerms& terms : problem.terms()) terms.plane_scale = 0;
   // Steps are large against the rounding of the image's floats.
   problem.set_rigidity_sigma(1);
@@ -153,18 +155,18 @@ TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
   DeformingProblem problem(model, scene.view, {});
   DeformingAlignmentConfig config;
   config.photometric_share = 0;
-  associate(model, scene.textures, scene.view, scene.start, 0, 0.1, config, problem.terms());
+  associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, config, problem.terms());
   Block information;
   Twist gradient;
   const Eigen::Vector3d pivot(0, 0, 1);
-  problem.linearise_rigid(scene.start, pivot, information, gradient);
+  problem.linearise_rigid(pose_layer(scene.points, scene.start), pivot, information, gradient);
   for (int i = 0; i < 6; ++i) {
     constexpr double kStep = 1e-6;
     const auto energy = [&](double step) {
       Twist twist = Twist::Zero();
       twist[i] = step;
-      return problem.energy(
-          moved(scene.start, Eigen::Translation3d(pivot) * exp_se3(twist) * Eigen::Translation3d(-pivot)));
+      const SE3 motion(Eigen::Translation3d(pivot) * exp_se3(twist) * Eigen::Translation3d(-pivot));
+      return problem.energy(pose_layer(scene.points, moved(scene.start, motion)));
     };
     EXPECT_NEAR(gradient[i], (energy(kStep) - energy(-kStep)) / (2 * kStep), 1e-4 * (1 + gradient.norm())) << i;
   }
