@@ -67,30 +67,29 @@ BlendedMotion blend_motion(const NodeStates& states, const Influence& influence)
   return result;
 }
 
-Twist pulled_back(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot,
-                  const Eigen::Vector3d& g, const Eigen::Vector3d& m) {
-  const auto node = static_cast<std::size_t>(influence.nodes[slot]);
-  const DualQuaternion& q = states.transforms[node];
-  Twist result;
-  if (blended.degenerate) {
-    result.head<3>() = slot == 0 ? g : Eigen::Vector3d::Zero();
-    result.tail<3>() = slot == 0 ? Eigen::Vector3d(m + g.cross(states.positions[node])) : Eigen::Vector3d::Zero();
-    return result;
-  }
-  // D = q · blended⁻¹ / norm, a dual quaternion; twists pass through it: (t, ω) of the node makes the pure part of
-  // (ω + εt) · D in the blend. What is not pure is a dual number, which normalisation takes out.
+// Real and dual: D = q · blended⁻¹ / norm, a dual number short of it, which normalisation takes out as it does what is
+// not pure.
+NodePart::NodePart(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot)
+    : real_(slot == 0 ? 1 : 0, 0, 0, 0), dual_(0, 0, 0, 0),
+      position_(states.positions[static_cast<std::size_t>(influence.nodes[slot])]) {
+  if (blended.degenerate) return;
+  const DualQuaternion& q = states.transforms[static_cast<std::size_t>(influence.nodes[slot])];
   const Eigen::Quaterniond back = blended.transform.real.conjugate();
-  const Eigen::Quaterniond real = q.real * back;
-  Eigen::Quaterniond dual = q.dual * back;
-  dual.coeffs() += (q.real * blended.transform.dual.conjugate()).coeffs();
   const double share = blended.signs[slot] * influence.weights[slot] / blended.real_norm;
-  dual.coeffs() = share * (dual.coeffs() - blended.dual_norm / blended.real_norm * real.coeffs());
-  const Eigen::Vector3d v = share * real.vec();
-  const double w = share * real.w();
+  real_ = q.real * back;
+  dual_ = q.dual * back;
+  dual_.coeffs() += (q.real * blended.transform.dual.conjugate()).coeffs();
+  dual_.coeffs() = share * (dual_.coeffs() - blended.dual_norm / blended.real_norm * real_.coeffs());
+  real_.coeffs() *= share;
+}
+
+Twist NodePart::pulled_back(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const {
+  const auto v = real_.vec();
+  const double w = real_.w();
   const Eigen::Vector3d translation = w * g + v.cross(g);
+  Twist result;
   result.head<3>() = translation;
-  result.tail<3>() =
-      dual.w() * g + dual.vec().cross(g) + w * m + v.cross(m) + translation.cross(states.positions[node]);
+  result.tail<3>() = dual_.w() * g + dual_.vec().cross(g) + w * m + v.cross(m) + translation.cross(position_);
   return result;
 }
 

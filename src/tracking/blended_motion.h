@@ -43,9 +43,20 @@ struct BlendedMotion {
 /// `influence.count` must be at least 1.
 BlendedMotion blend_motion(const NodeStates& states, const Influence& influence);
 
-/// Derivative of g·t + m·ω by the step of the influence's node `slot`, where (t, ω) is the twist about the origin by
-/// which the blended transform changes.
-Twist pulled_back(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot,
-                  const Eigen::Vector3d& g, const Eigen::Vector3d& m);
+/// What a step of one node does to the transform at a point that it moves.
+class NodePart {
+public:
+  /// Of the influence's node `slot`; `blended`: of the same states and influence. Refers to none of them afterwards.
+  NodePart(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot);
+
+  /// Derivative of g·t + m·ω by the node's step, where (t, ω) is the twist about the origin by which the transform at
+  /// the point changes.
+  Twist pulled_back(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const;
+
+private:
+  Eigen::Quaterniond real_; ///< twists (t, ω) of the node make the pure part of (ω + εt) · (real + ε dual) at the point
+  Eigen::Quaterniond dual_;
+  Eigen::Vector3d position_; ///< of the node
+};
 
 } // namespace kinora::tracking

@@ -15,6 +15,29 @@ bool nearer(const NearestPoints::Neighbour& a, const NearestPoints::Neighbour& b
   return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.index < b.index;
 }
 
+/// The nearest so far, nearest first.
+class Nearest {
+public:
+  Nearest(std::span<NearestPoints::Neighbour> found, double reach) : found_(found), farthest_(reach * reach) {}
+
+  void add(const NearestPoints::Neighbour& candidate) {
+    if (candidate.squared_distance > farthest_) return;
+    if (count_ == found_.size() && !nearer(candidate, found_[count_ - 1])) return;
+    std::size_t at = count_ < found_.size() ? count_++ : count_ - 1;
+    for (; at > 0 && nearer(candidate, found_[at - 1]); --at) found_[at] = found_[at - 1];
+    found_[at] = candidate;
+    if (count_ == found_.size()) farthest_ = found_[count_ - 1].squared_distance;
+  }
+  std::size_t count() const { return count_; }
+  /// Squared distance from which on a candidate is of no use.
+  double farthest() const { return farthest_; }
+
+private:
+  std::span<NearestPoints::Neighbour> found_;
+  std::size_t count_ = 0;
+  double farthest_;
+};
+
 } // namespace
 
 NearestPoints::NearestPoints(std::span<const Eigen::Vector3d> points, double reach)
@@ -51,7 +74,6 @@ std::size_t NearestPoints::row_of(int y, int z) const {
 }
 
 std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbour> found) const {
-  std::size_t count = 0;
   if (points_.empty() || found.empty() || !query.allFinite()) return 0;
   std::array<int, 3> own{};
   for (int a = 0; a < 3; ++a) {
@@ -68,7 +90,7 @@ std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbou
     const double along = std::abs(low_[axis] + side / cells_per_metre_ - query[axis]);
     return cell == own[static_cast<std::size_t>(axis)] ? 0.0 : (1 - 1e-9) * along;
   };
-  double farthest = reach_ * reach_; // that is of use yet, squared
+  Nearest nearest(found, reach_);
   // Rows of cells from the inside out: most of those farther out are not looked at.
   for (int ring = 0; ring <= kRings; ++ring) {
     for (int z = std::max(own[2] - ring, 0); z <= std::min(own[2] + ring, cells_[2] - 1); ++z) {
@@ -77,22 +99,24 @@ std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbou
         if (y < 0 || y >= cells_[1]) continue;
         const double gap_y = gap(1, y);
         const double gap_z = gap(2, z);
-        if (gap_y * gap_y + gap_z * gap_z > farthest) continue;
+        if (gap_y * gap_y + gap_z * gap_z > nearest.farthest()) continue;
         const std::size_t row = row_of(y, z);
         const std::uint32_t end = begin_[row + static_cast<std::size_t>(last_x) + 1];
         for (std::uint32_t k = begin_[row + static_cast<std::size_t>(first_x)]; k < end; ++k) {
-          const Neighbour candidate{sorted_[k].index, (sorted_[k].point - query).squaredNorm()};
-          if (candidate.squared_distance > farthest) continue;
-          if (count == found.size() && !nearer(candidate, found[count - 1])) continue;
-          std::size_t at = count < found.size() ? count++ : count - 1;
-          for (; at > 0 && nearer(candidate, found[at - 1]); --at) found[at] = found[at - 1];
-          found[at] = candidate;
-          if (count == found.size()) farthest = found[count - 1].squared_distance;
+          nearest.add({sorted_[k].index, (sorted_[k].point - query).squaredNorm()});
         }
       }
     }
   }
-  return count;
+  return nearest.count();
+}
+
+std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<const std::int32_t> among,
+                                std::span<Neighbour> found) const {
+  if (found.empty()) return 0;
+  Nearest nearest(found, reach_);
+  for (const std::int32_t i : among) nearest.add({i, (points_[static_cast<std::size_t>(i)] - query).squaredNorm()});
+  return nearest.count();
 }
 
 DeformationGraph::DeformationGraph(std::vector<Eigen::Vector3d> nodes, double weight_radius, double influence_radius)
@@ -105,13 +129,24 @@ DeformationGraph::DeformationGraph(std::vector<Eigen::Vector3d> nodes, double we
 
 Influence DeformationGraph::influence(const Eigen::Vector3d& canonical) const {
   std::array<NearestPoints::Neighbour, Influence::kMost + 1> found{};
-  const std::size_t within_reach = nearest_.find(canonical, found);
+  const std::size_t count = nearest_.find(canonical, found);
+  return weighed(std::span(found).first(count));
+}
+
+Influence DeformationGraph::influence(const Eigen::Vector3d& canonical,
+                                      std::span<const std::int32_t> candidates) const {
+  std::array<NearestPoints::Neighbour, Influence::kMost + 1> found{};
+  const std::size_t count = nearest_.find(canonical, candidates, found);
+  return weighed(std::span(found).first(count));
+}
+
+Influence DeformationGraph::weighed(std::span<const NearestPoints::Neighbour> found) const {
   Influence result;
-  result.count = static_cast<int>(std::min<std::size_t>(within_reach, Influence::kMost));
+  result.count = static_cast<int>(std::min<std::size_t>(found.size(), Influence::kMost));
   if (result.count == 0) return result;
   // The first node that has no say takes its weight from the others: what moves a point changes without a jump.
   const double nearest = found[0].squared_distance;
-  const double first_without = within_reach > Influence::kMost ? found[Influence::kMost].squared_distance
+  const double first_without = found.size() > Influence::kMost ? found[Influence::kMost].squared_distance
                                                                : influence_radius_ * influence_radius_;
   const auto weight = [&](double squared_distance) {
     return std::exp((nearest - squared_distance) / (weight_radius_ * weight_radius_));

@@ -26,6 +26,8 @@ public:
   };
   /// Fills `found` with the nearest points within reach, nearest first (equal distances by index); returns how many.
   std::size_t find(const Eigen::Vector3d& query, std::span<Neighbour> found) const;
+  /// The same when only some points are in question.
+  std::size_t find(const Eigen::Vector3d& query, std::span<const std::int32_t> among, std::span<Neighbour> found) const;
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
 
 private:
@@ -64,8 +66,13 @@ public:
   double influence_radius() const { return influence_radius_; }
 
   Influence influence(const Eigen::Vector3d& canonical) const;
+  /// The same when only some nodes are in question (node_candidates.h).
+  Influence influence(const Eigen::Vector3d& canonical, std::span<const std::int32_t> candidates) const;
 
 private:
+  /// Of the nearest nodes, one more than have a say.
+  Influence weighed(std::span<const NearestPoints::Neighbour> nearest) const;
+
   double weight_radius_;
   double influence_radius_;
   NearestPoints nearest_;

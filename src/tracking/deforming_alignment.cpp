@@ -18,8 +18,10 @@ constexpr std::size_t kPointsPerChunk = 512;
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kMinIncidence = 0.3;
-constexpr double kNearest = 0.05; // metres
-constexpr double kRim = 1;        // pixels that a silhouette may be wrong by
+constexpr double kNearest = 0.05;              // metres
+constexpr double kRim = 1;                     // pixels that a silhouette may be wrong by
+constexpr std::size_t kPointsForOne = 1500;    // that all nodes are moved by as one body
+constexpr std::size_t kPointsForCoarse = 3000; // of all levels but the finest
 
 struct Stage {
   int level;
@@ -50,8 +52,8 @@ Seen look(const SkinnedPoint& point, const BlendedMotion& motion, const Eigen::V
         seen.v < view.intrinsics.height - 0.51)) {
     return seen;
   }
-  seen.pixel_u = static_cast<int>(std::lround(seen.u));
-  seen.pixel_v = static_cast<int>(std::lround(seen.v));
+  seen.pixel_u = static_cast<int>(seen.u + 0.5);
+  seen.pixel_v = static_cast<int>(seen.v + 0.5);
   return seen;
 }
 
@@ -234,6 +236,21 @@ void align_rigidly(DeformingProblem& problem, std::span<const PointTexture> text
   }
 }
 
+/// Some of a model's points, for steps that do not need them all.
+struct SparseModel {
+  std::size_t stride;
+  std::vector<SkinnedPoint> points;
+  std::vector<PointTexture> textures;
+
+  SparseModel(const LayerModel& model, std::span<const PointTexture> all, std::size_t enough)
+      : stride(std::max<std::size_t>(1, (model.points.size() + enough / 2) / enough)) {
+    for (std::size_t p = 0; p < model.points.size(); p += stride) {
+      points.push_back(model.points[p]);
+      textures.push_back(all[p]);
+    }
+  }
+};
+
 } // namespace
 
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
@@ -278,26 +295,38 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
                                    double spacing, const DeformingAlignmentConfig& config,
                                    std::span<const NodePull> binding) {
   DeformingAlignment result;
-  DeformingProblem problem(model, view, weights_of(spacing, config));
-  LayerPose pose = pose_layer(model.points, start);
+  NodeStates nodes = start;
   if (config.rigid_iterations > 0) {
-    align_rigidly(problem, textures, view, kStages[0].level, kStages[0].gate, config.rigid_iterations, config, pose);
+    const SparseModel some(model, textures, kPointsForOne);
+    nodes = align_rigidly({model.nodes, model.edges, some.points}, some.textures, view, start, kStages[0].level,
+                          kStages[0].gate, config.rigid_iterations, config);
   }
-  problem.set_prior(prior);
+  const SparseModel some(model, textures, kPointsForCoarse);
+  // Fewer points are held less by their neighbours, too.
+  const double looser = std::sqrt(static_cast<double>(some.stride));
+  DeformingProblem coarse({model.nodes, model.edges, some.points}, view, weights_of(looser * spacing, config));
+  DeformingProblem fine(model, view, weights_of(spacing, config));
   Damped damped;
   for (std::size_t s = 0; s < kStages.size(); ++s) {
     const Stage& stage = kStages[s];
+    const bool last = s + 1 == kStages.size();
+    DeformingProblem& problem = last ? fine : coarse;
     problem.set_level(stage.level);
+    problem.set_prior(prior);
+    LayerPose pose = pose_layer(problem.model().points, std::move(nodes));
     for (int i = 0; i < config.iterations[s]; ++i) {
-      associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
+      associate(problem.model(), last ? textures : some.textures, view, pose, stage.level, stage.gate, config,
+                problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
-      result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });
-      const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
+      result.seen = shares(problem.model(), terms, [](const PointTerms& t) { return t.on_surface; });
+      const auto looked_at =
+          shares(problem.model(), terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
       problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, pose, result.energies)) break;
     }
+    nodes = std::move(pose.nodes);
   }
-  result.nodes = std::move(pose.nodes);
+  result.nodes = std::move(nodes);
   return result;
 }
 

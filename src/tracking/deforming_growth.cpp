@@ -82,9 +82,10 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
   TsdfVolume::Places places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
   const std::size_t old = nodes_.size();
   adopt_pieces(view, states, places);
-  const auto to_camera = [&](const Eigen::Vector3f& point) -> std::optional<Eigen::Vector3f> {
+  influences_.renew(*volume_, graph_);
+  const auto to_camera = [&](const Eigen::Vector3f& point, std::size_t brick) -> std::optional<Eigen::Vector3f> {
     const Eigen::Vector3d canonical = point.cast<double>();
-    const Influence influence = graph_->influence(canonical);
+    const Influence influence = influences_.at(brick, canonical);
     if (influence.count == 0) return std::nullopt;
     return blend_motion(states, influence).apply(canonical).cast<float>();
   };
@@ -140,10 +141,11 @@ void DeformingTracker::grow_graph(float min_weight) {
 }
 
 void DeformingTracker::renew_surface() {
+  influences_.renew(*volume_, graph_);
   skin_.resize(surface_.size());
   parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      skin_[i] = graph_->influence(surface_[i].position.cast<double>());
+      skin_[i] = influences_.at(surface_[i].brick, surface_[i].position.cast<double>());
     }
   });
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -40,43 +42,57 @@ void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
 
 } // namespace
 
-/// Derivatives of a point's rows by the steps of its nodes, times the root of their weights; and those residuals.
-struct DeformingProblem::PointJacobians {
-  std::size_t rows = 0;
-  std::array<double, kRows> residuals;
-  std::array<std::array<Twist, Influence::kMost>, kRows> by_node;
-};
-
 DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights)
     : model_(model), view_(view), weights_(weights), terms_(model.points.size()), point_uses_(model.nodes.size()),
       edge_uses_(model.nodes.size()) {
-  std::vector<BlockPattern::Pair> pairs;
-  for (const SkinnedPoint& point : model.points) {
-    const Influence& influence = point.influence;
-    for (std::size_t a = 0; a < static_cast<std::size_t>(influence.count); ++a) {
-      for (std::size_t b = a + 1; b < static_cast<std::size_t>(influence.count); ++b) {
-        pairs.push_back({influence.nodes[a], influence.nodes[b]});
-      }
-    }
-  }
-  for (const GraphEdge& edge : model.edges) pairs.push_back({edge.a, edge.b});
-  pattern_ = BlockPattern(model.nodes.size(), pairs);
   for (std::size_t p = 0; p < model.points.size(); ++p) {
     const Influence& influence = model.points[p].influence;
-    for (std::size_t a = 0; a < static_cast<std::size_t>(influence.count); ++a) {
-      PointUse use{static_cast<int>(p), static_cast<int>(a), {}};
-      for (std::size_t b = 0; b < static_cast<std::size_t>(influence.count); ++b) {
-        use.blocks[b] = static_cast<std::uint32_t>(pattern_.find(influence.nodes[a], influence.nodes[b]));
-      }
-      point_uses_[static_cast<std::size_t>(influence.nodes[a])].push_back(use);
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(influence.count); ++slot) {
+      point_uses_[static_cast<std::size_t>(influence.nodes[slot])].push_back(
+          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}});
     }
   }
+  tie_nodes();
   for (std::size_t e = 0; e < model.edges.size(); ++e) {
     const GraphEdge& edge = model.edges[e];
     edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
         {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.a, edge.b))});
     edge_uses_[static_cast<std::size_t>(edge.b)].push_back(
         {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.b, edge.a))});
+  }
+}
+
+// Which nodes share a point or an edge, and where in the system that is.
+void DeformingProblem::tie_nodes() {
+  std::vector<BlockPattern::Pair> pairs;
+  for (const GraphEdge& edge : model_.edges) pairs.push_back({edge.a, edge.b});
+  std::vector<int> last(model_.nodes.size(), -1); // for each node, the last one that it was paired with
+  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
+    const int node = static_cast<int>(n);
+    for (const PointUse& use : point_uses_[n]) {
+      const Influence& influence = model_.points[use.point].influence;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+        const int other = influence.nodes[k];
+        if (other <= node || std::exchange(last[static_cast<std::size_t>(other)], node) == node) continue;
+        pairs.push_back({node, other});
+      }
+    }
+  }
+  pattern_ = BlockPattern(model_.nodes.size(), pairs);
+  std::vector<std::uint32_t> place(model_.nodes.size()); // of each node's block in a row
+  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
+    const std::size_t first = pattern_.row_begin(n);
+    for (std::size_t b = first; b < pattern_.row_end(n); ++b) {
+      place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
+    }
+    for (PointUse& use : point_uses_[n]) {
+      const Influence& influence = model_.points[use.point].influence;
+      for (std::size_t k = 0; k < use.blocks.size(); ++k) {
+        // Others are the transposes of some that are summed up there.
+        const bool wanted = k < static_cast<std::size_t>(influence.count) && influence.nodes[k] >= static_cast<int>(n);
+        use.blocks[k] = wanted ? place[static_cast<std::size_t>(influence.nodes[k])] : PointUse::kNone;
+      }
+    }
   }
 }
 
@@ -171,23 +187,30 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
 
 BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) const {
   const NodeStates& states = pose.nodes;
-  std::vector<PointJacobians> jacobians(model_.points.size());
+  const auto jacobians = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     std::array<PointRow, kRows> rows;
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      if (!has_terms(terms_[p])) continue;
       PointJacobians& out = jacobians[p];
+      out.empty = !has_terms(terms_[p]);
+      if (out.empty) continue;
       const SkinnedPoint& point = model_.points[p];
       const Eigen::Vector3d& place = pose.places[p];
       const PointResiduals residuals = residuals_at(p, place);
       parts[chunk.index] += energy_of(residuals);
-      out.rows = rows_of(p, residuals, rows);
-      for (std::size_t r = 0; r < out.rows; ++r) {
-        out.residuals[r] = rows[r].residual;
-        const Eigen::Vector3d m = place.cross(rows[r].gradient);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
-          out.by_node[r][k] = pulled_back(states, point.influence, pose.motions[p], k, rows[r].gradient, m);
+      const std::size_t count = rows_of(p, residuals, rows);
+      out.empty = count == 0;
+      for (std::size_t r = count; r < kRows; ++r) rows[r] = {0, Eigen::Vector3d::Zero()};
+      for (std::size_t r = 0; r < kRows; ++r) out.residuals[r] = static_cast<float>(rows[r].residual);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
+        const NodePart part(states, point.influence, pose.motions[p], k);
+        for (std::size_t r = 0; r < kRows; ++r) {
+          const Eigen::Vector3d& gradient = rows[r].gradient;
+          PointJacobians::Row& row = out.by_node[k][r];
+          row.fill(0);
+          Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.data()) =
+              part.pulled_back(gradient, place.cross(gradient)).cast<float>();
         }
       }
     }
@@ -198,7 +221,7 @@ BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) c
   system.gradient.assign(model_.nodes.size(), Twist::Zero());
   parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      add_points(i, jacobians, system);
+      add_points(i, {jacobians.get(), model_.points.size()}, system);
       add_edges(i, states, system);
       if (!prior_.empty()) add_pull(i, prior_[i], states, system);
       if (!binding_.empty()) add_pull(i, binding_[i], states, system);
@@ -208,20 +231,18 @@ BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) c
   return system;
 }
 
+// In single precision: a node has few hundred points.
 void DeformingProblem::add_points(std::size_t node, std::span<const PointJacobians> jacobians,
                                   BlockSystem& system) const {
-  for (const PointUse& use : point_uses_[node]) {
-    const PointJacobians& point = jacobians[static_cast<std::size_t>(use.point)];
-    if (point.rows == 0) continue;
-    const Influence& influence = model_.points[static_cast<std::size_t>(use.point)].influence;
-    const auto slot = static_cast<std::size_t>(use.slot);
-    for (std::size_t r = 0; r < point.rows; ++r) system.gradient[node] += point.residuals[r] * point.by_node[r][slot];
-    for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-      if (influence.nodes[k] < static_cast<int>(node)) continue;
-      Block& block = system.blocks[use.blocks[k]];
-      for (std::size_t r = 0; r < point.rows; ++r) {
-        block.noalias() += point.by_node[r][slot] * point.by_node[r][k].transpose();
-      }
+  const std::size_t first = pattern_.row_begin(node);
+  std::vector<PaddedBlock> sums(pattern_.row_end(node) - first);
+  PointJacobians::Row gradient{};
+  add_point_products(point_uses_[node], jacobians, sums, gradient);
+  system.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
+  for (std::size_t b = 0; b < sums.size(); ++b) {
+    for (std::size_t c = 0; c < sums[b].size(); ++c) {
+      system.blocks[first + b].col(static_cast<Eigen::Index>(c)) +=
+          Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums[b][c].data()).cast<double>();
     }
   }
 }

@@ -11,6 +11,7 @@
 #include "tracking/block_system.h"
 #include "tracking/layer_pose.h"
 #include "tracking/object_view.h"
+#include "tracking/point_products.h"
 #include "tracking/surface_graph.h"
 
 namespace kinora::tracking {
@@ -86,19 +87,13 @@ private:
     double residual;
     Eigen::Vector3d gradient;
   };
-  static constexpr std::size_t kRows = 2;
-  struct PointJacobians;
-  /// A point (or edge) that a node takes part in.
-  struct PointUse {
-    int point;
-    int slot;
-    std::array<std::uint32_t, Influence::kMost> blocks; ///< of this node's row, for the point's nodes
-  };
+  static constexpr std::size_t kRows = PointJacobians::kRows;
   struct EdgeUse {
     int edge;
     std::uint32_t block;
   };
 
+  void tie_nodes();
   PointResiduals residuals_at(std::size_t point, const Eigen::Vector3d& place) const;
   double energy_of(const PointResiduals& residuals) const;
   std::size_t rows_of(std::size_t point, const PointResiduals& residuals, std::array<PointRow, kRows>& rows) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ingest/frame.h"
+#include "tracking/brick_influences.h"
 #include "tracking/deforming_alignment.h"
 #include "tracking/deforming_selection.h"
 #include "tracking/frame_memory.h"
@@ -112,6 +113,7 @@ private:
   std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the volume's origin, as all that follows
   std::shared_ptr<const DeformationGraph> graph_;
   std::vector<GraphEdge> edges_;
+  BrickInfluences influences_;
   std::vector<SurfacePoint> surface_;
   std::vector<Influence> skin_; ///< for each point of the surface
   float unit_weight_ = 0;       ///< of a surface point seen once

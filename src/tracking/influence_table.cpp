@@ -6,53 +6,13 @@
 #include <Eigen/Geometry>
 
 #include "core/parallel.h"
+#include "tracking/node_candidates.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr double kCellsPerRadius = 5; // of influence
 constexpr double kMostCells = 128;    // along an axis
-
-// Whether node a is nearer than node b to every point of a cube: their squared distances differ by what is linear.
-bool is_nearer_everywhere(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& centre,
-                          double side) {
-  return (a - centre).squaredNorm() - (b - centre).squaredNorm() + side * (a - b).lpNorm<1>() < 0;
-}
-
-/// Nodes that are among the nearest of some point of a cube: all but those to which enough others are nearer
-/// everywhere. One more than have a say: the first that has none has its part in the weights.
-class CandidateSearch {
-public:
-  CandidateSearch(const DeformationGraph& graph, double side)
-      : side_(side), half_diagonal_(0.5 * std::sqrt(3.0) * side),
-        nearest_(graph.nodes(), graph.influence_radius() + half_diagonal_) {}
-
-  void append(const Eigen::Vector3d& centre, std::vector<std::int32_t>& candidates) const {
-    constexpr std::size_t kWeighed = Influence::kMost + 1;
-    std::array<NearestPoints::Neighbour, InfluenceTable::kMostCandidates> found{};
-    const std::size_t within_reach = nearest_.find(centre, found);
-    for (std::size_t i = 0; i < within_reach; ++i) {
-      const Eigen::Vector3d& node = nearest_.points()[static_cast<std::size_t>(found[i].index)];
-      std::size_t nearer = 0;
-      for (std::size_t k = 0; k < i && nearer < kWeighed; ++k) {
-        const Eigen::Vector3d& other = nearest_.points()[static_cast<std::size_t>(found[k].index)];
-        if (is_nearer_everywhere(other, node, centre, side_)) ++nearer;
-      }
-      if (nearer < kWeighed) candidates.push_back(found[i].index);
-      if (i >= kWeighed && is_out_of_question(found[kWeighed - 1], found[i])) break;
-    }
-  }
-
-private:
-  // So are all that are still farther from the centre.
-  bool is_out_of_question(const NearestPoints::Neighbour& last, const NearestPoints::Neighbour& node) const {
-    return std::sqrt(node.squared_distance) > std::sqrt(last.squared_distance) + 2 * half_diagonal_;
-  }
-
-  double side_;
-  double half_diagonal_;
-  NearestPoints nearest_;
-};
 
 } // namespace
 
@@ -79,7 +39,7 @@ InfluenceTable::InfluenceTable(std::shared_ptr<const DeformationGraph> graph) : 
 }
 
 void InfluenceTable::find_candidates(const Eigen::Vector3d& low, double side) {
-  const CandidateSearch search(*graph_, side);
+  const NodeCandidates search(*graph_, side);
   const auto columns = static_cast<std::size_t>(cells_.count[0]);
   const auto rows_of_slice = static_cast<std::size_t>(cells_.count[1]);
   const std::size_t rows = rows_of_slice * static_cast<std::size_t>(cells_.count[2]);

@@ -17,9 +17,6 @@ namespace kinora::tracking {
 /// far away.
 class InfluenceTable {
 public:
-  /// Candidates of a cell at most; of more, the nearest to its centre are kept.
-  static constexpr std::size_t kMostCandidates = 255;
-
   /// `graph` must not be null. Uses all threads; same bits for any number of them.
   explicit InfluenceTable(std::shared_ptr<const DeformationGraph> graph);
 

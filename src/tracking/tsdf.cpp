@@ -60,6 +60,10 @@ TsdfVolume::TsdfVolume(const TsdfConfig& config, const Eigen::Vector3d& origin) 
   table_.resize(1024);
 }
 
+Eigen::Vector3d TsdfVolume::brick_centre(std::size_t brick) const {
+  return (Eigen::Map<const Eigen::Array3i>(bricks_[brick]->coordinate.data()).cast<double>() + 0.5) * brick_size();
+}
+
 std::int32_t TsdfVolume::find(const std::array<int, 3>& coordinate) const {
   const std::size_t mask = table_.size() - 1;
   for (std::size_t i = hash_of(coordinate) & mask;; i = (i + 1) & mask) {

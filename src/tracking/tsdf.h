@@ -33,9 +33,10 @@ struct TsdfSample {
 /// A point of the zero level, relative to the volume's origin.
 struct SurfacePoint {
   Eigen::Vector3f position;
-  Eigen::Vector3f normal; ///< unit, pointing out of the surface
-  float intensity;        ///< as given to integrate, or 0
-  float weight;           ///< the smaller of the two voxels' weights
+  Eigen::Vector3f normal;  ///< unit, pointing out of the surface
+  float intensity;         ///< as given to integrate, or 0
+  float weight;            ///< the smaller of the two voxels' weights
+  std::uint32_t brick = 0; ///< that it lies in
 };
 
 /// Points are in double, in the volume's space; inside, everything is relative to `origin`, so that accuracy does not
@@ -55,8 +56,9 @@ public:
   void integrate(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
                  const SE3& camera_to_volume);
 
-  /// Where a point of a bent volume (relative to the origin) is in the camera; nothing where space is empty.
-  using Bending = std::function<std::optional<Eigen::Vector3f>(const Eigen::Vector3f&)>;
+  /// Where a point of a bent volume (of that brick, relative to the origin) is in the camera; nothing where space is
+  /// empty.
+  using Bending = std::function<std::optional<Eigen::Vector3f>(const Eigen::Vector3f& point, std::size_t brick)>;
   /// Which place of the volume (relative to the origin) a pixel shows: one for each cell of stride × stride pixels, in
   /// three channels; NaN where the pixels show nothing of it.
   struct Places {
@@ -81,7 +83,11 @@ public:
 
   const TsdfConfig& config() const { return config_; }
   const Eigen::Vector3d& origin() const { return origin_; }
+  /// Bricks are numbered in the order of their making.
   std::size_t brick_count() const { return bricks_.size(); }
+  double brick_size() const { return kBrickSide * config_.voxel_size; } ///< metres
+  /// Relative to the origin.
+  Eigen::Vector3d brick_centre(std::size_t brick) const;
 
 private:
   struct Brick {
@@ -106,8 +112,8 @@ private:
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
   std::vector<std::uint8_t> touch_around(const Places& places, float reach);
-  void update_bent(Brick& brick, const BentView& view) const;
-  void append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const;
+  void update_bent(std::size_t number, const BentView& view);
+  void append_surface(std::size_t number, float min_weight, std::vector<SurfacePoint>& points) const;
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }
 
   TsdfConfig config_;

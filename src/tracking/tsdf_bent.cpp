@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "tracking/bent_row.h"
 #include "tracking/tsdf.h"
 
 namespace kinora::tracking {
@@ -13,19 +14,20 @@ namespace {
 constexpr int kSide = TsdfVolume::kBrickSide;
 constexpr int kCell = 4;                    // voxels between two places where the bending is taken
 constexpr int kCorners = kSide / kCell + 1; // of them along a brick's side
+static_assert(kSide == static_cast<int>(BentRow::kVoxels) && kCorners == 3);
 constexpr std::size_t kBricksPerChunk = 16;
 constexpr float kNearest = 0.05F; // metres before the camera
 
 /// Where the corners of a brick's cells are in the camera.
 class CornerPlaces {
 public:
-  CornerPlaces(const TsdfVolume::Bending& to_camera, const Eigen::Vector3f& first, float voxel) {
+  CornerPlaces(const TsdfVolume::Bending& to_camera, std::size_t brick, const Eigen::Vector3f& first, float voxel) {
     std::size_t i = 0;
     for (int z = 0; z < kCorners; ++z) {
       for (int y = 0; y < kCorners; ++y) {
         for (int x = 0; x < kCorners; ++x, ++i) {
           const Eigen::Vector3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-          const auto place = to_camera((first + kCell * at) * voxel);
+          const auto place = to_camera((first + kCell * at) * voxel, brick);
           known_[i] = place.has_value();
           places_[i] = place.value_or(Eigen::Vector3f::Zero());
         }
@@ -33,8 +35,8 @@ public:
     }
   }
 
-  /// Places along the row of voxels at (y, z), at each cell's corner; and which of them are known.
-  std::array<bool, kCorners> row(int y, int z, std::array<Eigen::Vector3f, kCorners>& along) const {
+  /// Places along the row of voxels at (y, z), at each cell's corner.
+  void fill(int y, int z, BentRow& row) const {
     const auto weights = [](int at) {
       const float share = static_cast<float>(at % kCell) / kCell;
       return std::array<float, 2>{1 - share, share};
@@ -44,15 +46,16 @@ public:
     std::array<bool, kCorners> known{};
     for (std::size_t x = 0; x < kCorners; ++x) {
       known[x] = true;
-      along[x].setZero();
+      Eigen::Vector3f place = Eigen::Vector3f::Zero();
       for (std::size_t c = 0; c < 4; ++c) {
         const std::size_t i =
             index(x, static_cast<std::size_t>(y / kCell) + c % 2, static_cast<std::size_t>(z / kCell) + c / 2);
         known[x] = known[x] && known_[i];
-        along[x] += by_y[c % 2] * by_z[c / 2] * places_[i];
+        place += by_y[c % 2] * by_z[c / 2] * places_[i];
       }
+      row.along[x] = {place.x(), place.y(), place.z()};
     }
-    return known;
+    row.known = {known[0] && known[1], known[1] && known[2]};
   }
 
 private:
@@ -67,34 +70,21 @@ private:
 } // namespace
 
 struct TsdfVolume::BentView {
-  const DepthPlanes& planes;
-  const Image<float>& intensity;
-  const Intrinsics& intrinsics;
   const Bending& to_camera;
-  const Places& places;
-  float reach; ///< metres, between a voxel and the place that its pixel shows
+  BentImages images;
 
-  /// Pixel that a point of the camera falls on; false if none.
-  bool project(const Eigen::Vector3f& p, int& u, int& v) const {
-    if (!(p.z() > kNearest)) return false;
-    const float x = static_cast<float>(intrinsics.fx) * p.x() / p.z() + static_cast<float>(intrinsics.cx) + 0.5F;
-    const float y = static_cast<float>(intrinsics.fy) * p.y() / p.z() + static_cast<float>(intrinsics.cy) + 0.5F;
-    if (!(x >= 0 && y >= 0 && x < static_cast<float>(intrinsics.width) && y < static_cast<float>(intrinsics.height))) {
-      return false;
+  // Distance of a point of the camera from the plane that its pixel has measured; nothing where there is none.
+  std::optional<float> distance(const Eigen::Vector3f& p) const {
+    if (!(p.z() > images.nearest)) return std::nullopt;
+    const float x = images.fx * p.x() / p.z() + images.cx + 0.5F;
+    const float y = images.fy * p.y() / p.z() + images.cy + 0.5F;
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(images.width) && y < static_cast<float>(images.height))) {
+      return std::nullopt;
     }
-    u = static_cast<int>(x);
-    v = static_cast<int>(y);
-    return true;
-  }
-
-  /// Whether the pixel shows the surface about a place of the volume, and not another that is in front of it now.
-  bool shows(const Eigen::Vector3f& place, int u, int v) const {
-    const float* shown = places.of_cell.pixel(u / places.stride, v / places.stride);
-    return (Eigen::Vector3f(shown[0], shown[1], shown[2]) - place).squaredNorm() < reach * reach; // false for NaN
-  }
-
-  float distance(const Eigen::Vector3f& p, int u, int v) const {
-    const float* plane = planes.planes.pixel(u, v);
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(images.width) + static_cast<std::size_t>(x);
+    if (!(images.weights[pixel] > 0)) return std::nullopt;
+    const float* plane = images.planes + 4 * pixel;
     return plane[0] * p.x() + plane[1] * p.y() + plane[2] * p.z() + plane[3];
   }
 };
@@ -138,48 +128,27 @@ std::vector<std::uint8_t> TsdfVolume::touch_around(const Places& places, float r
   return touched;
 }
 
-void TsdfVolume::update_bent(Brick& brick, const BentView& view) const {
+void TsdfVolume::update_bent(std::size_t number, const BentView& view) {
+  Brick& brick = *bricks_[number];
   const float voxel = static_cast<float>(config_.voxel_size);
-  const float truncation = static_cast<float>(config_.truncation);
   const Eigen::Vector3f first(static_cast<float>(brick.coordinate[0] * kSide),
                               static_cast<float>(brick.coordinate[1] * kSide),
                               static_cast<float>(brick.coordinate[2] * kSide));
-  const auto centre = view.to_camera((first + Eigen::Vector3f::Constant(0.5F * kSide)) * voxel);
-  int u = 0;
-  int v = 0;
+  const auto centre = view.to_camera((first + Eigen::Vector3f::Constant(0.5F * kSide)) * voxel, number);
   if (!centre) return;
   // Far from what is measured, no voxel of the brick comes within the truncation.
-  if (view.project(*centre, u, v) && view.planes.weights.at(u, v) > 0 &&
-      std::abs(view.distance(*centre, u, v)) > 2 * (truncation + static_cast<float>(kSide) * voxel)) {
-    return;
-  }
-  const CornerPlaces corners(view.to_camera, first, voxel);
+  const float far = 2 * (view.images.truncation + static_cast<float>(kSide) * voxel);
+  if (std::abs(view.distance(*centre).value_or(0)) > far) return;
+  const CornerPlaces corners(view.to_camera, number, first, voxel);
   std::size_t i = 0;
-  std::array<Eigen::Vector3f, kCorners> along; // the places of a row's ends and middle
+  BentRow row{};
+  row.voxel = voxel;
   for (int z = 0; z < kSide; ++z) {
-    for (int y = 0; y < kSide; ++y) {
-      const std::array<bool, kCorners> known = corners.row(y, z, along);
-      for (int x = 0; x < kSide; ++x, ++i) {
-        const auto c = static_cast<std::size_t>(x / kCell);
-        if (!known[c] || !known[c + 1]) continue;
-        const Eigen::Vector3f p = along[c] + static_cast<float>(x % kCell) / kCell * (along[c + 1] - along[c]);
-        if (!view.project(p, u, v)) continue;
-        float weight = view.planes.weights.at(u, v);
-        if (weight <= 0) continue;
-        const float distance = view.distance(p, u, v);
-        if (std::abs(distance) >= truncation) continue;
-        const Eigen::Vector3f inside(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-        if (!view.shows((first + inside) * voxel, u, v)) continue;
-        if (distance < 0) {
-          const float trust = 1.0F + distance / truncation;
-          weight *= trust * trust;
-        }
-        const float old = brick.weight[i];
-        const float share = weight / (old + weight);
-        brick.distance[i] += share * (distance - brick.distance[i]);
-        if (!view.intensity.empty()) brick.intensity[i] += share * (view.intensity.at(u, v) - brick.intensity[i]);
-        brick.weight[i] = std::min(old + weight, config_.max_weight);
-      }
+    for (int y = 0; y < kSide; ++y, i += kSide) {
+      corners.fill(y, z, row);
+      row.first = {first.x() * voxel, (first.y() + static_cast<float>(y)) * voxel,
+                   (first.z() + static_cast<float>(z)) * voxel};
+      fuse_row(view.images, row, brick.distance.data() + i, brick.weight.data() + i, brick.intensity.data() + i);
     }
   }
 }
@@ -197,10 +166,15 @@ void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& int
   // Half a cell of pixels is about as wide as a voxel; a grazing surface is longer.
   const float reach = static_cast<float>(config_.truncation + 3 * config_.voxel_size);
   const std::vector<std::uint8_t> touched = touch_around(places, reach);
-  const BentView local{view, intensity, intrinsics, to_camera, places, reach};
+  const BentView local{to_camera,
+                       {view.planes.data(), view.weights.data(), intensity.empty() ? nullptr : intensity.data(),
+                        places.of_cell.data(), intrinsics.width, intrinsics.height, places.stride,
+                        places.of_cell.width(), static_cast<float>(intrinsics.fx), static_cast<float>(intrinsics.fy),
+                        static_cast<float>(intrinsics.cx), static_cast<float>(intrinsics.cy), kNearest,
+                        static_cast<float>(config_.truncation), reach, config_.max_weight}};
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (touched[i] != 0) update_bent(*bricks_[i], local);
+      if (touched[i] != 0) update_bent(i, local);
     }
   });
 }

@@ -101,7 +101,8 @@ struct TsdfVolume::Block {
   }
 };
 
-void TsdfVolume::append_surface(const Brick& brick, float min_weight, std::vector<SurfacePoint>& points) const {
+void TsdfVolume::append_surface(std::size_t number, float min_weight, std::vector<SurfacePoint>& points) const {
+  const Brick& brick = *bricks_[number];
   const float limit = 0.95F * static_cast<float>(config_.truncation);
   bool near = false;
   for (std::size_t i = 0; i < kBrickVoxels; ++i) {
@@ -132,7 +133,7 @@ void TsdfVolume::append_surface(const Brick& brick, float min_weight, std::vecto
           const float intensity = block.intensity(x, y, z);
           points.push_back({(grid * config_.voxel_size).cast<float>(), normal->cast<float>(),
                             intensity + fraction * (block.intensity(next[0], next[1], next[2]) - intensity),
-                            std::min(block.weight[here], block.weight[there])});
+                            std::min(block.weight[here], block.weight[there]), static_cast<std::uint32_t>(number)});
         }
       }
     }
@@ -142,7 +143,7 @@ void TsdfVolume::append_surface(const Brick& brick, float min_weight, std::vecto
 std::vector<SurfacePoint> TsdfVolume::surface_points(float min_weight) const {
   std::vector<std::vector<SurfacePoint>> parts(chunk_count(bricks_.size(), kBricksPerChunk));
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) append_surface(*bricks_[i], min_weight, parts[chunk.index]);
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) append_surface(i, min_weight, parts[chunk.index]);
   });
   std::vector<SurfacePoint> points;
   for (const std::vector<SurfacePoint>& part : parts) points.insert(points.end(), part.begin(), part.end());

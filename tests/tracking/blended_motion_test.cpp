@@ -55,7 +55,7 @@ TEST(BlendedMotion, DerivativesAgreeWithDifferences) {
     const Eigen::Vector3d place = blended.apply(s.point);
     const Eigen::Vector3d g(0.3, -0.5, 0.8);
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const Twist derivative = pulled_back(s.states, s.influence, blended, slot, g, place.cross(g));
+      const Twist derivative = NodePart(s.states, s.influence, blended, slot).pulled_back(g, place.cross(g));
       for (int i = 0; i < 6; ++i) {
         constexpr double kStep = 1e-6;
         const auto value = [&](double step) {
@@ -82,9 +82,9 @@ TEST(BlendedMotion, AQuaternionAndItsNegativeAreTheSameTransform) {
   EXPECT_LT((a.apply(s.point) - b.apply(s.point)).norm(), 1e-13);
   const Eigen::Vector3d g(1, 2, 3);
   for (std::size_t slot = 0; slot < 4; ++slot) {
-    EXPECT_LT(
-        (pulled_back(s.states, s.influence, a, slot, g, g) - pulled_back(flipped, s.influence, b, slot, g, g)).norm(),
-        1e-12);
+    const NodePart part(s.states, s.influence, a, slot);
+    const NodePart same(flipped, s.influence, b, slot);
+    EXPECT_LT((part.pulled_back(g, g) - same.pulled_back(g, g)).norm(), 1e-12);
   }
 }
 
@@ -104,7 +104,7 @@ TEST(BlendedMotion, StaysFiniteWhereRotationsCancel) {
   const BlendedMotion blended = blend_motion(states, influence);
   EXPECT_TRUE(blended.apply({1, 2, 3}).allFinite());
   for (std::size_t slot = 0; slot < 4; ++slot) {
-    EXPECT_TRUE(pulled_back(states, influence, blended, slot, {1, 0, 0}, {0, 1, 0}).allFinite());
+    EXPECT_TRUE(NodePart(states, influence, blended, slot).pulled_back({1, 0, 0}, {0, 1, 0}).allFinite());
   }
 }
 

@@ -1,0 +1,30 @@
+// What moves the points of a volume's bricks: a brick keeps the nodes that are in question for its points, so that
+// each weighs a dozen nodes instead of searching for them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tracking/deformation_graph.h"
+#include "tracking/tsdf.h"
+
+namespace kinora::tracking {
+
+/// Thread-safe to read; renew() needs exclusive use.
+class BrickInfluences {
+public:
+  /// To be called when the volume has got bricks, or the graph nodes: both only ever grow. `graph`: over canonical
+  /// space relative to the volume's origin. Same bits for any number of threads.
+  void renew(const TsdfVolume& volume, std::shared_ptr<const DeformationGraph> graph);
+
+  /// As DeformationGraph::influence at a place of that brick (metres, relative to the volume's origin); a brick that
+  /// is newer than the last renewal may be asked for, too.
+  Influence at(std::size_t brick, const Eigen::Vector3d& place) const;
+
+private:
+  std::shared_ptr<const DeformationGraph> graph_;
+  std::vector<std::vector<std::int32_t>> candidates_; ///< nodes, of each brick
+};
+
+} // namespace kinora::tracking

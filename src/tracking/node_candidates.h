@@ -1,0 +1,32 @@
+// Which nodes may move some point of a cube of canonical space: found once for many points.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tracking/deformation_graph.h"
+
+namespace kinora::tracking {
+
+/// Finds, for cubes of one size, the nodes that are among the nearest of some point: all but those to which enough
+/// others are nearer everywhere. One more than have a say: the first that has none has its part in the weights.
+/// Immutable, thread-safe.
+class NodeCandidates {
+public:
+  /// Of a cube at most; of more, the nearest to its centre are kept.
+  static constexpr std::size_t kMost = 255;
+
+  /// `side` of the cubes, metres.
+  NodeCandidates(const DeformationGraph& graph, double side);
+  /// Appends those of the cube about `centre`, nearest to it first.
+  void append(const Eigen::Vector3d& centre, std::vector<std::int32_t>& candidates) const;
+
+private:
+  bool is_out_of_question(const NearestPoints::Neighbour& last, const NearestPoints::Neighbour& node) const;
+
+  double side_;
+  double half_diagonal_;
+  NearestPoints nearest_;
+};
+
+} // namespace kinora::tracking

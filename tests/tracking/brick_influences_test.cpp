@@ -1,0 +1,75 @@
+#include "tracking/brick_influences.h"
+
+#include <gtest/gtest.h>
+
+#include "core/random.h"
+#include "tracking/synthetic_scene.h"
+
+namespace kinora::tracking {
+namespace {
+
+using testing::render_frame;
+using testing::Shape;
+using testing::ShapeKind;
+
+const SE3 kPlace(Eigen::Translation3d(0, 0, 1));
+
+// A sphere's front, relative to its centre.
+TsdfVolume sphere() {
+  const Shape shape{ShapeKind::kSphere, {0.15, 0, 0}, true};
+  const ingest::Frame frame = render_frame(shape, kPlace, SE3::Identity(), 0, {});
+  TsdfVolume volume({0.006, 0.03, 64}, kPlace.translation());
+  LabelImage mask = frame.labels;
+  for (std::uint8_t& value : mask.values()) value = value == 2 ? 1 : 0;
+  volume.integrate(fit_depth_planes(frame.depth, frame.camera.intrinsics, mask), Image<float>(),
+                   frame.camera.intrinsics, SE3::Identity());
+  return volume;
+}
+
+void add_nodes_near(const TsdfVolume& volume, std::size_t count, Random& random, std::vector<Eigen::Vector3d>& nodes) {
+  const std::vector<SurfacePoint> surface = volume.surface_points();
+  for (std::size_t i = 0; i < count; ++i) {
+    nodes.push_back(surface[random.below(static_cast<std::uint32_t>(surface.size()))].position.cast<double>() +
+                    0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()));
+  }
+}
+
+void expect_those_of_the_graph(const BrickInfluences& influences, const TsdfVolume& volume,
+                               const DeformationGraph& graph, Random& random) {
+  for (std::size_t brick = 0; brick < volume.brick_count(); ++brick) {
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::Vector3d inside(random.uniform_double() - 0.5, random.uniform_double() - 0.5,
+                                   random.uniform_double() - 0.5);
+      const Eigen::Vector3d place = volume.brick_centre(brick) + volume.brick_size() * inside;
+      const Influence expected = graph.influence(place);
+      const Influence found = influences.at(brick, place);
+      ASSERT_EQ(found.count, expected.count);
+      EXPECT_EQ(found.nodes, expected.nodes);
+      EXPECT_EQ(found.weights, expected.weights);
+    }
+  }
+}
+
+TEST(BrickInfluences, AreThoseOfTheGraphAlsoAfterItHasGrown) {
+  Random random(8);
+  const TsdfVolume volume = sphere();
+  ASSERT_GT(volume.brick_count(), 20U);
+  std::vector<Eigen::Vector3d> nodes;
+  BrickInfluences influences;
+  for (const std::size_t more : {40U, 1U, 0U, 25U}) {
+    add_nodes_near(volume, more, random, nodes);
+    const auto graph = std::make_shared<const DeformationGraph>(nodes, 0.03, 0.07);
+    influences.renew(volume, graph);
+    expect_those_of_the_graph(influences, volume, *graph, random);
+  }
+}
+
+TEST(BrickInfluences, ABrickNewerThanTheRenewalIsSearchedFor) {
+  const auto graph = std::make_shared<const DeformationGraph>(std::vector<Eigen::Vector3d>{{0, 0, 0}}, 0.03, 0.07);
+  BrickInfluences influences;
+  influences.renew(TsdfVolume({0.006, 0.03, 64}, Eigen::Vector3d::Zero()), graph);
+  EXPECT_EQ(influences.at(3, {0.01, 0, 0}).count, 1);
+}
+
+} // namespace
+} // namespace kinora::tracking
