@@ -38,8 +38,8 @@ struct SceneThings {
   ColorModel others;                ///< colours of all other foreground
 };
 
-/// Foreground pixels without specks.
-Mask foreground_mask(const SegmentationView& view, const Image<Ground>& ground);
+/// Foreground pixels without specks: of each piece, what stands clear of still surfaces must be none.
+Mask foreground_mask(const SegmentationView& view, const BackgroundLook& background);
 
 /// A thing is (a) a small surface that lay alone, at one place, in at least a tenth of the samples, and was touched or
 /// moved in others, or (b) flat faces that are seen in at least two fifths of the samples and differ in colour from the
