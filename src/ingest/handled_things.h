@@ -25,13 +25,6 @@ struct HandledThing {
   std::vector<RestingPlace> rests; ///< none if `flat`
 };
 
-/// A point in a camera's space, as that pixel and depth of another camera; nothing outside its image.
-struct SeenPoint {
-  int u, v;
-  double z;
-};
-std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point);
-
 /// What one pass over samples of a capture learns about what moves in it.
 struct SceneThings {
   std::vector<HandledThing> things; ///< the largest first
