@@ -53,8 +53,8 @@ Surface compare(const SegmentationView& a, const SegmentationView& b) {
       const double there = b.depth.at(seen->u, seen->v);
       if (there > 0 && there < seen->z - tolerance) continue; // hidden
       const bool at_depth = there == 0 || a.depth.at(u, v) == 0 || there <= seen->z + tolerance;
-      Cell& cell =
-          cells[static_cast<std::size_t>((v * kRows / a.depth.height()) * kColumns + u * kColumns / a.depth.width())];
+      const int number = (v * kRows / a.depth.height()) * kColumns + u * kColumns / a.depth.width();
+      Cell& cell = cells[static_cast<std::size_t>(number)];
       ++cell.seen;
       cell.squares += z * z;
       cell.explained += at_depth && same_color_around(b, seen->u, seen->v, a.color.pixel(u, v)) ? 1 : 0;
