@@ -17,6 +17,12 @@ namespace {
 
 using namespace kinora;
 
+/// Prints warnings.
+class Printing final : public Progress {
+public:
+  void warn(const std::string& sentence) override { std::printf("warning: %s\n", sentence.c_str()); }
+};
+
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Worst and mean distances of found poses from true ones.
@@ -36,7 +42,7 @@ struct PathErrors {
 };
 
 void run(const char* path, double degrees, const std::filesystem::path& folder) {
-  Progress progress;
+  Printing progress;
   const host::PluginTable plugins = host::PluginTable::builtin();
   const bool told = std::getenv("KINORA_BENCH_POSES") != nullptr;
   encode::CaptureRequest request;

@@ -1,5 +1,5 @@
 // A still camera's capture as if a hand had held the camera: each frame is turned about the camera's centre, which
-// keeps what it shows exact, and cut to the middle three quarters so that its borders stay filled.
+// keeps what it shows exact, and cut so that its borders stay filled.
 #pragma once
 
 #include <cmath>
@@ -30,8 +30,10 @@ public:
       : still_(std::move(still)), info_(still_->info()), degrees_(degrees) {
     info_.has_poses = has_poses;
     const Intrinsics& k = info_.intrinsics;
-    left_ = k.width / 8;
-    top_ = k.height / 8;
+    const double a = degrees * std::numbers::pi / 180;
+    left_ = std::min(k.width / 4, static_cast<int>(kSpare * (k.fx * std::tan(a) + 0.5 * k.height * std::sin(0.4 * a))));
+    top_ = std::min(k.height / 4,
+                    static_cast<int>(kSpare * (k.fy * std::tan(0.6 * a) + 0.5 * k.width * std::sin(0.4 * a))));
     info_.intrinsics = {k.width - 2 * left_, k.height - 2 * top_, k.fx, k.fy, k.cx - left_, k.cy - top_};
   }
 
@@ -83,6 +85,8 @@ private:
       result[c] = static_cast<std::uint8_t>(std::lround((1 - b) * above + b * below));
     }
   }
+
+  static constexpr double kSpare = 1.15; ///< corners move farther than the middles of the sides
 
   std::unique_ptr<ingest::Capture> still_;
   ingest::CaptureInfo info_;

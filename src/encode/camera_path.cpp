@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "tracking/camera_tracker.h"
 
 namespace kinora::encode {
 namespace {
@@ -20,10 +19,12 @@ Json report_of(const tracking::CameraTracker& tracker) {
             {"why", "no stretch of frames is explained significantly better by another place of the camera"},
             {"frames", health}};
   }
+  const std::size_t from = *tracker.moving_from();
   return {{"path", "moving"},
-          {"why", fmt::format("from frame {} of the timeline on, the background is explained significantly better by "
-                              "another place of the camera",
-                              *tracker.moving_from())},
+          {"why", from == 0 ? "along it more of what the frames show keeps still than if the camera had not moved"
+                            : fmt::format("from frame {} of the timeline on, the background is explained significantly "
+                                          "better by another place of the camera",
+                                          from)},
           {"frames", health},
           {"key_frames", tracker.keyframe_count()},
           {"loops", tracker.loop_count()}};
@@ -60,9 +61,10 @@ private:
 
 } // namespace
 
-CameraPath follow_camera(ingest::Capture& capture, StageTimes& times, Progress& progress) {
+CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, StageTimes& times,
+                         Progress& progress) {
   progress.stage("looking where the camera is", static_cast<std::size_t>(capture.info().frame_count));
-  tracking::CameraTracker tracker;
+  tracking::CameraTracker tracker(config);
   std::vector<int> indices;
   while (const auto frame = times.measure("read for the camera", [&] { return capture.next(); })) {
     progress.check();

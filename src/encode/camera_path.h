@@ -8,6 +8,7 @@
 
 #include "encode/stage_times.h"
 #include "ingest/capture.h"
+#include "tracking/camera_tracker.h"
 
 namespace kinora::encode {
 
@@ -23,7 +24,8 @@ struct CameraPath {
 
 /// Follows the camera through the frames of a capture without poses (tracking::CameraTracker), which is read to its
 /// end. The same bits for any number of threads. Throws what the capture throws.
-CameraPath follow_camera(ingest::Capture& capture, StageTimes& times, Progress& progress);
+CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, StageTimes& times,
+                         Progress& progress);
 
 /// The capture with the path's poses in its frames: it has poses then. The capture itself if the path does not move.
 /// A frame that the path does not know is Error(kCorruptInput): the capture changed between two readings.

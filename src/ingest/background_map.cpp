@@ -120,6 +120,14 @@ Ground BackgroundLook::ground_of(const Eigen::Vector3d& point) const {
   return moved ? Ground::kForeground : Ground::kBackground;
 }
 
+bool BackgroundLook::stands_clear(const Eigen::Vector3d& point) const {
+  return std::all_of(near_.begin(), near_.end(), [&](const Near& near) {
+    const Eigen::Vector3d seen = near.from_camera * point;
+    const auto pixel = pixel_of(*near.model, seen);
+    return !pixel || near.model->stands_clear(pixel->first, pixel->second, seen);
+  });
+}
+
 Image<Ground> BackgroundLook::ground_of(const SegmentationView& view) const {
   Image<Ground> ground(view.depth.width(), view.depth.height());
   parallel_for(static_cast<std::size_t>(ground.height()), kRowsPerChunk, [&](const Chunk& rows) {

@@ -40,6 +40,9 @@ public:
   Ground ground_of(const Eigen::Vector3d& point) const;
   /// The same for each pixel of a view from there.
   Image<Ground> ground_of(const SegmentationView& view) const;
+  /// Whether a foreground point is more than a still surface's edge beside its place, as the places that know it see
+  /// it.
+  bool stands_clear(const Eigen::Vector3d& point) const;
   /// Whether depth was ever measured in the direction of a point in the camera's space.
   bool ever_measured(const Eigen::Vector3d& point) const;
   /// Largest difference of a channel to the background's colour behind pixel (u, v), −1 if that is not known.

@@ -1,16 +1,15 @@
 #include "ingest/background_model.h"
 
 #include "core/parallel.h"
+#include "ingest/picture_change.h"
 
 namespace kinora::ingest {
 namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr std::size_t kPixelsPerChunk = 2048;
-constexpr std::size_t kFewSamples = 6;   ///< below, a depth that was measured once counts as stable
 constexpr double kMinSupport = 0.08;     ///< of all samples must see the stable depth
 constexpr double kMinUnmeasured = 0.2;   ///< of all samples: nothing is measured where the background is out of range
-constexpr int kColorChange = 24;         ///< of 255: two colours are those of different surfaces
 constexpr double kNear = 0.15;           ///< metres: a surface that wavers, not another one in front
 constexpr double kMaxWavering = 0.15;    ///< share of measurements of a still surface that may be off it
 constexpr std::size_t kLeastJudged = 24; ///< measurements to judge a surface by
@@ -19,10 +18,20 @@ constexpr double kLargestBody = 2.2;
 constexpr double kLeastPart = 0.004;     ///< square metres: less is noise …
 constexpr std::size_t kLeastPixels = 60; ///< … and so are fewer pixels
 
+/// Counts a pixel of a sample for what the pictures say, where few samples tell.
+void look_for_change(std::span<const SegmentationView> samples, const SegmentationView& sample, int u, int v,
+                     PictureChange& picture) {
+  if (samples.size() >= kFewSamples || !has_texture(sample.color, u, v)) return;
+  picture.add(std::any_of(samples.begin(), samples.end(), [&](const SegmentationView& other) {
+    return difference(sample.color.pixel(u, v), other.color.pixel(u, v)) > kColorChange;
+  }));
+}
+
 /// How often a surface is measured where it is, and how often close to it but not there.
 struct Wavering {
   std::size_t on = 0;
   std::size_t off = 0;
+  PictureChange picture; ///< where it is off
 
   /// Counts the samples' measurements at pixel (u, v), against z there. What is found within `slack` pixels is there.
   void add(std::span<const SegmentationView> samples, int u, int v, double z, int slack) {
@@ -35,16 +44,14 @@ struct Wavering {
         for (int x = std::max(0, u - slack); x <= std::min(sample.depth.width() - 1, u + slack) && !there; ++x)
           there = std::abs(sample.depth.at(x, y) - z) <= tolerance;
       ++(there ? on : off);
+      if (!there) look_for_change(samples, sample, u, v, picture);
     }
   }
   bool moves() const {
-    return on + off >= kLeastJudged && static_cast<double>(off) > kMaxWavering * static_cast<double>(on + off);
+    return on + off >= kLeastJudged && static_cast<double>(off) > kMaxWavering * static_cast<double>(on + off) &&
+           !picture.denies();
   }
 };
-
-int difference(const std::uint8_t* a, const std::uint8_t* b) {
-  return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
-}
 
 std::uint8_t median_of(std::vector<std::uint8_t>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -65,7 +72,7 @@ bool median_color(std::span<const SegmentationView> samples, std::size_t i, cons
   return true;
 }
 
-/// How many of the views that saw a pixel must agree on its depth.
+/// How many of the views that saw a pixel must agree on its depth; of few, one is enough.
 std::size_t support_among(std::size_t count) {
   if (count < kFewSamples) return 1;
   return std::max<std::size_t>(3, static_cast<std::size_t>(kMinSupport * static_cast<double>(count)));
@@ -198,6 +205,11 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
     Mask moving(ground.width(), ground.height());
     for (std::size_t i = 0; i < moving.pixel_count(); ++i) moving.data()[i] = ground.data()[i] == Ground::kForeground;
     const SurfaceComponents parts = surface_components(sample.depth, moving, intrinsics_);
+    std::vector<PictureChange> pictures(parts.list.size());
+    for (int v = 0; v < parts.map.height(); ++v)
+      for (int u = 0; u < parts.map.width(); ++u)
+        if (const std::int32_t number = parts.map.at(u, v); number >= 0)
+          look_for_change(samples, sample, u, v, pictures[static_cast<std::size_t>(number)]);
     const auto touch = [&](int u, int v, int x, int y) {
       const std::int32_t number = surfaces.map.at(u, v);
       if (number < 0 || ground.at(u, v) != Ground::kBackground || ground.at(x, y) == Ground::kUnmeasured ||
@@ -213,8 +225,9 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
         ++contact.to_ground;
         return;
       }
-      const SurfaceComponent& part = parts.list[static_cast<std::size_t>(parts.map.at(x, y))];
-      if (part.area < kLeastPart || part.pixels < kLeastPixels) return;
+      const auto number_of_part = static_cast<std::size_t>(parts.map.at(x, y));
+      const SurfaceComponent& part = parts.list[number_of_part];
+      if (part.area < kLeastPart || part.pixels < kLeastPixels || pictures[number_of_part].denies()) return;
       ++contact.to_foreground;
       if (part.extent() < kLeastBody) ++contact.to_part;
     };
@@ -262,23 +275,29 @@ bool BackgroundModel::on_plane(const Eigen::Vector3d& point) const {
   });
 }
 
-/// The least depth within the slack of a pixel that has one.
-float BackgroundModel::nearest_around(int u, int v) const {
+/// The least depth within `reach` pixels of one that has a depth.
+float BackgroundModel::nearest_around(int u, int v, int reach) const {
   float nearest = depth_.at(u, v);
-  if (slack_ == 0 || nearest == 0) return nearest;
-  for (int y = std::max(0, v - slack_); y <= std::min(depth_.height() - 1, v + slack_); ++y)
-    for (int x = std::max(0, u - slack_); x <= std::min(depth_.width() - 1, u + slack_); ++x)
+  if (reach == 0 || nearest == 0) return nearest;
+  for (int y = std::max(0, v - reach); y <= std::min(depth_.height() - 1, v + reach); ++y)
+    for (int x = std::max(0, u - reach); x <= std::min(depth_.width() - 1, u + reach); ++x)
       if (const float z = depth_.at(x, y); z > 0) nearest = std::min(nearest, z);
   return nearest;
+}
+
+bool BackgroundModel::in_front(int u, int v, const Eigen::Vector3d& point, int reach) const {
+  const float behind = nearest_around(u, v, reach);
+  return !(behind > 0 && behind < kNever && point.z() > behind - 1.3 * same_surface_tolerance(behind));
 }
 
 Ground BackgroundModel::ground_of(int u, int v, const Eigen::Vector3d& point) const {
   if (!(point.z() > 0)) return Ground::kUnmeasured;
   if (known_.at(u, v) == 0) return Ground::kUnknown;
-  const float behind = nearest_around(u, v);
-  if (behind > 0 && behind < kNever && point.z() > behind - 1.3 * same_surface_tolerance(behind))
-    return Ground::kBackground;
-  return on_plane(point) ? Ground::kBackground : Ground::kForeground;
+  return in_front(u, v, point, slack_) && !on_plane(point) ? Ground::kForeground : Ground::kBackground;
+}
+
+bool BackgroundModel::stands_clear(int u, int v, const Eigen::Vector3d& point) const {
+  return slack_ == 0 || in_front(u, v, point, 2 * slack_ + 1);
 }
 
 bool BackgroundModel::shows(int u, int v, const Eigen::Vector3d& point) const {

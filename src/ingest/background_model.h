@@ -31,6 +31,10 @@ public:
   /// Where a measurement at pixel (u, v) of the model stands. `point` is it in space, z ≤ 0 if there is none.
   /// kUnknown if too few views saw the pixel.
   Ground ground_of(int u, int v, const Eigen::Vector3d& point) const;
+  /// Whether a point that is foreground is so clearly: the model has a surface where the view that saw it farthest off
+  /// has it, and another view may be off to the other side, so that a still surface's edge is up to twice the slack and
+  /// a pixel's fraction beside its place.
+  bool stands_clear(int u, int v, const Eigen::Vector3d& point) const;
   /// Whether a point is on a surface that keeps still, as this place sees it at pixel (u, v).
   bool shows(int u, int v, const Eigen::Vector3d& point) const;
   /// Largest difference of a channel to the background's colour, −1 if that is not known.
@@ -45,7 +49,8 @@ private:
   void find_colors(std::span<const SegmentationView> samples);
   Image<Ground> ground_of(const SegmentationView& view) const;
   bool on_plane(const Eigen::Vector3d& point) const;
-  float nearest_around(int u, int v) const;
+  float nearest_around(int u, int v, int reach) const;
+  bool in_front(int u, int v, const Eigen::Vector3d& point, int reach) const;
 
   int slack_;
   Intrinsics intrinsics_;

@@ -4,13 +4,13 @@
 #include "ingest/flat_faces.h"
 #include "ingest/grab_cut.h"
 #include "ingest/optical_flow.h"
+#include "ingest/picture_change.h"
 
 namespace kinora::ingest {
 namespace {
 
 constexpr std::uint8_t kPerson = 1;
 constexpr int kSharpened = 4; ///< pixels to both sides of a border
-constexpr std::size_t kFewSamples = 6;
 constexpr std::size_t kRowsPerChunk = 16;
 constexpr float kImpossible = -100;
 constexpr float kLeastScore = 0.3F;
@@ -27,7 +27,7 @@ constexpr std::uint8_t kOnFace = 2;
 constexpr double kLikeThing = 0.35;  ///< overlap of the colours of a face and of the thing it belongs to
 constexpr double kBesideFace = 0.03; ///< metres
 constexpr int kFaceRim = 6;          ///< pixels around a face that may be the thing's other sides
-constexpr int kColorChange = 20;     ///< of 255
+constexpr int kOtherColor = 20;      ///< of 255
 
 template <class Body> void for_rows(int height, const Body& body) {
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
@@ -86,6 +86,26 @@ Mask faces_of(const HandledThing& thing, const SegmentationView& view, const Mas
   return result;
 }
 
+/// Pieces of the foreground before which the background's texture is seen.
+void drop_what_looks_still(const SegmentationView& view, const BackgroundLook& background, Mask& foreground) {
+  const SurfaceComponents parts = surface_components(view.depth, foreground, view.intrinsics);
+  std::vector<PictureChange> pictures(parts.list.size());
+  const auto for_each = [&](const auto& use) {
+    for (int v = 0; v < foreground.height(); ++v)
+      for (int u = 0; u < foreground.width(); ++u)
+        if (const std::int32_t number = parts.map.at(u, v); number >= 0)
+          use(u, v, pictures[static_cast<std::size_t>(number)]);
+  };
+  for_each([&](int u, int v, PictureChange& picture) {
+    if (!has_texture(view.color, u, v)) return;
+    const int change = background.color_difference(u, v, view.color.pixel(u, v));
+    picture.add(change < 0 || change > kColorChange);
+  });
+  for_each([&](int u, int v, const PictureChange& picture) {
+    if (picture.denies()) foreground.at(u, v) = 0;
+  });
+}
+
 /// Whether the surface at a pixel is where the thing last lay.
 bool lies_at_rest(const HandledThing& thing, const SegmentationView& view, int u, int v) {
   const Eigen::Vector3d point = view.camera_to_world * view.intrinsics.unproject(u, v, view.depth.at(u, v));
@@ -108,7 +128,8 @@ void FrameLabelling::label(Frame& frame) {
   const int factor = segmentation_factor(frame.depth.width());
   const SegmentationView view = segmentation_view(frame, factor);
   const BackgroundLook background(*background_, view);
-  const Mask foreground = foreground_mask(view, background.ground_of(view));
+  Mask foreground = foreground_mask(view, background);
+  if (samples_ < kFewSamples) drop_what_looks_still(view, background, foreground);
   carry_last_labels(view);
   LabelImage labels = label_things(view, foreground);
   label_persons(view, foreground, labels);
@@ -123,7 +144,7 @@ void FrameLabelling::label(Frame& frame) {
 void FrameLabelling::mark_foreground(Frame& frame) const {
   const int factor = segmentation_factor(frame.depth.width());
   const SegmentationView view = segmentation_view(frame, factor);
-  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view).ground_of(view));
+  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view));
   frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
   for_rows(frame.labels.height(), [&](int v) {
     const int y = std::min(v / factor, foreground.height() - 1);
@@ -242,6 +263,7 @@ void FrameLabelling::label_persons(const SegmentationView& view, const Mask& for
   const int largest = parts.largest();
   if (largest < 0) return;
   const SurfaceComponent& body = parts.list[static_cast<std::size_t>(largest)];
+  if (body.area < kLeastBody) return;
   std::vector<bool> person(parts.list.size());
   for (std::size_t n = 0; n < parts.list.size(); ++n) {
     const SurfaceComponent& part = parts.list[n];
@@ -249,7 +271,7 @@ void FrameLabelling::label_persons(const SegmentationView& view, const Mask& for
     // Of a pair of frames little is known: what is far from the body may be furniture.
     const bool large =
         part.area >= kLeastBody && (samples_ >= kFewSamples || part.box.exteriorDistance(body.box) < kReachOfBody);
-    person[n] = static_cast<int>(n) == largest ? part.area >= kLeastBody : near || large;
+    person[n] = near || large;
   }
   for (std::size_t i = 0; i < rest.pixel_count(); ++i)
     if (parts.map.data()[i] >= 0 && person[static_cast<std::size_t>(parts.map.data()[i])]) labels.data()[i] = kPerson;
@@ -264,7 +286,7 @@ void FrameLabelling::fill_unmeasured(const SegmentationView& view, const Backgro
       for (int u = 0; u < labels.width(); ++u) {
         if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
         const int change = background.color_difference(u, v, view.color.pixel(u, v));
-        if (change < 0 || change > kColorChange) labels.at(u, v) = label_around(before, u, v, 1);
+        if (change < 0 || change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
       }
     });
   }
@@ -284,7 +306,7 @@ LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const Se
         const int change = background.color_difference(x, y, frame.color.pixel(u, v));
         std::uint8_t label = small.at(x, y);
         if (label == 0) label = label_around(small, x, y, 1);
-        if (change < 0 ? small.at(x, y) != 0 : change > kColorChange) labels.at(u, v) = label;
+        if (change < 0 ? small.at(x, y) != 0 : change > kOtherColor) labels.at(u, v) = label;
         continue;
       }
       if (background.ground_of(intrinsics.unproject(u, v, z)) != Ground::kForeground) continue;

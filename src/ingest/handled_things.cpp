@@ -39,7 +39,7 @@ struct SampleParts {
 
 SampleParts parts_of(const SegmentationView& sample, const BackgroundMap& background) {
   SampleParts result;
-  result.foreground = foreground_mask(sample, BackgroundLook(background, sample).ground_of(sample));
+  result.foreground = foreground_mask(sample, BackgroundLook(background, sample));
   result.parts = surface_components(sample.depth, result.foreground, sample.intrinsics);
   const int largest = result.parts.largest();
   if (largest >= 0 && result.parts.list[static_cast<std::size_t>(largest)].extent() >= kLeastBody)
@@ -339,24 +339,28 @@ ColorModel colors_of_others(std::span<const SegmentationView> samples, std::span
 
 } // namespace
 
-std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point) {
-  if (!(point.z() > 0)) return std::nullopt;
-  const Eigen::Vector2d pixel = intrinsics.project(point);
-  if (!(pixel.x() > -1 && pixel.y() > -1 && pixel.x() < intrinsics.width && pixel.y() < intrinsics.height))
-    return std::nullopt;
-  const int u = nearest_pixel(pixel.x());
-  const int v = nearest_pixel(pixel.y());
-  if (u < 0 || v < 0 || u >= intrinsics.width || v >= intrinsics.height) return std::nullopt;
-  return SeenPoint{u, v, point.z()};
-}
-
-Mask foreground_mask(const SegmentationView& view, const Image<Ground>& ground) {
+Mask foreground_mask(const SegmentationView& view, const BackgroundLook& background) {
+  const Image<Ground> ground = background.ground_of(view);
   Mask mask(view.depth.width(), view.depth.height());
   for (std::size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] = ground.data()[i] == Ground::kForeground ? 1 : 0;
   const SurfaceComponents parts = surface_components(view.depth, mask, view.intrinsics);
+  struct Clear {
+    std::size_t pixels = 0;
+    double area = 0;
+  };
+  std::vector<Clear> clear(parts.list.size());
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      const double z = view.depth.at(u, v);
+      if (mask.at(u, v) == 0 || !background.stands_clear(view.intrinsics.unproject(u, v, z))) continue;
+      Clear& part = clear[static_cast<std::size_t>(parts.map.at(u, v))];
+      ++part.pixels;
+      part.area += z * z / (view.intrinsics.fx * view.intrinsics.fy);
+    }
+  }
   for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
     if (mask.data()[i] == 0) continue;
-    const SurfaceComponent& part = parts.list[static_cast<std::size_t>(parts.map.data()[i])];
+    const Clear& part = clear[static_cast<std::size_t>(parts.map.data()[i])];
     if (part.area < kSpeck || part.pixels < kSpeckPixels) mask.data()[i] = 0;
   }
   return mask;

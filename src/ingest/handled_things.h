@@ -25,21 +25,14 @@ struct HandledThing {
   std::vector<RestingPlace> rests; ///< none if `flat`
 };
 
-/// A point in a camera's space, as that pixel and depth of another camera; nothing outside its image.
-struct SeenPoint {
-  int u, v;
-  double z;
-};
-std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point);
-
 /// What one pass over samples of a capture learns about what moves in it.
 struct SceneThings {
   std::vector<HandledThing> things; ///< the largest first
   ColorModel others;                ///< colours of all other foreground
 };
 
-/// Foreground pixels without specks.
-Mask foreground_mask(const SegmentationView& view, const Image<Ground>& ground);
+/// Foreground pixels without specks: of each piece, what stands clear of still surfaces must be none.
+Mask foreground_mask(const SegmentationView& view, const BackgroundLook& background);
 
 /// A thing is (a) a small surface that lay alone, at one place, in at least a tenth of the samples, and was touched or
 /// moved in others, or (b) flat faces that are seen in at least two fifths of the samples and differ in colour from the

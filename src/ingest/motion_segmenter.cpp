@@ -5,11 +5,11 @@
 #include "ingest/background_map.h"
 #include "ingest/frame_labelling.h"
 #include "ingest/handled_things.h"
+#include "ingest/sample_views.h"
 
 namespace kinora::ingest {
 namespace {
 
-constexpr int kSamples = 48;
 constexpr double kLeastStill = 0.35; ///< share of the background that keeps still, else the camera is elsewhere
 
 class MotionSegmenter final : public Segmenter {
@@ -18,7 +18,7 @@ public:
 
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
     labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
-    std::vector<SegmentationView> samples = read_samples(open, range, progress);
+    std::vector<SegmentationView> samples = sample_views(open, range, progress);
     if (samples.empty()) return;
     auto background = std::make_unique<BackgroundMap>(samples);
     if (background->still_share() < kLeastStill) return take_all_for_background(progress);
@@ -40,23 +40,6 @@ public:
   const std::map<int, LabelInfo>& labels() const override { return labels_; }
 
 private:
-  std::vector<SegmentationView> read_samples(const CaptureFactory& open, FrameRange range, Progress& progress) {
-    std::unique_ptr<Capture> capture = open(range);
-    const int end = range.end < 0 ? capture->info().frame_count : std::min(range.end, capture->info().frame_count);
-    const int frames = (end - range.begin + range.step - 1) / range.step;
-    if (const int stride = (frames + kSamples - 1) / kSamples; stride > 1) {
-      range.step *= stride;
-      capture = open(range);
-    }
-    progress.stage("looking for what moves", static_cast<std::size_t>(std::min(frames, kSamples)));
-    std::vector<SegmentationView> samples;
-    while (const auto frame = capture->next()) {
-      samples.push_back(segmentation_view(*frame, segmentation_factor(frame->depth.width())));
-      progress.advance(samples.size(), "");
-    }
-    return samples;
-  }
-
   void take_all_for_background(Progress& progress) {
     labels_[0].why = "hardly anything keeps still: without masks or a network everything is taken for background";
     progress.warn("hardly anything keeps still before the camera, so that what moves by itself cannot be told without "

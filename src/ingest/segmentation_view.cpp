@@ -74,4 +74,15 @@ SegmentationView seen_from(const Camera& camera, const SegmentationView& view) {
   return result;
 }
 
+std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point) {
+  if (!(point.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d pixel = intrinsics.project(point);
+  if (!(pixel.x() > -1 && pixel.y() > -1 && pixel.x() < intrinsics.width && pixel.y() < intrinsics.height))
+    return std::nullopt;
+  const int u = nearest_pixel(pixel.x());
+  const int v = nearest_pixel(pixel.y());
+  if (u < 0 || v < 0 || u >= intrinsics.width || v >= intrinsics.height) return std::nullopt;
+  return SeenPoint{u, v, point.z()};
+}
+
 } // namespace kinora::ingest

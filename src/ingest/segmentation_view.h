@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ingest/frame.h"
 #include "ingest/sensor_noise.h"
@@ -35,6 +36,13 @@ SegmentationView seen_from(const Camera& camera, const SegmentationView& view);
 /// The pixel whose square holds a point of the image plane. Halves count for the higher one, also after rounding
 /// errors.
 inline int nearest_pixel(double coordinate) { return static_cast<int>(std::floor(coordinate + 0.5 + 1e-6)); }
+
+/// A point in a camera's space, as that pixel and depth of the camera; nothing outside its image.
+struct SeenPoint {
+  int u, v;
+  double z;
+};
+std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point);
 
 /// Two measurements of one surface, at different times or in neighbouring pixels, differ by less (metres).
 constexpr double same_surface_tolerance(double z) { return std::max(0.012, 3 * depth_sigma(z)); }

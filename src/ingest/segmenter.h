@@ -35,6 +35,10 @@ std::unique_ptr<Segmenter> make_motion_segmenter();
 /// fraction of the time. Frames may come in any order.
 std::unique_ptr<Segmenter> make_foreground_segmenter();
 
+/// Everything that is measured and lies on none of a frame's wide planes gets label 1: floor, walls and tables are
+/// left. Needs no first pass; frames may come in any order.
+std::unique_ptr<Segmenter> make_plane_segmenter();
+
 /// The capture whose frames come in `range`, with a segmenter's labels in place of its own: it has masks, and every
 /// frame's are complete. `open` must not read masks. The first pass is made here. Throws what the capture throws.
 std::unique_ptr<Capture> segmented_capture(const CaptureFactory& open, const FrameRange& range,

@@ -25,6 +25,7 @@ CameraTrackingResult CameraTracker::track(const ingest::Frame& frame) {
   const BackgroundFrame reduced = reduce_background(frame);
   const ObjectView view = view_background(reduced);
   CameraTrackingResult result;
+  if (config_.frames_to_move == 0 && !moves()) moving_from_ = 0;
   if (!keyframes_.empty()) {
     follow(reduced, view, result);
   } else {

@@ -20,7 +20,7 @@ struct CameraTrackerConfig {
   std::size_t max_loops = 4;       ///< key frames that a new one is compared with
   std::size_t references = 3;      ///< key frames that a frame is aligned to at once
   std::size_t max_keyframes = 400; ///< 0.6 MB each
-  int frames_to_move = 3;          ///< in a row that must show motion before the camera counts as moving
+  int frames_to_move = 3;          ///< in a row that must show motion before the camera counts as moving; 0: it does
   int held_frames = 30;            ///< without support for longer: lost
 };
 
@@ -33,11 +33,11 @@ struct CameraTrackingResult {
 };
 
 /// The camera is still, and its pose exactly the identity, until several frames in a row are explained significantly
-/// better by another pose (StillnessVotes). Health: kTracked: geometry and texture support the pose in all directions;
-/// kHeld: some directions, or all, follow the motion so far; kLost: without support for long. Only tracked frames
-/// become key frames. Loops are closed among the key frames as they are made; the live poses stay continuous,
-/// `path` has the corrected ones.
-/// Not thread-safe. Same frames, same bits, for any number of threads.
+/// better by another pose (StillnessVotes), unless the configuration says that it moves. Health: kTracked: geometry and
+/// texture support the pose in all directions; kHeld: some directions, or all, follow the motion so far; kLost: without
+/// support for long. Only tracked frames become key frames. Loops are closed among the key frames as they are made; the
+/// live poses stay continuous, `path` has the corrected ones. Not thread-safe. Same frames, same bits, for any number
+/// of threads.
 class CameraTracker {
 public:
   explicit CameraTracker(const CameraTrackerConfig& config = {}) : config_(config) {}

@@ -1,6 +1,8 @@
 // A room with a floor, a wall and a body that walks, as a camera with noise sees it.
 #pragma once
 
+#include <numbers>
+
 #include "core/random.h"
 #include "ingest/segmenter.h"
 #include "ingest/sensor_noise.h"
@@ -20,9 +22,10 @@ inline double overlap(const LabelImage& a, const LabelImage& b, int label) {
 
 struct MovingScene {
   int frames = 24;
-  bool has_body = true; ///< a round body, wider than a limb, that walks to the right
-  double speed = 0.03;  ///< metres per frame
-  bool carried = false; ///< a hand moves and turns the camera, and its frames tell where it is
+  bool has_body = true;  ///< a round body, wider than a limb, that walks to the right
+  double speed = 0.03;   ///< metres per frame
+  bool carried = false;  ///< a hand moves and turns the camera, and its frames tell where it is …
+  double told_wrong = 0; ///< … but for so many millimetres, and tenths of a degree, standard deviation of each axis
 
   static Intrinsics intrinsics() { return {160, 120, 140, 140, 79.5, 59.5}; }
 
@@ -35,6 +38,16 @@ struct MovingScene {
     pose.translation() = Eigen::Vector3d(0.25 * std::sin(0.3 * i), 0.04 * std::sin(0.5 * i), 0);
     pose.rotate(Eigen::AngleAxisd(-0.1 * std::sin(0.3 * i), Eigen::Vector3d::UnitY()));
     return pose;
+  }
+
+  /// Where frame i says that the camera was.
+  SE3 told_pose(int i) const {
+    Random random(23, static_cast<std::uint64_t>(i));
+    Twist error;
+    for (double& axis : error) axis = random.normal();
+    error.head<3>() *= told_wrong * 1e-3;
+    error.tail<3>() *= told_wrong * 0.1 * std::numbers::pi / 180;
+    return camera_to_world(i) * exp_se3(error);
   }
 
   Frame frame(int i, LabelImage* truth = nullptr) const {
@@ -68,6 +81,7 @@ struct MovingScene {
           frame.color.at(u, v, c) = static_cast<std::uint8_t>(color[c] + static_cast<int>(random.below(7)) - 3);
       }
     }
+    if (told_wrong > 0) frame.camera.camera_to_world = told_pose(i);
     return frame;
   }
 

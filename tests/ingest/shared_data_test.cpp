@@ -5,6 +5,7 @@
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/ground_truth.h"
+#include "ingest/segmenter.h"
 #include "support/source_folder.h"
 
 namespace kinora::ingest {
@@ -73,6 +74,34 @@ INSTANTIATE_TEST_SUITE_P(
           name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
       return name;
     });
+
+struct Still {
+  const char* folder;
+  int step; ///< between the frames that are looked at
+};
+
+class StillSharedData : public testing::TestWithParam<Still> {};
+
+TEST_P(StillSharedData, IsAllBackground) {
+  const fs::path folder = kData / GetParam().folder;
+  if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not there";
+  Progress progress;
+  const host::PluginTable plugins = host::PluginTable::builtin();
+  const auto open = [&](const FrameRange& range) {
+    CaptureOptions options;
+    options.frames = range;
+    return Capture::open(plugins, folder, options, progress);
+  };
+  const auto labelled = segmented_capture(open, {0, -1, GetParam().step}, make_motion_segmenter(), progress);
+  while (const auto frame = labelled->next()) {
+    const auto values = frame->labels.values();
+    EXPECT_EQ(std::count(values.begin(), values.end(), 0), std::ssize(values)) << "frame " << frame->index;
+  }
+}
+
+// The kitchen's poses err by millimetres, and the stereo camera's depth by centimetres.
+INSTANTIATE_TEST_SUITE_P(All, StillSharedData, testing::Values(Still{"static_3dmatch50", 2}, Still{"m3t_pair", 1}),
+                         [](const auto& parameter) { return std::string(parameter.param.folder); });
 
 TEST(SharedDataTruth, CarryBoxHasFourCamerasAndAnObject) {
   if (!fs::exists(kData / "carry_box")) GTEST_SKIP() << "carry_box is not there";
