@@ -152,6 +152,7 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;
+  numbers.reserve(frames.size());
   for (const ingest::Frame& frame : frames) numbers.push_back(frame.index);
   if (!tracks.empty()) comparison = bench::compare_tracks(tracks, motion, numbers, each);
   if (!flow.values.empty()) comparison = compare_flow(flow, frames[0], motion);

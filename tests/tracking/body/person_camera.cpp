@@ -82,7 +82,8 @@ std::vector<CoatPoint> material_points(bool has_skirt, std::size_t count) {
   for (std::size_t i = 0; i < samples.size(); i += stride) points.push_back({samples[i].part, samples[i].point});
   for (int i = 0; has_skirt && i < kSkirtRows * kSkirtColumns; ++i) {
     const double angle = 2 * std::numbers::pi * (i % kSkirtColumns) / kSkirtColumns - std::numbers::pi;
-    const double along = (i / kSkirtColumns + 0.5) / kSkirtRows;
+    const int row = i / kSkirtColumns;
+    const double along = (row + 0.5) / kSkirtRows;
     points.push_back({kBodyParts, {along, Vec(angle, 0, 0)}});
   }
   return points;
