@@ -2,26 +2,19 @@
 // beside it: material tracks (gt/tracks.csv.gz) or scene flow (scene_flow/*.sflow, with the mask of the first frame).
 // A table in CSV: the knobs, milliseconds per frame, and errors in millimetres.
 // Usage: bench_tracking_deforming CAPTURE [KNOB=VALUE,VALUE...]; frames=1 also tells it frame by frame.
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <limits>
-#include <map>
-#include <numeric>
-
-#include <fmt/format.h>
 
 #include "core/image_codec.h"
-#include "follow_label.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/true_tracks.h"
 #include "knobs.h"
 #include "nearby_objects.h"
 #include "stopwatch.h"
+#include "track_errors.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/point_track.h"
 
@@ -29,56 +22,9 @@ namespace {
 
 using namespace kinora;
 using bench::at_fraction;
+using bench::Comparison;
+using bench::Errors;
 using bench::Setting;
-
-struct Errors {
-  std::vector<double> values; ///< millimetres
-
-  void add(const Eigen::Vector3d& estimated, const Eigen::Vector3d& truth) {
-    values.push_back(estimated.allFinite() ? 1e3 * (estimated - truth).norm()
-                                           : std::numeric_limits<double>::infinity());
-  }
-  double mean() const {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  }
-  std::string text() const {
-    if (values.empty()) return ",,";
-    return fmt::format("{:.2f},{:.2f},{:.2f}", mean(), at_fraction(values, 0.5), at_fraction(values, 0.95));
-  }
-};
-
-/// Errors of a motion's points; what the capture's truth does not tell stays empty.
-struct Comparison {
-  Errors visible; ///< of tracks, each from its first visible frame, over all frames; or of scene flow
-  Errors hidden;
-};
-
-Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion,
-                          const std::vector<ingest::Frame>& frames, bool each) {
-  Comparison all;
-  std::vector<Comparison> by_frame(frames.size());
-  for (const auto& track_of_id : tracks) {
-    const auto& places = track_of_id.second;
-    const auto first = std::find_if(frames.begin(), frames.end(), [&](const ingest::Frame& frame) {
-      const auto found = places.find(frame.index);
-      return found != places.end() && found->second.visible;
-    });
-    if (first == frames.end()) continue;
-    const auto start = static_cast<std::size_t>(first - frames.begin());
-    const auto track = tracking::track_point(motion, frames.size(), start, places.at(first->index).point);
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      const auto truth = places.find(frames[i].index);
-      if (truth == places.end()) continue;
-      (truth->second.visible ? all.visible : all.hidden).add(track[i], truth->second.point);
-      (truth->second.visible ? by_frame[i].visible : by_frame[i].hidden).add(track[i], truth->second.point);
-    }
-  }
-  for (std::size_t i = 0; each && i < frames.size(); ++i) {
-    std::printf("# frame %d: seen points %s mm, hidden %s mm\n", frames[i].index, by_frame[i].visible.text().c_str(),
-                by_frame[i].hidden.text().c_str());
-  }
-  return all;
-}
 
 /// DeepDeform's scene flow of the first frame: x, y, z in planes, −inf where unknown.
 struct SceneFlow {
@@ -205,7 +151,10 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
               tracker.body().empty(), 1e-3 * settling);
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   Comparison comparison;
-  if (!tracks.empty()) comparison = compare_tracks(tracks, motion, frames, each);
+  std::vector<int> numbers;
+  numbers.reserve(frames.size());
+  for (const ingest::Frame& frame : frames) numbers.push_back(frame.index);
+  if (!tracks.empty()) comparison = bench::compare_tracks(tracks, motion, numbers, each);
   if (!flow.values.empty()) comparison = compare_flow(flow, frames[0], motion);
   for (const auto& [name, value] : knobs) std::printf("%g,", value);
   std::printf("%.1f,%.1f,%.1f,%s,%s\n", at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99),

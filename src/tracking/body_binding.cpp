@@ -14,38 +14,47 @@ bool is_lost(Joint bone, const std::array<LimbHealth, kLimbs>& limbs) {
 
 } // namespace
 
-void BodyBinding::bind(const PosedBody& body, std::span<const Eigen::Vector3d> places) {
-  for (std::size_t n = nodes_.size(); n < places.size(); ++n) {
-    nodes_.emplace_back();
-    const std::optional<BoneHold> hold = hold_of(body, places[n]);
-    if (!hold) continue;
-    nodes_.back() =
-        Bound{*hold, body.bones[hold->bone].inverse() * places[n], body.bones[hold->second].inverse() * places[n]};
+Joint BodyBinding::bone_of(const Bound& bound) { return bound.hold ? bound.hold->bone : kPelvis; }
+
+void BodyBinding::bind(const PosedBody& body, std::span<const SE3> nodes) {
+  for (std::size_t n = nodes_.size(); n < nodes.size(); ++n) {
+    const std::optional<BoneHold> hold = hold_of(body, nodes[n].translation());
+    const Joint second = hold ? hold->second : kPelvis;
+    nodes_.push_back({hold, body.bones[hold ? hold->bone : kPelvis].inverse() * nodes[n],
+                      body.bones[second].inverse() * nodes[n].translation()});
   }
 }
 
-void BodyBinding::renew(const Bones& bones, std::span<const Eigen::Vector3d> places, std::span<const double> seen) {
+void BodyBinding::renew(const Bones& bones, std::span<const SE3> nodes, std::span<const double> seen) {
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!nodes_[n]) continue;
-    Bound& bound = *nodes_[n];
+    Bound& bound = nodes_[n];
     const double share = kRenewed * seen[n];
-    bound.beside_bone += share * (bones[bound.hold.bone].inverse() * places[n] - bound.beside_bone);
-    bound.beside_second += share * (bones[bound.hold.second].inverse() * places[n] - bound.beside_second);
+    const SE3 now = bones[bone_of(bound)].inverse() * nodes[n];
+    const Eigen::Quaterniond turn(bound.beside_bone.linear());
+    bound.beside_bone.linear() = turn.slerp(share, Eigen::Quaterniond(now.linear())).toRotationMatrix();
+    bound.beside_bone.translation() += share * (now.translation() - bound.beside_bone.translation());
+    if (!bound.hold) continue;
+    bound.beside_second += share * (bones[bound.hold->second].inverse() * nodes[n].translation() - bound.beside_second);
   }
 }
 
 std::optional<Eigen::Vector3d> BodyBinding::place_of(std::size_t node, const Bones& bones) const {
-  if (!nodes_.at(node)) return std::nullopt;
-  const Bound& bound = *nodes_[node];
-  return bound.hold.weight * (bones[bound.hold.bone] * bound.beside_bone) +
-         (1 - bound.hold.weight) * (bones[bound.hold.second] * bound.beside_second);
+  const Bound& bound = nodes_.at(node);
+  if (!bound.hold) return std::nullopt;
+  return bound.hold->weight * (bones[bound.hold->bone] * bound.beside_bone.translation()) +
+         (1 - bound.hold->weight) * (bones[bound.hold->second] * bound.beside_second);
 }
 
-std::vector<SE3> BodyBinding::carried(const Bones& before, const Bones& now) const {
+std::optional<Limb> BodyBinding::limb_of(std::size_t node) const {
+  if (node >= nodes_.size() || !nodes_[node].hold) return std::nullopt;
+  return tracking::limb_of(nodes_[node].hold->bone);
+}
+
+std::vector<SE3> BodyBinding::placed(const Bones& bones) const {
   std::vector<SE3> result;
-  for (const std::optional<Bound>& bound : nodes_) {
-    const Joint bone = bound ? bound->hold.bone : kPelvis;
-    result.emplace_back(now[bone] * before[bone].inverse());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    result.emplace_back(bones[bone_of(nodes_[n])] * nodes_[n].beside_bone);
+    if (const auto place = place_of(n, bones)) result.back().translation() = *place;
   }
   return result;
 }
@@ -54,7 +63,7 @@ std::vector<NodePull> BodyBinding::pulls(const Bones& bones, const std::array<Li
                                          const SE3& from_world, double sigma) const {
   std::vector<NodePull> result(nodes_.size());
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!nodes_[n] || is_lost(nodes_[n]->hold.bone, limbs)) continue;
+    if (!nodes_[n].hold || is_lost(nodes_[n].hold->bone, limbs)) continue;
     result[n] = {from_world * *place_of(n, bones), 1 / sigma};
   }
   return result;

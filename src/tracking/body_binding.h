@@ -14,16 +14,16 @@
 
 namespace kinora::tracking {
 
-/// Nodes by their number in the graph. All places are in the world, metres. Not thread-safe.
+/// Nodes by their number in the graph, each a place and a turn in the world, metres. Not thread-safe.
 class BodyBinding {
 public:
-  /// Binds the nodes that are not yet known, which lie at `places` (one for each node, known or not), to the bones of
-  /// the body's surface that is nearest to them. A node too far from the body is bound to nothing.
-  void bind(const PosedBody& body, std::span<const Eigen::Vector3d> places);
+  /// Binds the nodes that are not yet known (`nodes` has all, known or not) to the bones of the body's surface that is
+  /// nearest to them. A node too far from the body is bound to nothing, and goes with the pelvis where it must go.
+  void bind(const PosedBody& body, std::span<const SE3> nodes);
 
   /// Where a node lies beside its bones, anew: the more of it the view shows (`seen`, for each node, in [0, 1]), the
-  /// nearer it comes to `places`.
-  void renew(const Bones& bones, std::span<const Eigen::Vector3d> places, std::span<const double> seen);
+  /// nearer it comes to where `nodes` are.
+  void renew(const Bones& bones, std::span<const SE3> nodes, std::span<const double> seen);
 
   /// Where the bones have the node; nothing if it is not bound.
   std::optional<Eigen::Vector3d> place_of(std::size_t node, const Bones& bones) const;
@@ -32,16 +32,21 @@ public:
   std::vector<NodePull> pulls(const Bones& bones, const std::array<LimbHealth, kLimbs>& limbs, const SE3& from_world,
                               double sigma) const;
 
-  /// How the bones carry each node from one pose of the body to another; a node that is bound to nothing goes with the
-  /// pelvis.
-  std::vector<SE3> carried(const Bones& before, const Bones& now) const;
+  /// The limb that carries the node; nothing for trunk and head, or if it is not bound.
+  std::optional<Limb> limb_of(std::size_t node) const;
+
+  /// Where the bones would have every node, and how turned; a node that is bound to nothing goes with the pelvis.
+  std::vector<SE3> placed(const Bones& bones) const;
 
 private:
   struct Bound {
-    BoneHold hold;
-    Eigen::Vector3d beside_bone, beside_second; ///< place in the space of either
+    std::optional<BoneHold> hold;
+    SE3 beside_bone;               ///< in the space of the bone (or of the pelvis)
+    Eigen::Vector3d beside_second; ///< its place in the space of the second bone
   };
-  std::vector<std::optional<Bound>> nodes_;
+  static Joint bone_of(const Bound& bound);
+
+  std::vector<Bound> nodes_;
 };
 
 } // namespace kinora::tracking

@@ -11,6 +11,7 @@
 #include "tracking/deforming_selection.h"
 #include "tracking/layer_search.h"
 #include "tracking/layer_view.h"
+#include "tracking/node_flow.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
 
@@ -105,10 +106,12 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
 void DeformingTracker::learn_holds(std::vector<double> seen, std::span<const NearbyObject> objects) {
   seen.resize(nodes_.size(), 0);
   std::vector<Eigen::Vector3d> places;
+  std::vector<SE3> nodes;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    places.emplace_back(volume_->origin() + records_.back().nodes[n] * nodes_[n]);
+    nodes.push_back(records_.back().nodes[n]);
+    nodes.back().translation() = places.emplace_back(volume_->origin() + records_.back().nodes[n] * nodes_[n]);
   }
-  if (config_.use_body) body_.learn(places, seen);
+  if (config_.use_body) body_.learn(nodes, seen);
   interaction_.learn(objects, places, seen);
 }
 
@@ -145,6 +148,14 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
   return result;
 }
 
+// Nodes whose texture is elsewhere than they are expected go there.
+void DeformingTracker::follow_texture(const ObjectView& view, const SE3& world_to_camera, const NodeStates& then,
+                                      std::vector<SE3>& nodes) const {
+  const auto flow = find_node_flow(past_->view, then, view, states_in(world_to_camera, nodes), edges_);
+  const Eigen::Matrix3d to_world = world_to_camera.linear().transpose();
+  for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n].translation() += to_world * flow[n];
+}
+
 // Where bones would have the nodes; or, of those that hold an object, where that would.
 std::vector<NodePull> DeformingTracker::pulls(const SE3& from_world, std::span<const NearbyObject> objects) const {
   std::vector<NodePull> result = body_.pulls(records_.size() - 1, from_world);
@@ -156,18 +167,15 @@ std::vector<NodePull> DeformingTracker::pulls(const SE3& from_world, std::span<c
   return result;
 }
 
-// The nodes as the bones have carried them since the last frame that was tracked; none if there are no bones.
-std::vector<SE3> DeformingTracker::carried_by_bones() const {
-  std::size_t last = records_.size() - 1;
-  while (last > 0 && records_[--last].health != Health::kTracked) {
+// The nodes as the bones would have them; none if there are no bones.
+std::vector<SE3> DeformingTracker::placed_by_bones() const {
+  std::vector<SE3> nodes = body_.placed(records_.size() - 1);
+  if (nodes.size() != nodes_.size()) return {};
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    nodes[n].translation() -= volume_->origin() + nodes[n].linear() * nodes_[n];
+    nodes[n] = renormalized(nodes[n]);
   }
-  std::vector<SE3> motions = body_.carried(last, records_.size() - 1);
-  if (motions.size() != nodes_.size()) return {};
-  const Eigen::Translation3d origin(volume_->origin());
-  for (std::size_t n = 0; n < motions.size(); ++n) {
-    motions[n] = renormalized(SE3(origin.inverse() * motions[n] * origin * records_[last].nodes[n]));
-  }
-  return motions;
+  return nodes;
 }
 
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
@@ -189,8 +197,9 @@ DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, co
 }
 
 // The share of the surface that would face the camera there that the view shows where it is.
-double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states) const {
-  const DeformingSelection facing = select_facing(surface_, skin_, view, states, config_.max_points);
+double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states,
+                                     const std::function<bool(const Influence&)>& takes_part) const {
+  const DeformingSelection facing = select_facing(surface_, skin_, view, states, config_.max_points, takes_part);
   if (facing.points.empty()) return 0;
   const DeformingQuality quality = judge_deformation({nodes_, edges_, facing.points}, facing.textures, view, states);
   return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
@@ -198,12 +207,14 @@ double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& s
 
 Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& view,
                                 std::span<const NearbyObject> objects, DeformingTrackingResult& result) {
-  const std::vector<SE3> expected = predicted(frame.time);
+  std::vector<SE3> expected = predicted(frame.time);
   const SE3 world_to_camera = relative_to_origin(frame);
+  place_limbs(view, world_to_camera, expected);
+  const NodeStates then = states_in(past_->world_to_camera, records_[records_.size() - 2].nodes);
+  follow_texture(view, world_to_camera, then, expected);
   const NodeStates prior = states_in(world_to_camera, expected);
   DeformingSelection selection = select_facing(surface_, skin_, view, prior, config_.max_points);
-  const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
-  selection.add_last_view(past_->view, states_in(past_->world_to_camera, last));
+  selection.add_last_view(past_->view, then);
   const LayerModel model{nodes_, edges_, selection.points};
   const std::vector<NodePull> binding = pulls(frame.camera.camera_to_world.inverse(), objects);
   DeformingAlignment alignment =
@@ -217,8 +228,8 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
         align_from_afar(model, selection, view, search_layer(model, selection.textures, view, prior).states, binding);
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
-    if (const std::vector<SE3> carried = carried_by_bones(); !carried.empty()) {
-      const NodeStates start = states_in(world_to_camera, carried);
+    if (const std::vector<SE3> placed = placed_by_bones(); !placed.empty()) {
+      const NodeStates start = states_in(world_to_camera, placed);
       const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
       elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);

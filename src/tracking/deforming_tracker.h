@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -90,11 +91,15 @@ private:
                 DeformingTrackingResult& result);
   DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
                                      const ObjectView& view, NodeStates start, std::span<const NodePull> binding) const;
-  double shown_share(const ObjectView& view, const NodeStates& states) const;
+  double shown_share(const ObjectView& view, const NodeStates& states,
+                     const std::function<bool(const Influence&)>& takes_part = nullptr) const;
   bool is_healthy(const DeformingQuality& quality) const;
   std::vector<SE3> predicted(double time) const;
+  void follow_texture(const ObjectView& view, const SE3& world_to_camera, const NodeStates& then,
+                      std::vector<SE3>& nodes) const;
+  void place_limbs(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const;
   std::vector<NodePull> pulls(const SE3& from_world, std::span<const NearbyObject> objects) const;
-  std::vector<SE3> carried_by_bones() const;
+  std::vector<SE3> placed_by_bones() const;
   SE3 relative_to_origin(const ingest::Frame& frame) const;
   NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
   void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);

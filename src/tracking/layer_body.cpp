@@ -44,10 +44,9 @@ std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world)
   return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
 }
 
-std::vector<SE3> LayerBody::carried(std::size_t from, std::size_t to) const {
-  if (verdict() != BodyVerdict::kPerson || from >= records_.size() || to >= records_.size()) return {};
-  if (!records_[from] || !records_[to]) return {};
-  return binding_.carried(records_[from]->bones, records_[to]->bones);
+std::vector<SE3> LayerBody::placed(std::size_t frame) const {
+  if (verdict() != BodyVerdict::kPerson || frame >= records_.size() || !records_[frame]) return {};
+  return binding_.placed(records_[frame]->bones);
 }
 
 std::optional<JointPaths> LayerBody::joint_paths() const {
@@ -63,12 +62,12 @@ std::optional<JointPaths> LayerBody::joint_paths() const {
   return paths;
 }
 
-void LayerBody::learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen) {
+void LayerBody::learn(std::span<const SE3> nodes, std::span<const double> seen) {
   if (verdict() == BodyVerdict::kNobody || last_.health != Health::kTracked) return;
   const PosedBody body = pose_body(tracker_.state().pose, tracker_.state().shape);
   if (last_.refitted) binding_ = {};
-  binding_.renew(body.bones, places, seen);
-  binding_.bind(body, places);
+  binding_.renew(body.bones, nodes, seen);
+  binding_.bind(body, nodes);
 }
 
 } // namespace kinora::tracking

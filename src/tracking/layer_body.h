@@ -42,11 +42,13 @@ public:
   /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
   /// none if there is no body to trust.
   std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
-  /// How the bones carry each node, in the world, from one frame to another; none if either shows no body.
-  std::vector<SE3> carried(std::size_t from, std::size_t to) const;
-  /// Where the nodes are in the last frame, and how much of each the view shows (both one for each node); nodes that
-  /// were not there before are bound.
-  void learn(std::span<const Eigen::Vector3d> places, std::span<const double> seen);
+  /// Where the bones would have each node in a frame, as a place and a turn; none if there is no person in it.
+  std::vector<SE3> placed(std::size_t frame) const;
+  /// The limb that carries a node; nothing for trunk and head.
+  std::optional<Limb> limb_of(std::size_t node) const { return binding_.limb_of(node); }
+  /// Where the nodes are in the last frame, a place and a turn, and how much of each the view shows (both one for each
+  /// node); nodes that were not there before are bound.
+  void learn(std::span<const SE3> nodes, std::span<const double> seen);
 
   BodyVerdict verdict() const;
   /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.

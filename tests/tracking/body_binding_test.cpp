@@ -19,16 +19,23 @@ PosedBody somebody(double bend) {
 }
 
 /// A node on the left forearm, one on the head, one beside nobody.
+std::vector<SE3> three_nodes(const PosedBody& body) {
+  const auto at = [](double x, double y, double z) { return SE3(Eigen::Translation3d(x, y, z)); };
+  return {body.bones[kLeftElbow] * at(0.13, 0, 0.04), body.bones[kHead] * at(0, 0.1, 0.1),
+          body.bones[kHead] * at(0, 0.6, 0)};
+}
+
 std::vector<Vec> three_places(const PosedBody& body) {
-  return {body.bones[kLeftElbow] * Vec(0.13, 0, 0.04), body.bones[kHead] * Vec(0, 0.1, 0.1),
-          body.bones[kHead] * Vec(0, 0.6, 0)};
+  std::vector<Vec> places;
+  for (const SE3& node : three_nodes(body)) places.emplace_back(node.translation());
+  return places;
 }
 
 TEST(BodyBinding, CarriesANodeWithItsBone) {
   const PosedBody straight = somebody(0);
   const PosedBody bent = somebody(1);
   BodyBinding binding;
-  binding.bind(straight, three_places(straight));
+  binding.bind(straight, three_nodes(straight));
   EXPECT_GT((three_places(bent)[0] - three_places(straight)[0]).norm(), 0.05);
   for (const std::size_t n : {0U, 1U}) {
     const auto place = binding.place_of(n, bent.bones);
@@ -42,30 +49,30 @@ TEST(BodyBinding, BindsOnlyNodesThatAreNew) {
   const PosedBody straight = somebody(0);
   const PosedBody bent = somebody(1);
   BodyBinding binding;
-  std::vector<Vec> places = three_places(straight);
-  binding.bind(straight, places);
-  places.push_back(three_places(bent)[0]);
-  binding.bind(bent, places);
-  EXPECT_LT((*binding.place_of(0, straight.bones) - places[0]).norm(), 1e-9);
-  EXPECT_LT((*binding.place_of(3, straight.bones) - places[0]).norm(), 1e-9);
+  std::vector<SE3> nodes = three_nodes(straight);
+  binding.bind(straight, nodes);
+  nodes.push_back(three_nodes(bent)[0]);
+  binding.bind(bent, nodes);
+  EXPECT_LT((*binding.place_of(0, straight.bones) - nodes[0].translation()).norm(), 1e-9);
+  EXPECT_LT((*binding.place_of(3, straight.bones) - nodes[0].translation()).norm(), 1e-9);
 }
 
 TEST(BodyBinding, GoesByWhatIsSeenAndKeepsWhatIsNot) {
   const PosedBody body = somebody(0);
   const Vec slipped(0, 0.03, 0);
-  std::vector<Vec> places = three_places(body);
+  std::vector<SE3> nodes = three_nodes(body);
   BodyBinding binding;
-  binding.bind(body, places);
-  for (Vec& place : places) place += slipped;
-  for (int frame = 0; frame < 60; ++frame) binding.renew(body.bones, places, std::vector<double>{1, 0, 0});
-  EXPECT_LT((*binding.place_of(0, body.bones) - places[0]).norm(), 1e-3);
-  EXPECT_LT((*binding.place_of(1, body.bones) - (places[1] - slipped)).norm(), 1e-9);
+  binding.bind(body, nodes);
+  for (SE3& node : nodes) node.translation() += slipped;
+  for (int frame = 0; frame < 60; ++frame) binding.renew(body.bones, nodes, std::vector<double>{1, 0, 0});
+  EXPECT_LT((*binding.place_of(0, body.bones) - nodes[0].translation()).norm(), 1e-3);
+  EXPECT_LT((*binding.place_of(1, body.bones) - (nodes[1].translation() - slipped)).norm(), 1e-9);
 }
 
 TEST(BodyBinding, ALostLimbPullsNothing) {
   const PosedBody body = somebody(0);
   BodyBinding binding;
-  binding.bind(body, three_places(body));
+  binding.bind(body, three_nodes(body));
   SE3 from_world = SE3::Identity();
   from_world.translation() = Vec(1, 2, 3);
   const auto pulls = binding.pulls(body.bones, kAllSeen, from_world, 0.02);

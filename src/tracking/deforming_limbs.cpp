@@ -1,0 +1,42 @@
+// Where limbs are when a frame comes in: a hand that hits out, or stops, is not where its own velocity leads to. Bones,
+// which are searched for limbs (limb_search.h), say where else to begin, and the view decides.
+#include <algorithm>
+
+#include "tracking/deforming_tracker.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
+constexpr double kClearlyBetter = 0.1; // of the limb's surface that would face the camera
+constexpr double kMostly = 0.5;        // share of a point's weights on the limb
+
+} // namespace
+
+void DeformingTracker::place_limbs(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const {
+  const std::vector<SE3> placed = placed_by_bones();
+  if (placed.empty()) return;
+  for (const Limb limb : kEveryLimb) {
+    std::vector<SE3> moved = nodes;
+    double apart = 0;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (body_.limb_of(n) != limb) continue;
+      moved[n] = placed[n];
+      apart = std::max(apart, (placed[n] * nodes_[n] - nodes[n] * nodes_[n]).norm());
+    }
+    if (apart < kApart) continue;
+    const auto is_of_limb = [&](const Influence& influence) {
+      double weight = 0;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+        if (body_.limb_of(static_cast<std::size_t>(influence.nodes[k])) == limb) weight += influence.weights[k];
+      }
+      return weight > kMostly;
+    };
+    const double before = shown_share(view, states_in(world_to_camera, nodes), is_of_limb);
+    if (shown_share(view, states_in(world_to_camera, moved), is_of_limb) > before + kClearlyBetter) {
+      nodes = std::move(moved);
+    }
+  }
+}
+
+} // namespace kinora::tracking

@@ -1,0 +1,144 @@
+#include "tracking/node_flow.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/parallel.h"
+#include "tracking/statistics.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr std::size_t kLevel = 1;
+constexpr int kRadius = 4;              // of the patch, in its pixels
+constexpr int kReach = 12;              // of the search, likewise
+constexpr int kStride = 2;              // of the search at first
+constexpr double kFound = 0.8;          // correlation of the same texture
+constexpr double kGain = 0.15;          // at least, over that where it is expected
+constexpr double kLeastContrast = 0.02; // of the log luminance: less is no texture
+constexpr double kBeside = 0.02;        // metres between a node and the surface that shows it
+constexpr std::size_t kLeastMatches = 3;
+constexpr double kLeastStep = 0.008; // metres: the solver finds less by itself
+constexpr std::size_t kNodesPerChunk = 16;
+
+constexpr std::size_t kPatch = static_cast<std::size_t>(2 * kRadius + 1) * (2 * kRadius + 1);
+using Patch = std::array<float, kPatch>;
+
+struct Pixel {
+  int u, v;
+};
+
+Pixel pixel_of(const TextureLevel& level, const Eigen::Vector2d& at) {
+  return {static_cast<int>(std::lround((at.x() + 0.5) * level.scale - 0.5)),
+          static_cast<int>(std::lround((at.y() + 0.5) * level.scale - 0.5))};
+}
+
+// The texture about a pixel with mean zero and length one; nothing at the border or without contrast.
+std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {
+  if (at.u < kRadius || at.v < kRadius || at.u + kRadius >= level.values.width() ||
+      at.v + kRadius >= level.values.height()) {
+    return std::nullopt;
+  }
+  Patch patch;
+  float sum = 0;
+  std::size_t i = 0;
+  for (int v = at.v - kRadius; v <= at.v + kRadius; ++v) {
+    for (int u = at.u - kRadius; u <= at.u + kRadius; ++u) sum += patch[i++] = level.values.at(u, v, 0);
+  }
+  float squares = 0;
+  for (float& value : patch) {
+    value -= sum / static_cast<float>(kPatch);
+    squares += value * value;
+  }
+  if (squares < kLeastContrast * kLeastContrast * kPatch) return std::nullopt;
+  for (float& value : patch) value /= std::sqrt(squares);
+  return patch;
+}
+
+double correlation(const Patch& a, const TextureLevel& level, const Pixel& at) {
+  const auto b = patch_at(level, at);
+  if (!b) return 0;
+  float sum = 0;
+  for (std::size_t i = 0; i < kPatch; ++i) sum += a[i] * (*b)[i];
+  return sum;
+}
+
+// The measured surface at a pixel of the view, well inside the layer.
+std::optional<Eigen::Vector3d> surface_at(const ObjectView& view, const Eigen::Vector2d& at) {
+  const int u = static_cast<int>(std::lround(at.x()));
+  const int v = static_cast<int>(std::lround(at.y()));
+  if (!view.mask.contains(u, v) || view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0) return std::nullopt;
+  return view.point(u, v);
+}
+
+Pixel best_around(const Patch& patch, const TextureLevel& level, const Pixel& centre, int reach, int stride,
+                  double& best) {
+  Pixel found = centre;
+  for (int v = centre.v - reach; v <= centre.v + reach; v += stride) {
+    for (int u = centre.u - reach; u <= centre.u + reach; u += stride) {
+      const double value = correlation(patch, level, {u, v});
+      if (value <= best) continue;
+      best = value;
+      found = {u, v};
+    }
+  }
+  return found;
+}
+
+// What is to be added to where one node is expected, as its own texture has it.
+std::optional<Eigen::Vector3d> match(const ObjectView& last, const Eigen::Vector3d& then, const ObjectView& now,
+                                     const Eigen::Vector3d& expected) {
+  if (!(then.z() > 0) || !(expected.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d from = last.intrinsics.project(then);
+  const auto shown = surface_at(last, from);
+  if (!shown || (*shown - then).norm() > kBeside) return std::nullopt;
+  const auto patch = patch_at(last.pyramid[kLevel], pixel_of(last.pyramid[kLevel], from));
+  if (!patch) return std::nullopt;
+  const TextureLevel& level = now.pyramid[kLevel];
+  const Pixel centre = pixel_of(level, now.intrinsics.project(expected));
+  const double before = correlation(*patch, level, centre);
+  if (before > kFound) return Eigen::Vector3d(Eigen::Vector3d::Zero());
+  double best = before;
+  const Pixel coarse = best_around(*patch, level, centre, kReach, kStride, best);
+  const Pixel found = best_around(*patch, level, coarse, kStride - 1, 1, best);
+  if (best < kFound || best < before + kGain) return std::nullopt;
+  const Eigen::Vector2d to((found.u + 0.5) / level.scale - 0.5, (found.v + 0.5) / level.scale - 0.5);
+  const auto shows = surface_at(now, to);
+  if (!shows) return std::nullopt;
+  return Eigen::Vector3d(*shows + (then - *shown) - expected);
+}
+
+} // namespace
+
+std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeStates& then, const ObjectView& now,
+                                            const NodeStates& expected, std::span<const GraphEdge> edges) {
+  const std::size_t count = std::min(then.size(), expected.size());
+  std::vector<std::optional<Eigen::Vector3d>> matches(count);
+  parallel_for(count, kNodesPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
+      matches[n] = match(last, then.positions[n], now, expected.positions[n]);
+    }
+  });
+  std::vector<std::array<std::vector<double>, 3>> around(count);
+  const auto tell = [&](std::size_t from, std::size_t to) {
+    for (std::size_t axis = 0; matches[from] && axis < 3; ++axis) {
+      around[to][axis].push_back((*matches[from])[static_cast<Eigen::Index>(axis)]);
+    }
+  };
+  for (std::size_t n = 0; n < count; ++n) tell(n, n);
+  for (const GraphEdge& edge : edges) {
+    tell(static_cast<std::size_t>(edge.a), static_cast<std::size_t>(edge.b));
+    tell(static_cast<std::size_t>(edge.b), static_cast<std::size_t>(edge.a));
+  }
+  std::vector<Eigen::Vector3d> flow(count, Eigen::Vector3d::Zero());
+  for (std::size_t n = 0; n < count; ++n) {
+    if (!matches[n] || around[n][0].size() < kLeastMatches) continue;
+    const Eigen::Vector3d step(median(around[n][0]), median(around[n][1]), median(around[n][2]));
+    if (step.norm() > kLeastStep) flow[n] = step;
+  }
+  return flow;
+}
+
+} // namespace kinora::tracking

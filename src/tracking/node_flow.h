@@ -1,0 +1,24 @@
+// Where the picture says that nodes have gone since the last view: the texture about each is looked for around where it
+// is expected, and depth lifts what is found. For cloth that slips along itself and limbs without bones, whose geometry
+// looks the same wherever they are.
+// Source: block matching by normalised cross-correlation (Lewis, "Fast Normalized Cross-Correlation", 1995), made
+// smooth by a median among neighbours of the graph.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "tracking/blended_motion.h"
+#include "tracking/object_view.h"
+#include "tracking/surface_graph.h"
+
+namespace kinora::tracking {
+
+/// For each node, metres in the present camera to add to where it is `expected`; zero where the texture is found there,
+/// or tells nothing. `then`: nodes in the last view. Reach: 24 pixels of the view. A node whose texture is where it is
+/// expected costs one comparison.
+/// Deterministic for any number of threads.
+std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeStates& then, const ObjectView& now,
+                                            const NodeStates& expected, std::span<const GraphEdge> edges);
+
+} // namespace kinora::tracking

@@ -1,0 +1,58 @@
+// A person whose hands move faster than alignment alone can follow.
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "tracking/body/person_camera.h"
+#include "tracking/deforming_tracker.h"
+#include "tracking/point_track.h"
+
+namespace kinora::tracking {
+namespace {
+
+constexpr std::size_t kPoints = 200;
+
+struct Followed {
+  int not_tracked = 0;
+  double mean_error = 0; ///< metres, of points on `parts` while they are seen, each from where it was seen first
+};
+
+Followed follow(std::string_view name, int frames, std::span<const std::size_t> parts) {
+  testing::PersonScene scene = testing::person_scene(name);
+  scene.frames = frames;
+  const testing::PersonCamera camera{320, 240, 262.5};
+  DeformingTracker tracker(1);
+  Followed result;
+  for (int i = 0; i < frames; ++i) {
+    if (tracker.track(testing::see_person(scene, i, camera)).health != Health::kTracked) ++result.not_tracked;
+  }
+  const Motion motion = tracker.motion();
+  double count = 0;
+  for (const auto& [id, places] : testing::track_person(scene, kPoints, camera, parts)) {
+    const auto first =
+        std::find_if(places.begin(), places.end(), [](const auto& place) { return place.second.visible; });
+    if (first == places.end()) continue;
+    const auto track = track_point(motion, static_cast<std::size_t>(frames), static_cast<std::size_t>(first->first),
+                                   first->second.point);
+    for (const auto& [frame, place] : places) {
+      if (!place.visible) continue;
+      result.mean_error += (track[static_cast<std::size_t>(frame)] - place.point).norm();
+      ++count;
+    }
+  }
+  result.mean_error /= count;
+  return result;
+}
+
+// 66 mm if limbs begin where their own velocity leads to alone.
+TEST(FastPerson, AHandThatWavesAt25CentimetresAFrameIsFollowed) {
+  const auto& parts = testing::person_scene("hands").fast_parts;
+  const Followed wave = follow("hands", 44, std::span(parts).subspan(2));
+  EXPECT_EQ(wave.not_tracked, 0);
+  EXPECT_LT(wave.mean_error, 0.015);
+}
+
+} // namespace
+} // namespace kinora::tracking

@@ -1,0 +1,147 @@
+#include "tracking/body/person_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "ingest/depth_cleaning.h"
+#include "ingest/sensor_noise.h"
+
+namespace kinora::tracking::testing {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr double kBlurSteps = 5;
+
+Intrinsics intrinsics_of(const PersonCamera& camera) {
+  return {camera.width, camera.height, camera.focal, camera.focal, camera.width / 2.0, camera.height / 2.0};
+}
+
+/// Linear light (three channels) and depth without faults; 0: nobody.
+struct Picture {
+  Image<float> light;
+  DepthImage depth;
+};
+
+Picture draw(const DressedPerson& person, const Intrinsics& intrinsics) {
+  const Vec light = Vec(-0.4, -0.8, -0.5).normalized();
+  Picture picture{Image<float>(intrinsics.width, intrinsics.height, 3, 0.18F),
+                  DepthImage(intrinsics.width, intrinsics.height)};
+  parallel_for(static_cast<std::size_t>(intrinsics.height), 4, [&](const Chunk& chunk) {
+    for (int v = static_cast<int>(chunk.begin); v < static_cast<int>(chunk.end); ++v) {
+      for (int u = 0; u < intrinsics.width; ++u) {
+        const auto hit = person.trace(intrinsics.unproject(u, v, 1));
+        if (!hit) continue;
+        const Vec colour = (0.45 + 0.55 * std::max(0.0, hit->normal.dot(light))) * DressedPerson::colour_of(hit->point);
+        std::copy_n(colour.cast<float>().eval().data(), 3, picture.light.pixel(u, v));
+        picture.depth.at(u, v) = static_cast<float>(hit->z);
+      }
+    }
+  });
+  return picture;
+}
+
+// What a depth camera makes of it. A jump: to a neighbour of the 3×3 around.
+DepthImage measured(const DepthImage& truth, Random& random) {
+  constexpr float kJump = 0.035F;
+  constexpr double kLost = 0.5;
+  constexpr double kFlying = 0.2;
+  DepthImage depth(truth.width(), truth.height());
+  for (int v = 1; v + 1 < truth.height(); ++v) {
+    for (int u = 1; u + 1 < truth.width(); ++u) {
+      const float z = truth.at(u, v);
+      if (z <= 0) continue;
+      float other = z;
+      for (int i = 0; i < 9; ++i) {
+        const float near = truth.at(u - 1 + i % 3, v - 1 + i / 3);
+        if (std::abs(near - z) > kJump) other = near > 0 ? near : z + 0.3F;
+      }
+      const double fate = random.uniform_double();
+      if (other != z && fate < kLost) continue;
+      double seen = z;
+      if (other != z && fate < kLost + kFlying) seen += random.uniform_double() * static_cast<double>(other - z);
+      seen += ingest::depth_sigma(seen) * random.normal();
+      depth.at(u, v) = static_cast<float>(std::round(1e3 * seen) / 1e3);
+    }
+  }
+  return depth;
+}
+
+double srgb(double linear) { return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055; }
+
+// Points spread as the body's samples are, and over the skirt.
+std::vector<CoatPoint> material_points(bool has_skirt, std::size_t count) {
+  constexpr int kSkirtRows = 6;
+  constexpr int kSkirtColumns = 14;
+  std::vector<CoatPoint> points;
+  const auto samples = body_samples();
+  const std::size_t stride = std::max<std::size_t>(1, samples.size() / count);
+  for (std::size_t i = 0; i < samples.size(); i += stride) points.push_back({samples[i].part, samples[i].point});
+  for (int i = 0; has_skirt && i < kSkirtRows * kSkirtColumns; ++i) {
+    const double angle = 2 * std::numbers::pi * (i % kSkirtColumns) / kSkirtColumns - std::numbers::pi;
+    const int row = i / kSkirtColumns;
+    const double along = (row + 0.5) / kSkirtRows;
+    points.push_back({kBodyParts, {along, Vec(angle, 0, 0)}});
+  }
+  return points;
+}
+
+} // namespace
+
+ingest::Frame see_person(const PersonScene& scene, int frame, const PersonCamera& camera) {
+  ingest::Frame result;
+  result.index = frame;
+  result.time = frame / kSceneRate;
+  result.camera.intrinsics = intrinsics_of(camera);
+  Picture picture = draw(scene.at(frame), result.camera.intrinsics);
+  if (scene.exposure > 0) {
+    std::fill(picture.light.values().begin(), picture.light.values().end(), 0.0F);
+    for (double i = 0; i < kBlurSteps; ++i) {
+      const double moment = frame + scene.exposure * ((i + 0.5) / kBlurSteps - 0.5);
+      const Picture step = draw(scene.at(moment), result.camera.intrinsics);
+      for (std::size_t k = 0; k < step.light.values().size(); ++k) {
+        picture.light.values()[k] += step.light.values()[k] / static_cast<float>(kBlurSteps);
+      }
+    }
+  }
+  Random random(camera.seed, static_cast<std::uint64_t>(frame));
+  result.color = ColorImage(camera.width, camera.height, 3);
+  for (std::size_t k = 0; k < picture.light.values().size(); ++k) {
+    const double value = 255 * srgb(static_cast<double>(picture.light.values()[k])) + random.normal();
+    result.color.values()[k] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+  }
+  result.labels = LabelImage(camera.width, camera.height);
+  for (std::size_t k = 0; k < picture.depth.values().size(); ++k) {
+    result.labels.values()[k] = picture.depth.values()[k] > 0 ? 1 : 0;
+  }
+  result.depth = measured(picture.depth, random);
+  result.clean_depth = ingest::clean_depth(result.depth, result.camera.intrinsics);
+  return result;
+}
+
+ingest::TrueTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera,
+                                std::span<const std::size_t> parts) {
+  constexpr double kTolerance = 0.004; // metres between a point and what its ray meets
+  const Intrinsics intrinsics = intrinsics_of(camera);
+  const std::vector<CoatPoint> points = material_points(scene.has_skirt, count);
+  ingest::TrueTracks tracks;
+  for (int frame = 0; frame < scene.frames; ++frame) {
+    const DressedPerson person = scene.at(frame);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!parts.empty() && std::find(parts.begin(), parts.end(), points[i].part) == parts.end()) continue;
+      const Vec place = person.place_of(points[i]);
+      const Eigen::Vector2d pixel = intrinsics.project(place);
+      const bool inside =
+          pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.width - 1 && pixel.y() < camera.height - 1;
+      const auto hit = person.trace(place / place.z());
+      const bool visible = inside && hit && std::abs(hit->z - place.z()) < kTolerance;
+      tracks[static_cast<int>(i)][frame] = {place, visible};
+    }
+  }
+  return tracks;
+}
+
+} // namespace kinora::tracking::testing

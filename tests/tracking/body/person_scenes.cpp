@@ -1,0 +1,164 @@
+#include "tracking/body/person_scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "core/error.h"
+#include "tracking/body/body_prior.h"
+#include "tracking/body/limbs.h"
+
+namespace kinora::tracking::testing {
+namespace {
+
+using Vec = Eigen::Vector3d;
+
+constexpr double kPi = std::numbers::pi;
+
+void turn(BodyState& state, double degrees) {
+  state.pose.root.linear() = Eigen::AngleAxisd(degrees * kPi / 180, -Vec::UnitY()) * state.pose.root.linear();
+}
+
+/// Angles of one limb.
+struct LimbPose {
+  Eigen::Quaterniond ball;
+  double hinge;
+};
+
+Eigen::Quaterniond quaternion_of(const Vec& vector) {
+  return Eigen::Quaterniond(
+      Eigen::AngleAxisd(vector.norm(), vector.norm() > 0 ? Vec(vector.normalized()) : Vec::UnitX()));
+}
+
+// Of all ways to put the wrist at a place (in the chest's axes, metres from its joint), the most usual one.
+LimbPose reaching(Limb arm, const BodyState& state, const Vec& place) {
+  constexpr int kSwivels = 36;
+  const PosedBody body = pose_body(state.pose, state.shape);
+  const auto& chain = chain_of(arm);
+  Angles best = state.pose.angles;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSwivels; ++i) {
+    const Angles tried = reach_for(arm, state.pose.angles, body, body.bones[kChest] * place, 2 * kPi * i / kSwivels, 0);
+    const double energy = angle_energy(tried, PosePriorConfig());
+    if (energy < least) {
+      least = energy;
+      best = tried;
+    }
+  }
+  return {quaternion_of(best.segment<3>(joints()[chain.ball].first_angle)), best[joints()[chain.hinge].first_angle]};
+}
+
+void set_limb(Limb limb, const LimbPose& from, const LimbPose& to, double share, BodyState& state) {
+  const LimbChain& chain = chain_of(limb);
+  const Eigen::AngleAxisd ball(from.ball.slerp(share, to.ball));
+  state.pose.angles.segment<3>(joints()[chain.ball].first_angle) = ball.angle() * ball.axis();
+  state.pose.angles[joints()[chain.hinge].first_angle] = from.hinge + share * (to.hinge - from.hinge);
+}
+
+// 0 before, 1 after, smooth in between.
+double eased(double frame, double begin, double length) {
+  const double x = std::clamp((frame - begin) / length, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+// There and back again: up to 1 in `length` frames, `rest` frames there, and back.
+double stroke(double frame, double begin, double length, double rest) {
+  return eased(frame, begin, length) - eased(frame, begin + length + rest, length);
+}
+
+DressedPerson turning(double frame) {
+  BodyState state = tall_person();
+  constexpr double kBegin = 8;
+  constexpr double kRamp = 6;
+  constexpr double kSpeed = 8; // degrees a frame
+  const double since = std::max(0.0, frame - kBegin);
+  for (const Limb arm : {kLeftArm, kRightArm}) {
+    const double side = arm == kLeftArm ? 1 : -1;
+    const LimbPose low = reaching(arm, state, {0.32 * side, -0.28, 0.08});
+    const LimbPose high = reaching(arm, state, {0.40 * side, -0.20, 0.12});
+    set_limb(arm, low, high, 0.5 - 0.5 * std::cos(2 * kPi * frame / 30), state);
+  }
+  turn(state, kSpeed * (since < kRamp ? since * since / (2 * kRamp) : since - kRamp / 2));
+  return DressedPerson(state);
+}
+
+DressedPerson throwing_hands(double frame) {
+  BodyState state = tall_person();
+  const LimbPose low = reaching(kRightArm, state, {-0.50, 0.08, 0.26});
+  const LimbPose high = reaching(kRightArm, state, {0.0, 0.36, 0.40});
+  double waved = 0;
+  for (const double begin : {12.0, 22.0, 32.0}) waved += stroke(frame, begin, 5, 0);
+  set_limb(kRightArm, low, high, waved + stroke(frame, 62, 5, 8), state);
+  const LimbPose drawn = reaching(kLeftArm, state, {0.24, -0.02, 0.12});
+  const LimbPose stretched = reaching(kLeftArm, state, {0.12, 0.16, 0.56});
+  set_limb(kLeftArm, drawn, stretched, stroke(frame, 44, 3, 2) + stroke(frame, 55, 3, 2), state);
+  turn(state, 15 + 5 * std::sin(2 * kPi * frame / 40));
+  return DressedPerson(state);
+}
+
+DressedPerson clapping(double frame) {
+  BodyState state = short_person();
+  double closed = 0;
+  for (const double begin : {10.0, 24.0, 36.0, 46.0}) closed += stroke(frame, begin, 5, begin < 20 ? 3 : 0);
+  for (const Limb arm : {kLeftArm, kRightArm}) {
+    const double side = arm == kLeftArm ? 1 : -1;
+    const LimbPose open = reaching(arm, state, {0.30 * side, 0.02, 0.26});
+    const LimbPose shut = reaching(arm, state, {0.085 * side, 0.06, 0.28});
+    set_limb(arm, open, shut, closed, state);
+  }
+  turn(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
+  return DressedPerson(state);
+}
+
+DressedPerson swaying(double frame) {
+  BodyState state = short_person();
+  const double phase = 2 * kPi * frame / 28;
+  constexpr double kLag = 1.1; // radians that the hem is late
+  turn(state, 35 * std::sin(phase));
+  state.pose.root.translation().x() += 0.05 * std::sin(phase / 2);
+  return DressedPerson(state, Skirt{{0.09 * std::sin(phase / 2 - kLag), 0.03 * std::sin(phase)},
+                                    35 * kPi / 180 * (std::sin(phase - kLag) - std::sin(phase))});
+}
+
+DressedPerson waving(double frame) {
+  BodyState state = tall_person();
+  const LimbPose low = reaching(kLeftArm, state, {0.52, 0.10, 0.25});
+  const LimbPose high = reaching(kLeftArm, state, {0.22, 0.42, 0.32});
+  set_limb(kLeftArm, low, high, 0.5 - 0.5 * std::cos(2 * kPi * std::max(0.0, frame - 8) / 11), state);
+  turn(state, -10 + 12 * std::sin(2 * kPi * frame / 45));
+  return DressedPerson(state);
+}
+
+std::vector<std::size_t> lower_parts(std::initializer_list<Limb> limbs) {
+  std::vector<std::size_t> parts;
+  for (const Limb limb : limbs) {
+    for (const std::size_t part : chain_of(limb).parts) {
+      if (body_parts()[part].bone != chain_of(limb).ball) parts.push_back(part);
+    }
+  }
+  return parts;
+}
+
+} // namespace
+
+std::span<const PersonScene> person_scenes() {
+  static const std::array<PersonScene, 5> scenes = {{
+      {"turn", 62, turning, lower_parts({kLeftArm, kRightArm})},
+      {"hands", 85, throwing_hands, lower_parts({kLeftArm, kRightArm})},
+      {"clap", 64, clapping, lower_parts({kLeftArm, kRightArm})},
+      {"skirt", 60, swaying, {kBodyParts}, true},
+      {"blur", 50, waving, lower_parts({kLeftArm}), false, 0.5},
+  }};
+  return scenes;
+}
+
+const PersonScene& person_scene(std::string_view name) {
+  for (const PersonScene& scene : person_scenes()) {
+    if (scene.name == name) return scene;
+  }
+  throw Error(ErrorCode::kUsage, "there is no scene of the name " + std::string(name));
+}
+
+} // namespace kinora::tracking::testing
