@@ -18,10 +18,8 @@ constexpr std::size_t kPointsPerChunk = 512;
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kMinIncidence = 0.3;
-constexpr double kNearest = 0.05;              // metres
-constexpr double kRim = 1;                     // pixels that a silhouette may be wrong by
-constexpr std::size_t kPointsForOne = 1500;    // that all nodes are moved by as one body
-constexpr std::size_t kPointsForCoarse = 3000; // of all levels but the finest
+constexpr double kNearest = 0.05; // metres
+constexpr double kRim = 1;        // pixels that a silhouette may be wrong by
 
 struct Stage {
   int level;
@@ -211,45 +209,20 @@ NodeStates turned_about(const NodeStates& states, const Eigen::Vector3d& pivot, 
   return moved(states, motion);
 }
 
-void align_rigidly(DeformingProblem& problem, std::span<const PointTexture> textures, const ObjectView& view, int level,
-                   double gate, int iterations, const DeformingAlignmentConfig& config, LayerPose& pose) {
-  problem.set_level(level);
-  for (int i = 0; i < iterations; ++i) {
-    associate(problem.model(), textures, view, pose, level, gate, config, problem.terms());
-    Block information;
-    Twist gradient;
-    const Eigen::Vector3d pivot = mean_place(pose.nodes);
-    problem.linearise_rigid(pose, pivot, information, gradient);
-    const double largest = information.diagonal().maxCoeff();
-    if (!(largest > 0)) return;
-    const double before = problem.energy(pose);
-    for (double damping = 1e-3; damping < 1e3; damping *= 10) {
-      Block damped = information;
-      damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
-      LayerPose candidate =
-          pose_layer(problem.model().points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
-      if (problem.energy(candidate) < before) {
-        pose = std::move(candidate);
-        break;
-      }
-    }
+// All nodes as one body. Six unknowns need few points.
+NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+                        const NodeStates& start, const DeformingAlignmentConfig& config) {
+  constexpr std::size_t kEnough = 1500;
+  const std::size_t stride = std::max<std::size_t>(1, (model.points.size() + kEnough / 2) / kEnough);
+  std::vector<SkinnedPoint> some;
+  std::vector<PointTexture> theirs;
+  for (std::size_t p = 0; p < model.points.size(); p += stride) {
+    some.push_back(model.points[p]);
+    theirs.push_back(textures[p]);
   }
+  return align_rigidly({model.nodes, model.edges, some}, theirs, view, start, kStages[0].level, kStages[0].gate,
+                       config.rigid_iterations, config);
 }
-
-/// Some of a model's points, for steps that do not need them all.
-struct SparseModel {
-  std::size_t stride;
-  std::vector<SkinnedPoint> points;
-  std::vector<PointTexture> textures;
-
-  SparseModel(const LayerModel& model, std::span<const PointTexture> all, std::size_t enough)
-      : stride(std::max<std::size_t>(1, (model.points.size() + enough / 2) / enough)) {
-    for (std::size_t p = 0; p < model.points.size(); p += stride) {
-      points.push_back(model.points[p]);
-      textures.push_back(all[p]);
-    }
-  }
-};
 
 } // namespace
 
@@ -286,7 +259,26 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
                          const DeformingAlignmentConfig& config) {
   DeformingProblem problem(model, view, weights_of(1, config));
   LayerPose pose = pose_layer(model.points, start);
-  align_rigidly(problem, textures, view, level, gate, iterations, config, pose);
+  problem.set_level(level);
+  for (int i = 0; i < iterations; ++i) {
+    associate(model, textures, view, pose, level, gate, config, problem.terms());
+    Block information;
+    Twist gradient;
+    const Eigen::Vector3d pivot = mean_place(pose.nodes);
+    problem.linearise_rigid(pose, pivot, information, gradient);
+    const double largest = information.diagonal().maxCoeff();
+    if (!(largest > 0)) break;
+    const double before = problem.energy(pose);
+    for (double damping = 1e-3; damping < 1e3; damping *= 10) {
+      Block damped = information;
+      damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
+      LayerPose candidate = pose_layer(model.points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
+      if (problem.energy(candidate) < before) {
+        pose = std::move(candidate);
+        break;
+      }
+    }
+  }
   return pose.nodes;
 }
 
@@ -295,38 +287,24 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
                                    double spacing, const DeformingAlignmentConfig& config,
                                    std::span<const NodePull> binding) {
   DeformingAlignment result;
-  NodeStates nodes = start;
-  if (config.rigid_iterations > 0) {
-    const SparseModel some(model, textures, kPointsForOne);
-    nodes = align_rigidly({model.nodes, model.edges, some.points}, some.textures, view, start, kStages[0].level,
-                          kStages[0].gate, config.rigid_iterations, config);
-  }
-  const SparseModel some(model, textures, kPointsForCoarse);
-  // Fewer points are held less by their neighbours, too.
-  const double looser = std::sqrt(static_cast<double>(some.stride));
-  DeformingProblem coarse({model.nodes, model.edges, some.points}, view, weights_of(looser * spacing, config));
-  DeformingProblem fine(model, view, weights_of(spacing, config));
+  DeformingProblem problem(model, view, weights_of(spacing, config));
+  problem.set_prior(prior);
+  LayerPose pose = pose_layer(model.points,
+                              config.rigid_iterations > 0 ? moved_as_one(model, textures, view, start, config) : start);
   Damped damped;
   for (std::size_t s = 0; s < kStages.size(); ++s) {
     const Stage& stage = kStages[s];
-    const bool last = s + 1 == kStages.size();
-    DeformingProblem& problem = last ? fine : coarse;
     problem.set_level(stage.level);
-    problem.set_prior(prior);
-    LayerPose pose = pose_layer(problem.model().points, std::move(nodes));
     for (int i = 0; i < config.iterations[s]; ++i) {
-      associate(problem.model(), last ? textures : some.textures, view, pose, stage.level, stage.gate, config,
-                problem.terms());
+      associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
-      result.seen = shares(problem.model(), terms, [](const PointTerms& t) { return t.on_surface; });
-      const auto looked_at =
-          shares(problem.model(), terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
+      result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });
+      const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
       problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, pose, result.energies)) break;
     }
-    nodes = std::move(pose.nodes);
   }
-  result.nodes = std::move(nodes);
+  result.nodes = std::move(pose.nodes);
   return result;
 }
 
