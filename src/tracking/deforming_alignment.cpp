@@ -212,7 +212,7 @@ NodeStates turned_about(const NodeStates& states, const Eigen::Vector3d& pivot, 
 // All nodes as one body. Six unknowns need few points.
 NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
                         const NodeStates& start, const DeformingAlignmentConfig& config) {
-  constexpr std::size_t kEnough = 1500;
+  constexpr std::size_t kEnough = 1000;
   const std::size_t stride = std::max<std::size_t>(1, (model.points.size() + kEnough / 2) / kEnough);
   std::vector<SkinnedPoint> some;
   std::vector<PointTexture> theirs;
