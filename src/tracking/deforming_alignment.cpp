@@ -50,8 +50,8 @@ Seen look(const SkinnedPoint& point, const BlendedMotion& motion, const Eigen::V
         seen.v < view.intrinsics.height - 0.51)) {
     return seen;
   }
-  seen.pixel_u = static_cast<int>(seen.u + 0.5);
-  seen.pixel_v = static_cast<int>(seen.v + 0.5);
+  seen.pixel_u = static_cast<int>(std::lround(seen.u));
+  seen.pixel_v = static_cast<int>(std::lround(seen.v));
   return seen;
 }
 
