@@ -49,6 +49,7 @@ struct RigidTracker::Candidate {
   Alignment alignment;
   PoseQuality quality;
   double score = -1;
+  std::vector<ModelPoint> seen; ///< there
 };
 
 struct RigidTracker::Past {
@@ -69,6 +70,7 @@ RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   ObjectView view = view_object(frame, label_);
+  if (config_.remembers) memory_.add(frame, view);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
   if (volume_ == nullptr) {
@@ -141,8 +143,8 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   Candidate candidate;
   candidate.alignment = align(points, view, start, prior, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
-  const std::vector<ModelPoint> seen = select_points(surface_, view, pose, config_.max_points);
-  candidate.quality = judge_pose(seen, view, pose);
+  candidate.seen = select_points(surface_, view, pose, config_.max_points);
+  candidate.quality = judge_pose(candidate.seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
       quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.outside_share();
@@ -225,6 +227,10 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
   if (unseen_ > 0) try_starts(Where::kAsBefore);
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   result.quality = best.quality;
+  const bool shows_its_texture = best.quality.has_texture() && best.quality.texture_correlation >= kDoubtfulCorrelation;
+  if (believed() || shows_its_texture) {
+    bending_.add(poses_.size(), contradiction_of_rigid(best.seen, view, best.alignment.model_to_camera));
+  }
   if (believed()) {
     accept(frame, std::move(view), best, result);
   } else {

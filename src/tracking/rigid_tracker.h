@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "ingest/frame.h"
+#include "tracking/bending_evidence.h"
+#include "tracking/frame_memory.h"
 #include "tracking/motion.h"
 #include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
@@ -23,6 +25,7 @@ struct RigidTrackerConfig {
   double min_inlier_share = 0.6;  ///< of the points that fall on the object; below, the pose is not believed
   double min_correlation = 0.3;   ///< of the texture, where there is any
   int held_frames = 30;           ///< unseen for longer: lost
+  bool remembers = false;         ///< frames, so that they can be looked at again (memory)
   AlignmentConfig alignment;
 };
 
@@ -60,6 +63,10 @@ public:
   const TsdfVolume* model() const { return volume_.get(); }
   /// The model's surface, relative to the model's origin; valid until the next frame.
   std::span<const SurfacePoint> surface() const { return surface_; }
+  /// That the object is none, for it bends; frames are counted as in poses().
+  std::optional<Bend> bend() const { return bending_.bend(); }
+  /// Of all frames so far, if the tracker was told to remember.
+  const FrameMemory& memory() const { return memory_; }
 
 private:
   struct Candidate;
@@ -89,6 +96,8 @@ private:
   int fused_ = 0;   ///< frames
   int unfused_ = 0; ///< tracked frames since the last that was fused
   std::vector<Motion::Pose> poses_;
+  BendingEvidence bending_;
+  FrameMemory memory_;
 };
 
 } // namespace kinora::tracking
