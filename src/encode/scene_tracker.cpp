@@ -127,6 +127,16 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
   for (TrackedLabel* layer : layers) {
     times.measure("track " + layer->plan.name, [&] { layer->bending->track(frame, objects); });
   }
+  for (auto& [label, tracked] : labels_) {
+    if (!tracked.tracker || tracked.tracker->poses().back().health == tracking::Health::kTracked) continue;
+    for (const TrackedLabel* layer : layers) {
+      const auto motion = layer->bending->carried(label);
+      if (!motion) continue;
+      tracked.tracker->carry(frame, *motion);
+      tracked.poses.back() = tracked.tracker->poses().back();
+      break;
+    }
+  }
   ++frames_;
 }
 

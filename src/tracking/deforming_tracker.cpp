@@ -53,6 +53,7 @@ DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = def
 
 DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std::span<const NearbyObject> objects) {
   if (!config_.use_objects) objects = {};
+  seen_.clear();
   const ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
@@ -113,6 +114,8 @@ void DeformingTracker::learn_holds(std::vector<double> seen, std::span<const Nea
   }
   if (config_.use_body) body_.learn(nodes, seen);
   interaction_.learn(objects, places, seen);
+  for (const NearbyObject& object : objects) met_[object.label] = records_.size() - 1;
+  seen_ = std::move(seen);
 }
 
 SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {

@@ -55,6 +55,11 @@ public:
   /// Frames in order of time. Throws Error(kFailure) if the frame's images differ in size.
   RigidTrackingResult track(const ingest::Frame& frame);
 
+  /// To be called after track() where that has not found the object: what holds it has moved like this in the world
+  /// since the last frame that did. The object goes along, and is held, until the camera sees past most of where it
+  /// would be: then it was let go, and stays.
+  void carry(const ingest::Frame& frame, const SE3& motion);
+
   int label() const { return label_; }
   /// Poses of all frames so far, for Motion::rigid.
   const std::vector<Motion::Pose>& poses() const { return poses_; }
@@ -77,6 +82,8 @@ private:
   void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
   void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
+  bool is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const;
+  SE3 canonical_to_world() const;
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
   std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, Where where) const;
@@ -93,8 +100,10 @@ private:
   std::unique_ptr<Past> past_;
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
   int unseen_ = 0;
-  int fused_ = 0;   ///< frames
-  int unfused_ = 0; ///< tracked frames since the last that was fused
+  bool is_visible_ = false;
+  bool is_let_go_ = false; ///< by what held it, since it was found last
+  int fused_ = 0;          ///< frames
+  int unfused_ = 0;        ///< tracked frames since the last that was fused
   std::vector<Motion::Pose> poses_;
   BendingEvidence bending_;
   FrameMemory memory_;
