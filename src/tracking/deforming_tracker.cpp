@@ -202,7 +202,8 @@ DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, co
 // The share of the surface that would face the camera there that the view shows where it is.
 double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states,
                                      const std::function<bool(const Influence&)>& takes_part) const {
-  const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, states, config_.max_points, takes_part);
+  const DeformingSelection facing =
+      select_facing(surface_.points(), surface_.skin(), view, states, config_.max_points, takes_part);
   if (facing.points.empty()) return 0;
   const DeformingQuality quality = judge_deformation({nodes_, edges(), facing.points}, facing.textures, view, states);
   return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
@@ -233,7 +234,8 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
     if (const std::vector<SE3> placed = placed_by_bones(); !placed.empty()) {
       const NodeStates start = states_in(world_to_camera, placed);
-      const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
+      const DeformingSelection facing =
+          select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
       elsewhere = align_from_afar({nodes_, edges(), facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }

@@ -127,7 +127,7 @@ private:
   SurfaceEdges edges_;
   BrickInfluences influences_;
   BrickSurface surface_;
-  float unit_weight_ = 0;       ///< of a surface point seen once
+  float unit_weight_ = 0; ///< of a surface point seen once
   struct Record {
     std::vector<SE3> nodes; ///< canonical to world, both relative to the origin; empty before the first frame
     Health health = Health::kLost;
