@@ -25,7 +25,9 @@ std::string default_kind(int label) { return label == 0 ? "still" : label == 1 ?
 } // namespace
 
 LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
-  LayerPlan plan{label, default_name(label), tracking::MotionKind::kStill, ""};
+  LayerPlan plan;
+  plan.label = label;
+  plan.name = default_name(label);
   std::string kind = default_kind(label);
   std::string source = label == 0 ? "what has no other label stays where it is in the world"
                                   : fmt::format("label {} is {} by default", label, kind);
@@ -34,6 +36,7 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
     if (!found->second.kind.empty()) {
       kind = found->second.kind;
       source = fmt::format("labels.json says that label {} is {}", label, kind);
+      plan.is_told = found->second.why.empty();
     }
     if (!found->second.why.empty()) {
       source = fmt::format("{} ({})", kind, found->second.why);

@@ -87,15 +87,19 @@ Json body_json(const tracking::LayerBody& body) {
 
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   Json out = {{"kind", tracking::name_of(motion.kind())}};
+  if (label.bend) out["bends"] = {{"from_frame", label.bend->first_frame}, {"by_m", round4(label.bend->metres)}};
   if (motion.kind() == tracking::MotionKind::kStill && label.poses.empty()) return out;
   std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
-  for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+  const bool bends = motion.graph() != nullptr;
   for (const auto& deformation : motion.deformations()) ++health[std::string(tracking::name_of(deformation.health))];
+  if (!bends) {
+    for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+  }
   out["frames"] = health;
-  if (motion.graph() != nullptr) {
+  if (bends) {
     out["nodes"] = motion.graph()->nodes().size();
     out["node_spacing_m"] = round4(label.bending->node_spacing());
-    out["body"] = body_json(label.bending->body());
+    if (!label.bend) out["body"] = body_json(label.bending->body());
     return out;
   }
   out["relocalised"] = label.relocalised;

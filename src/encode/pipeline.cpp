@@ -139,7 +139,11 @@ std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion)
   if (label.plan.motion == tracking::MotionKind::kRigid && motion.kind() == tracking::MotionKind::kStill) {
     return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
   }
-  return label.plan.why;
+  if (!label.bend) return label.plan.why;
+  return fmt::format("{}; it bends, from frame {} on by up to {:.1f} cm, and {}", label.plan.why,
+                     label.bend->first_frame, 100 * label.bend->metres,
+                     label.plan.is_told ? "is kept rigid all the same"
+                                        : "so the bending of a graph is tracked instead");
 }
 
 // Two labels may have been given one name.

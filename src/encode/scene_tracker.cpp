@@ -13,10 +13,15 @@ constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for
 /// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
 constexpr double kStillMove = 0.004;
 
-// A deforming layer is followed from its first frame on; in the frames before it is lost.
-tracking::Motion with_frames_before(const tracking::Motion& motion, int count) {
-  std::vector<tracking::Motion::Deformation> all(
-      static_cast<std::size_t>(count), {motion.deformations().front().node_to_world, tracking::Health::kLost});
+// A deforming layer is followed from its first frame on; before that it is lost, or goes as a rigid thing.
+tracking::Motion with_frames_before(const tracking::Motion& motion, const std::vector<tracking::Motion::Pose>& poses) {
+  std::vector<tracking::Motion::Deformation> all;
+  for (const auto& pose : poses) {
+    all.push_back(motion.deformations().front());
+    all.back().health = pose.health;
+    if (pose.health == tracking::Health::kLost) continue;
+    std::ranges::fill(all.back().node_to_world, DualQuaternion::from(pose.canonical_to_world));
+  }
   all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
   return tracking::Motion::deforming(motion.graph(), std::move(all));
 }
@@ -68,12 +73,41 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   const Eigen::Vector3d mean = sight.sum / static_cast<double>(sight.pixels);
   tracked.centre = frame.camera.camera_to_world * mean;
   tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
+  if (tracked.plan.motion == tracking::MotionKind::kStill) return;
+  tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
   if (tracked.plan.motion == tracking::MotionKind::kDeforming) {
     tracked.bending = std::make_unique<tracking::DeformingTracker>(label, deforming_);
-  } else if (tracked.plan.motion == tracking::MotionKind::kRigid) {
-    tracked.tracker = std::make_unique<tracking::RigidTracker>(label);
-    tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
+  } else {
+    tracking::RigidTrackerConfig config;
+    config.remembers = !tracked.plan.is_told;
+    tracked.tracker = std::make_unique<tracking::RigidTracker>(label, config);
   }
+}
+
+void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& frame) {
+  const tracking::RigidTrackingResult result = tracked.tracker->track(frame);
+  tracked.poses.push_back(result.pose);
+  tracked.relocalised += result.relocalised ? 1 : 0;
+  tracked.weak_directions += result.weak_directions;
+  tracked.bend = tracked.tracker->bend();
+  if (!tracked.bend) return;
+  tracked.bend->first_frame += static_cast<std::size_t>(tracked.first_frame);
+  if (!tracked.plan.is_told) let_bend(tracked);
+}
+
+void SceneTracker::let_bend(TrackedLabel& tracked) {
+  tracking::DeformingTrackerConfig config = deforming_;
+  config.use_body = false;
+  tracked.bending = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
+  const tracking::FrameMemory& memory = tracked.tracker->memory();
+  for (std::size_t i = memory.begin(); i < memory.count(); ++i) tracked.bending->track(memory.at(i));
+  // Places of the layer are those of the first frame that is remembered.
+  const std::size_t before = static_cast<std::size_t>(tracked.first_frame) + memory.begin();
+  const SE3 to_canonical = tracked.poses[before].canonical_to_world.inverse();
+  tracked.poses.resize(before);
+  for (auto& pose : tracked.poses) pose.canonical_to_world = pose.canonical_to_world * to_canonical;
+  tracked.plan.motion = tracking::MotionKind::kDeforming;
+  tracked.tracker.reset();
 }
 
 void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
@@ -81,19 +115,27 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
     if (!labels_.contains(label) && sight.pixels >= kMinPixelsToBegin) begin_label(label, sight, frame);
     if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += sight.pixels;
   }
+  std::vector<TrackedLabel*> layers;           // that bend as far as is known
   std::vector<tracking::NearbyObject> objects; // what hands may hold is followed first
   for (auto& [label, tracked] : labels_) {
+    if (tracked.bending) layers.push_back(&tracked);
     if (!tracked.tracker) continue;
-    const auto result =
-        times.measure("track " + tracked.plan.name, [&, &t = tracked] { return t.tracker->track(frame); });
-    tracked.poses.push_back(result.pose);
-    tracked.relocalised += result.relocalised ? 1 : 0;
-    tracked.weak_directions += result.weak_directions;
+    times.measure("track " + tracked.plan.name, [&, &t = tracked] { follow_rigid(t, frame); });
+    if (!tracked.tracker) continue; // it bends
     if (const auto object = tracking::nearby_object(*tracked.tracker)) objects.push_back(*object);
   }
+  for (TrackedLabel* layer : layers) {
+    times.measure("track " + layer->plan.name, [&] { layer->bending->track(frame, objects); });
+  }
   for (auto& [label, tracked] : labels_) {
-    if (!tracked.bending) continue;
-    times.measure("track " + tracked.plan.name, [&, &t = tracked] { t.bending->track(frame, objects); });
+    if (!tracked.tracker || tracked.tracker->poses().back().health == tracking::Health::kTracked) continue;
+    for (const TrackedLabel* layer : layers) {
+      const auto motion = layer->bending->carried(label);
+      if (!motion) continue;
+      tracked.tracker->carry(frame, *motion);
+      tracked.poses.back() = tracked.tracker->poses().back();
+      break;
+    }
   }
   ++frames_;
 }
@@ -124,7 +166,7 @@ std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& 
 }
 
 tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
-  if (label.bending) return with_frames_before(label.bending->motion(), label.first_frame);
+  if (label.bending) return with_frames_before(label.bending->motion(), label.poses);
   const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
   return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
 }

@@ -20,18 +20,21 @@ namespace kinora::encode {
 /// One label's plan and what became of it.
 struct TrackedLabel {
   LayerPlan plan;
-  int first_frame = 0;                       ///< of the timeline
-  std::size_t pixels = 0;                    ///< measured, over all frames
-  Eigen::Vector3d centre;                    ///< of its measured points in the first frame, world
-  double radius = 0;                         ///< root mean square distance of these points from the centre, metres
-  std::vector<tracking::Motion::Pose> poses; ///< one per frame so far, if rigid
-  int relocalised = 0;                       ///< times it was found again
-  int weak_directions = 0;                   ///< summed over frames, of six each: what geometry could not tell
-  std::unique_ptr<tracking::RigidTracker> tracker;     ///< if rigid
+  int first_frame = 0;    ///< of the timeline
+  std::size_t pixels = 0; ///< measured, over all frames
+  Eigen::Vector3d centre; ///< of its measured points in the first frame, world
+  double radius = 0;      ///< root mean square distance of these points from the centre, metres
+  /// One per frame so far, if rigid; if deforming, one per frame before the graph.
+  std::vector<tracking::Motion::Pose> poses;
+  int relocalised = 0;                             ///< times it was found again
+  int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
+  std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
+  std::unique_ptr<tracking::RigidTracker> tracker; ///< if rigid
   std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming
 };
 
-/// Not thread-safe.
+/// What is rigid by default but bends is followed anew as a layer that deforms, from the first frame on that is
+/// remembered (tracking::FrameMemory), and without a body. Not thread-safe.
 class SceneTracker {
 public:
   SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
@@ -56,6 +59,8 @@ private:
   struct Sight; ///< what one frame shows of a label
   std::map<int, Sight> sights_in(const ingest::Frame& frame) const;
   void begin_label(int label, const Sight& sight, const ingest::Frame& frame);
+  void follow_rigid(TrackedLabel& tracked, const ingest::Frame& frame);
+  void let_bend(TrackedLabel& tracked);
 
   const ingest::CaptureInfo& capture_;
   tracking::DeformingTrackerConfig deforming_;

@@ -51,7 +51,8 @@ void DeformingTracker::follow_back(std::size_t number, const ingest::Frame& fram
     if (is_guessed(n)) nodes[n] = guess[n] * future.corrections[n];
   }
   const NodeStates start = states_in(world_to_camera, nodes);
-  DeformingSelection selection = select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points, is_mostly_guessed);
+  DeformingSelection selection =
+      select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points, is_mostly_guessed);
   if (!future.view.empty()) selection.add_last_view(future.view, future.states);
   DeformingAlignmentConfig config = config_.alignment;
   config.rigid_iterations = 0;

@@ -53,6 +53,7 @@ DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = def
 
 DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std::span<const NearbyObject> objects) {
   if (!config_.use_objects) objects = {};
+  seen_.clear();
   const ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
@@ -113,6 +114,8 @@ void DeformingTracker::learn_holds(std::vector<double> seen, std::span<const Nea
   }
   if (config_.use_body) body_.learn(nodes, seen);
   interaction_.learn(objects, places, seen);
+  for (const NearbyObject& object : objects) met_[object.label] = records_.size() - 1;
+  seen_ = std::move(seen);
 }
 
 SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {
@@ -199,7 +202,8 @@ DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, co
 // The share of the surface that would face the camera there that the view shows where it is.
 double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states,
                                      const std::function<bool(const Influence&)>& takes_part) const {
-  const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, states, config_.max_points, takes_part);
+  const DeformingSelection facing =
+      select_facing(surface_.points(), surface_.skin(), view, states, config_.max_points, takes_part);
   if (facing.points.empty()) return 0;
   const DeformingQuality quality = judge_deformation({nodes_, edges(), facing.points}, facing.textures, view, states);
   return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
@@ -230,7 +234,8 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
     if (const std::vector<SE3> placed = placed_by_bones(); !placed.empty()) {
       const NodeStates start = states_in(world_to_camera, placed);
-      const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
+      const DeformingSelection facing =
+          select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
       elsewhere = align_from_afar({nodes_, edges(), facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -65,6 +66,11 @@ public:
   /// images differ in size. `objects`: those that the layer may hold, as they are in this frame.
   DeformingTrackingResult track(const ingest::Frame& frame, std::span<const NearbyObject> objects = {});
 
+  /// How the layer has carried an object that it holds, in the world, since the last frame that found both: the rigid
+  /// motion of the nodes that hold it and are seen, or else of those on a limb that is seen. Nothing if it holds none
+  /// of this label, or none of these is seen.
+  std::optional<SE3> carried(int label) const;
+
   int label() const { return label_; }
   /// Whether the layer has been seen at all; without, there is no motion.
   bool started() const { return volume_ != nullptr; }
@@ -121,7 +127,7 @@ private:
   SurfaceEdges edges_;
   BrickInfluences influences_;
   BrickSurface surface_;
-  float unit_weight_ = 0;       ///< of a surface point seen once
+  float unit_weight_ = 0; ///< of a surface point seen once
   struct Record {
     std::vector<SE3> nodes; ///< canonical to world, both relative to the origin; empty before the first frame
     Health health = Health::kLost;
@@ -132,6 +138,8 @@ private:
   std::unique_ptr<Past> past_;
   LayerBody body_;
   Interaction interaction_;
+  std::map<int, std::size_t> met_; ///< by the object's label: the last record in which both were found
+  std::vector<double> seen_;       ///< how much of each node the last frame shows; empty if the layer was not found
   int unseen_ = 0;
   struct SeenPiece {
     Eigen::Vector3d centroid; ///< in the camera

@@ -24,6 +24,8 @@ void FrameMemory::add(const ingest::Frame& frame, const ObjectView& view) {
   ++count_;
   ingest::Frame& kept = frames_.emplace_back();
   if (view.empty()) return;
+  kept.index = frame.index;
+  kept.time = frame.time;
   kept.camera = {view.intrinsics, frame.camera.camera_to_world};
   const int u0 = static_cast<int>(std::lround(frame.camera.intrinsics.cx - view.intrinsics.cx));
   const int v0 = static_cast<int>(std::lround(frame.camera.intrinsics.cy - view.intrinsics.cy));

@@ -53,12 +53,16 @@ void Interaction::decide(const NearbyObject& object, const Eigen::Vector3d& in_o
 
 std::optional<Eigen::Vector3d> Interaction::place_of(std::size_t number, std::span<const NearbyObject> objects) const {
   for (const NearbyObject& object : objects) {
-    const auto found = means_.find(object.label);
-    if (found == means_.end() || number >= found->second.size()) continue;
-    const std::optional<Mean>& mean = found->second[number];
-    if (mean && mean->is_held) return object.canonical_to_world * mean->in_object;
+    if (holds(number, object.label)) return object.canonical_to_world * means_.at(object.label)[number]->in_object;
   }
   return std::nullopt;
+}
+
+bool Interaction::holds(std::size_t number, int label) const {
+  const auto found = means_.find(label);
+  if (found == means_.end() || number >= found->second.size()) return false;
+  const std::optional<Mean>& mean = found->second[number];
+  return mean && mean->is_held;
 }
 
 } // namespace kinora::tracking

@@ -45,6 +45,9 @@ public:
   /// Where the objects of a frame would have a place; nothing if it goes along with none of them.
   std::optional<Eigen::Vector3d> place_of(std::size_t number, std::span<const NearbyObject> objects) const;
 
+  /// Whether a place goes along with the object of this label.
+  bool holds(std::size_t number, int label) const;
+
 private:
   /// Where a place was in the last frames that showed it, in the mean.
   struct Mean {

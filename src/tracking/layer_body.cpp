@@ -49,6 +49,11 @@ std::vector<SE3> LayerBody::placed(std::size_t frame) const {
   return binding_.placed(records_[frame]->bones);
 }
 
+bool LayerBody::shows(Limb limb) const {
+  if (verdict() != BodyVerdict::kPerson || records_.empty() || !records_.back()) return false;
+  return records_.back()->trusted && records_.back()->limbs[limb] == LimbHealth::kSeen;
+}
+
 std::optional<JointPaths> LayerBody::joint_paths() const {
   const auto first =
       std::find_if(records_.begin(), records_.end(), [](const auto& record) { return record.has_value(); });

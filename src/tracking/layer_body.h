@@ -46,6 +46,8 @@ public:
   std::vector<SE3> placed(std::size_t frame) const;
   /// The limb that carries a node; nothing for trunk and head.
   std::optional<Limb> limb_of(std::size_t node) const { return binding_.limb_of(node); }
+  /// Whether the last frame shows the lower bones of a limb, and the body can be trusted.
+  bool shows(Limb limb) const;
   /// Where the nodes are in the last frame, a place and a turn, and how much of each the view shows (both one for each
   /// node); nodes that were not there before are bound.
   void learn(std::span<const SE3> nodes, std::span<const double> seen);

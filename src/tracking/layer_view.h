@@ -5,7 +5,7 @@
 
 namespace kinora::tracking {
 
-/// As view_object; a frame without labels is the layer's as a whole.
+/// As view_object; a frame without labels is the layer's as a whole, one without a picture shows nothing.
 ObjectView view_layer(const ingest::Frame& frame, int label);
 
 /// Area of the surface that the view measures, metres².

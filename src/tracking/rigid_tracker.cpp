@@ -21,6 +21,7 @@ constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
 constexpr double kCertainCorrelation = 0.85; // they are not, whatever the silhouette
 constexpr double kOtherSilhouette = 0.05;    // change of shares: likewise
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
+constexpr double kMostlyPast = 0.5;          // of the surface that faces the camera
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
 
@@ -49,6 +50,7 @@ struct RigidTracker::Candidate {
   Alignment alignment;
   PoseQuality quality;
   double score = -1;
+  std::vector<ModelPoint> seen; ///< there
 };
 
 struct RigidTracker::Past {
@@ -69,13 +71,15 @@ RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   ObjectView view = view_object(frame, label_);
+  if (config_.remembers) memory_.add(frame, view);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
+  is_visible_ = view.depth_pixels >= config_.min_pixels;
   if (volume_ == nullptr) {
     result.pose.health = Health::kLost;
     if (view.depth_pixels >= config_.first_pixels) begin(frame, std::move(view), result);
   } else {
-    if (view.depth_pixels >= config_.min_pixels) {
+    if (is_visible_) {
       follow(frame, std::move(view), result);
     } else {
       result.pose.health = Health::kHeld;
@@ -85,10 +89,41 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
     } else if (++unseen_ > config_.held_frames) {
       result.pose.health = Health::kLost;
     }
-    result.pose.canonical_to_world = model_to_world_ * Eigen::Translation3d(-volume_->origin());
+    result.pose.canonical_to_world = canonical_to_world();
   }
   poses_.push_back(result.pose);
   return result;
+}
+
+SE3 RigidTracker::canonical_to_world() const { return model_to_world_ * Eigen::Translation3d(-volume_->origin()); }
+
+bool RigidTracker::is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const {
+  const SE3 to_camera = frame.camera.camera_to_world.inverse() * model_to_world;
+  const Intrinsics& camera = frame.camera.intrinsics;
+  std::size_t facing = 0;
+  std::size_t past = 0;
+  for (const SurfacePoint& point : surface_) {
+    const Eigen::Vector3d place = to_camera * point.position.cast<double>();
+    if (place.z() <= 0 || place.dot(to_camera.linear() * point.normal.cast<double>()) >= 0) continue;
+    const Eigen::Vector2d pixel = camera.project(place);
+    const auto u = static_cast<int>(std::floor(pixel.x() + 0.5));
+    const auto v = static_cast<int>(std::floor(pixel.y() + 0.5));
+    if (!frame.depth.contains(u, v)) continue;
+    ++facing;
+    past += frame.depth.at(u, v) > place.z() + std::max(0.03, 3 * ingest::depth_sigma(place.z())) ? 1 : 0;
+  }
+  return static_cast<double>(past) > kMostlyPast * static_cast<double>(facing);
+}
+
+void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
+  if (volume_ == nullptr || unseen_ == 0 || is_let_go_) return;
+  const SE3 there = renormalized(motion * past_->model_to_world);
+  is_let_go_ = is_seen_past(frame, there);
+  if (is_let_go_) return;
+  model_to_world_ = there;
+  Motion::Pose& pose = poses_.back();
+  pose.canonical_to_world = canonical_to_world();
+  if (!is_visible_) pose.health = Health::kHeld;
 }
 
 void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
@@ -141,8 +176,8 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   Candidate candidate;
   candidate.alignment = align(points, view, start, prior, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
-  const std::vector<ModelPoint> seen = select_points(surface_, view, pose, config_.max_points);
-  candidate.quality = judge_pose(seen, view, pose);
+  candidate.seen = select_points(surface_, view, pose, config_.max_points);
+  candidate.quality = judge_pose(candidate.seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
       quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.outside_share();
@@ -225,6 +260,10 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
   if (unseen_ > 0) try_starts(Where::kAsBefore);
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   result.quality = best.quality;
+  const bool shows_its_texture = best.quality.has_texture() && best.quality.texture_correlation >= kDoubtfulCorrelation;
+  if (believed() || shows_its_texture) {
+    bending_.add(poses_.size(), contradiction_of_rigid(best.seen, view, best.alignment.model_to_camera));
+  }
   if (believed()) {
     accept(frame, std::move(view), best, result);
   } else {
@@ -237,6 +276,7 @@ void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Can
   const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
   result.pose.health = Health::kTracked;
   result.relocalised = unseen_ > 0;
+  is_let_go_ = false;
   result.weak_directions = best.alignment.weak_directions;
   for (int i = 0; i < best.alignment.weak_directions; ++i) {
     const Twist direction = best.alignment.directions.col(i);

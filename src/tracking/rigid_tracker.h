@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "ingest/frame.h"
+#include "tracking/bending_evidence.h"
+#include "tracking/frame_memory.h"
 #include "tracking/motion.h"
 #include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
@@ -23,6 +25,7 @@ struct RigidTrackerConfig {
   double min_inlier_share = 0.6;  ///< of the points that fall on the object; below, the pose is not believed
   double min_correlation = 0.3;   ///< of the texture, where there is any
   int held_frames = 30;           ///< unseen for longer: lost
+  bool remembers = false;         ///< frames, so that they can be looked at again (memory)
   AlignmentConfig alignment;
 };
 
@@ -52,6 +55,11 @@ public:
   /// Frames in order of time. Throws Error(kFailure) if the frame's images differ in size.
   RigidTrackingResult track(const ingest::Frame& frame);
 
+  /// To be called after track() where that has not found the object: what holds it has moved like this in the world
+  /// since the last frame that did. The object goes along, and is held, until the camera sees past most of where it
+  /// would be: then it was let go, and stays.
+  void carry(const ingest::Frame& frame, const SE3& motion);
+
   int label() const { return label_; }
   /// Poses of all frames so far, for Motion::rigid.
   const std::vector<Motion::Pose>& poses() const { return poses_; }
@@ -60,6 +68,10 @@ public:
   const TsdfVolume* model() const { return volume_.get(); }
   /// The model's surface, relative to the model's origin; valid until the next frame.
   std::span<const SurfacePoint> surface() const { return surface_; }
+  /// That the object is none, for it bends; frames are counted as in poses().
+  std::optional<Bend> bend() const { return bending_.bend(); }
+  /// Of all frames so far, if the tracker was told to remember.
+  const FrameMemory& memory() const { return memory_; }
 
 private:
   struct Candidate;
@@ -70,6 +82,8 @@ private:
   void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
   void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
+  bool is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const;
+  SE3 canonical_to_world() const;
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
   std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, Where where) const;
@@ -86,9 +100,13 @@ private:
   std::unique_ptr<Past> past_;
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
   int unseen_ = 0;
-  int fused_ = 0;   ///< frames
-  int unfused_ = 0; ///< tracked frames since the last that was fused
+  bool is_visible_ = false;
+  bool is_let_go_ = false; ///< by what held it, since it was found last
+  int fused_ = 0;          ///< frames
+  int unfused_ = 0;        ///< tracked frames since the last that was fused
   std::vector<Motion::Pose> poses_;
+  BendingEvidence bending_;
+  FrameMemory memory_;
 };
 
 } // namespace kinora::tracking

@@ -8,6 +8,7 @@
 #include "end_to_end/box_capture.h"
 #include "host/plugin_table.h"
 #include "player/evaluate.h"
+#include "tracking/bending_plate.h"
 
 namespace kinora::test {
 namespace {
@@ -58,6 +59,55 @@ Json layer_named(const Json& report, const std::string& name) {
   return nullptr;
 }
 
+// A plate that swings like a cloth, labelled as an object.
+void write_bending_capture(const TemporaryFolder& folder) {
+  tracking::testing::SceneOptions scene;
+  scene.width = 128;
+  scene.height = 96;
+  scene.focal = 120;
+  scene.noise = 1;
+  for (int i = 0; i < 20; ++i) {
+    tracking::testing::Plate plate;
+    plate.to_world = tracking::testing::pose_at({0.004 * i, 0, 1}, 10, 5);
+    plate.curvature = 2 * std::sin(0.3 * i);
+    const ingest::Frame frame = render_plate(plate, SE3::Identity(), i, scene);
+    DepthImage16 depth(scene.width, scene.height);
+    ColorImage labels(scene.width, scene.height, 1);
+    for (std::size_t k = 0; k < depth.pixel_count(); ++k) {
+      depth.values()[k] = static_cast<std::uint16_t>(std::lround(1000 * frame.depth.values()[k]));
+      labels.values()[k] = frame.labels.values()[k];
+    }
+    folder.write("color/" + six_digits(i) + ".png", encode_png(frame.color));
+    folder.write("depth/" + six_digits(i) + ".png", encode_png16(depth));
+    folder.write("mask/" + six_digits(i) + ".png", encode_png(labels));
+  }
+  folder.write("intrinsics.json", R"({"width": 128, "height": 96, "fx": 120, "fy": 120, "cx": 63.5, "cy": 47.5,
+                                      "depth_factor": 1000, "fps": 30})");
+}
+
+TEST(Encoder, ThingThatBendsBecomesALayerThatDeforms) {
+  const TemporaryFolder folder;
+  write_bending_capture(folder);
+  Listener listener;
+  auto options = quick_options();
+  options.rays_per_pixel = 0.8;
+  const encode::EncodeResult bent = encode_folder(folder, options, listener);
+  const Json object = layer_named(bent.report, "object");
+  EXPECT_EQ(object.at("motion").at("kind"), "deforming");
+  EXPECT_LT(object.at("motion").at("bends").at("from_frame"), 15);
+  EXPECT_GT(object.at("motion").at("bends").at("by_m"), 0.01);
+  EXPECT_EQ(object.at("motion").at("frames").at("tracked"), 20) << "it is followed anew from its first frame on";
+  EXPECT_FALSE(object.at("motion").contains("body"));
+  EXPECT_NE(object.at("why").get<std::string>().find("it bends, from frame"), std::string::npos);
+
+  folder.write("labels.json", R"({"2": {"kind": "rigid"}})");
+  const encode::EncodeResult told = encode_folder(folder, options, listener);
+  const Json kept = layer_named(told.report, "object");
+  EXPECT_EQ(kept.at("motion").at("kind"), "rigid");
+  EXPECT_TRUE(kept.at("motion").contains("bends"));
+  EXPECT_NE(kept.at("why").get<std::string>().find("kept rigid"), std::string::npos);
+}
+
 TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   const TemporaryFolder folder;
   write_box_capture(folder, {});
@@ -70,6 +120,7 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   EXPECT_EQ(result.clip.layers[0].motion.kind(), tracking::MotionKind::kStill);
   EXPECT_EQ(result.clip.layers[1].motion.kind(), tracking::MotionKind::kDeforming);
   EXPECT_EQ(result.clip.layers[2].motion.kind(), tracking::MotionKind::kRigid);
+  EXPECT_FALSE(layer_named(result.report, "object").at("motion").contains("bends"));
   EXPECT_TRUE(result.report.at("not_modelled").empty());
   EXPECT_EQ(result.report.at("capture").at("frames_held_out"), 2);
   EXPECT_TRUE(listener.warnings.empty());

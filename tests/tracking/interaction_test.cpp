@@ -76,6 +76,9 @@ TEST(Interaction, WhatIsNotSeenTeachesNothing) {
 TEST(Interaction, AnObjectThatIsNotFoundHoldsNothing) {
   const Interaction interaction = after_ten_frames([](int i) { return Vec(carried(i) * Vec(0.03, 0, 0)); });
   EXPECT_FALSE(interaction.place_of(0, {}));
+  EXPECT_TRUE(interaction.holds(0, 2));
+  EXPECT_FALSE(interaction.holds(0, 3));
+  EXPECT_FALSE(interaction.holds(1, 2));
 }
 
 TEST(Interaction, WhereHoldingIsPresumedNearnessIsEnough) {

@@ -194,6 +194,43 @@ TEST(RigidTracker, HoldsAVanishedObjectThenCallsItLostAndFindsItAgain) {
   EXPECT_LT(errors.degrees, 1.0);
 }
 
+// A box that is hidden wholly from the third frame on.
+ingest::Frame behind_a_screen(int i) {
+  SceneOptions options;
+  options.occluded_columns = i < 3 ? 0 : 240;
+  return render_frame({}, pose_at({0.01 * i, 0, 1}, 20, 30), SE3::Identity(), i, options);
+}
+
+TEST(RigidTracker, ObjectThatIsNotSeenGoesWithWhatHoldsIt) {
+  RigidTrackerConfig config;
+  config.held_frames = 4;
+  RigidTracker tracker(2, config);
+  for (int i = 0; i < 12; ++i) {
+    const ingest::Frame frame = behind_a_screen(i);
+    tracker.track(frame);
+    tracker.carry(frame, SE3(Eigen::Translation3d(0.01 * (i - 2), 0, 0)));
+    EXPECT_EQ(tracker.poses().back().health, i < 3 ? Health::kTracked : Health::kHeld) << i;
+    Errors errors;
+    add_error(tracker.poses().back().canonical_to_world, pose_at({0, 0, 1}, 20, 30), pose_at({0.01 * i, 0, 1}, 20, 30),
+              errors);
+    EXPECT_LT(errors.metres, 0.003) << i;
+  }
+}
+
+TEST(RigidTracker, ObjectThatWouldBeSeenIsNotInTheHand) {
+  RigidTracker tracker(2);
+  for (int i = 0; i < 3; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
+  const SE3 last = tracker.poses().back().canonical_to_world;
+  for (int i = 3; i < 6; ++i) {
+    // In the last of these the hand is hidden again, which does not mean that the box is in it.
+    const ingest::Frame frame =
+        i < 5 ? render_frame({}, pose_at({9, 0, 1}, 0, 0), SE3::Identity(), i) : behind_a_screen(i);
+    tracker.track(frame);
+    tracker.carry(frame, SE3(Eigen::Translation3d(0.1, 0, 0)));
+    EXPECT_EQ(tracker.poses().back().canonical_to_world.matrix(), last.matrix()) << i;
+  }
+}
+
 TEST(RigidTracker, SaysLostWhenWhatItSeesIsAnotherObject) {
   RigidTracker tracker(2);
   for (int i = 0; i < 5; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
