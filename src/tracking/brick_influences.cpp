@@ -16,6 +16,7 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
   const std::size_t old = candidates_.size();
   graph_ = std::move(graph);
   candidates_.resize(volume.brick_count());
+  revisions_.resize(volume.brick_count(), 0);
   if (added.empty() && old == candidates_.size()) return;
   const double side = volume.brick_size();
   const double reach = graph_->influence_radius() + std::sqrt(3.0) * side; // more than is needed
@@ -27,6 +28,7 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
       if (i < old && std::none_of(added.begin(), added.end(), is_near)) continue;
       candidates_[i].clear();
       search.append(centre, candidates_[i]);
+      ++revisions_[i];
     }
   });
 }

@@ -21,10 +21,13 @@ public:
   /// As DeformationGraph::influence at a place of that brick (metres, relative to the volume's origin); a brick that
   /// is newer than the last renewal may be asked for, too.
   Influence at(std::size_t brick, const Eigen::Vector3d& place) const;
+  /// Another number after a renewal that has changed what at() says of that brick.
+  std::uint32_t revision(std::size_t brick) const { return brick < revisions_.size() ? revisions_[brick] : 0; }
 
 private:
   std::shared_ptr<const DeformationGraph> graph_;
   std::vector<std::vector<std::int32_t>> candidates_; ///< nodes, of each brick
+  std::vector<std::uint32_t> revisions_;
 };
 
 } // namespace kinora::tracking

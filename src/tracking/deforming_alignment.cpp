@@ -137,7 +137,7 @@ ProblemWeights weights_of(double spacing, const DeformingAlignmentConfig& config
 class Damped {
 public:
   /// One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
-  bool step(const DeformingProblem& problem, const DeformingAlignmentConfig& config, LayerPose& pose,
+  bool step(DeformingProblem& problem, const DeformingAlignmentConfig& config, LayerPose& pose,
             std::vector<double>& energies) {
     constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;

@@ -18,7 +18,6 @@ constexpr int kPieceFrames = 8;          // in a row that show a piece apart bef
 constexpr double kPieceStep = 0.08;      // metres that a piece may go from frame to frame
 constexpr std::size_t kPieceCells = 12;
 constexpr double kPieceJump = 0.03; // metres
-constexpr std::size_t kPointsPerChunk = 512;
 
 // The node that is nearest to a place now.
 std::size_t nearest_node(const NodeStates& states, const Eigen::Vector3d& place) {
@@ -38,10 +37,10 @@ std::vector<NewPiece> DeformingTracker::lasting_pieces(const ObjectView& view, c
   std::vector<SeenPiece> seen;
   for (NewPiece& piece : find_new_pieces(view, places, kPieceCells, kPieceJump)) {
     const Eigen::Vector3d centroid = piece.centroid();
-    int frames = unfused_;
+    int frames = 1;
     for (const SeenPiece& before : pieces_) {
-      if ((before.centroid - centroid).norm() < kPieceStep * unfused_) {
-        frames = std::max(frames, before.frames + unfused_);
+      if ((before.centroid - centroid).norm() < kPieceStep) {
+        frames = std::max(frames, before.frames + 1);
       }
     }
     seen.push_back({centroid, frames});
@@ -79,7 +78,7 @@ void DeformingTracker::adopt_pieces(const ObjectView& view, NodeStates& states, 
 }
 
 void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
-  TsdfVolume::Places places = unfold_view(view, surface_, skin_, states, kUnfoldReach);
+  TsdfVolume::Places places = unfold_view(view, surface_.points(), surface_.skin(), states, kUnfoldReach);
   const std::size_t old = nodes_.size();
   adopt_pieces(view, states, places);
   influences_.renew(*volume_, graph_);
@@ -89,21 +88,33 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
     if (influence.count == 0) return std::nullopt;
     return blend_motion(states, influence).apply(canonical).cast<float>();
   };
-  volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places);
-  surface_ = volume_->surface_points();
-  if (nodes_.size() > old) connect_graph(thin_surface(surface_, kSampleShare * spacing_, 0));
-  grow_graph(kSeenOften * unit_weight_);
-  renew_surface();
+  const std::vector<std::uint8_t> changed =
+      volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places,
+                              surface_.resting(records_.size(), static_cast<std::size_t>(config_.fuse_interval)));
+  surface_.renew_points(*volume_, changed, unit_weight_);
+  if (nodes_.size() > old) connect_graph(old, 0);
+  grow_graph(kSeenOften * unit_weight_, changed);
+  renew_skin();
 }
 
-void DeformingTracker::connect_graph(std::span<const SurfaceSample> samples) {
+// To be called when there are more nodes than the `old` ones.
+void DeformingTracker::connect_graph(std::size_t old, float min_weight) {
   graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
-  edges_ = connect_nodes(nodes_, samples, spacing_, kSampleShare * spacing_);
+  const double reach = 2 * EdgeConfig().reach * spacing_ + volume_->brick_size(); // more than is needed
+  const auto about_new_nodes = [&](std::size_t brick) {
+    const Eigen::Vector3d centre = volume_->brick_centre(brick);
+    return std::any_of(nodes_.begin() + static_cast<std::ptrdiff_t>(old), nodes_.end(),
+                       [&](const Eigen::Vector3d& node) { return (node - centre).squaredNorm() < reach * reach; });
+  };
+  const double cell = kSampleShare * spacing_;
+  edges_.extend(nodes_, thin_surface(surface_.points_of(about_new_nodes), cell, min_weight), spacing_, cell);
 }
 
-// New nodes on surface that has none, with the past that the graph so far would have given them.
-void DeformingTracker::grow_graph(float min_weight) {
-  const std::vector<SurfaceSample> samples = thin_surface(surface_, kSampleShare * spacing_, min_weight);
+// New nodes on surface that has none, in bricks that have changed (or have no mark), with the past that the graph so
+// far would have given them.
+void DeformingTracker::grow_graph(float min_weight, std::span<const std::uint8_t> changed) {
+  const auto has_changed = [&](std::size_t brick) { return brick >= changed.size() || changed[brick] != 0; };
+  const auto samples = thin_surface(surface_.points_of(has_changed), kSampleShare * spacing_, min_weight);
   const std::size_t old = nodes_.size();
   std::vector<Eigen::Vector3d> nodes = nodes_;
   add_nodes(samples, spacing_, config_.max_nodes, nodes);
@@ -136,18 +147,13 @@ void DeformingTracker::grow_graph(float min_weight) {
   if (nodes.size() > old) {
     nodes_ = std::move(nodes);
     births_.resize(nodes_.size(), records_.size() - 1);
-    connect_graph(samples);
+    connect_graph(old, min_weight);
   }
 }
 
-void DeformingTracker::renew_surface() {
+void DeformingTracker::renew_skin() {
   influences_.renew(*volume_, graph_);
-  skin_.resize(surface_.size());
-  parallel_for(surface_.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      skin_[i] = influences_.at(surface_[i].brick, surface_[i].position.cast<double>());
-    }
-  });
+  surface_.renew_skin(influences_);
 }
 
 } // namespace kinora::tracking

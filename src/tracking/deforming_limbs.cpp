@@ -1,6 +1,8 @@
 // Where limbs are when a frame comes in: a hand that hits out, or stops, is not where its own velocity leads to. Bones,
 // which are searched for limbs (limb_search.h), say where else to begin, and the view decides.
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "tracking/deforming_tracker.h"
 
@@ -18,9 +20,11 @@ void DeformingTracker::place_limbs(const ObjectView& view, const SE3& world_to_c
   if (placed.empty()) return;
   for (const Limb limb : kEveryLimb) {
     std::vector<SE3> moved = nodes;
+    std::vector<std::uint8_t> of_limb(nodes.size(), 0);
     double apart = 0;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       if (body_.limb_of(n) != limb) continue;
+      of_limb[n] = 1;
       moved[n] = placed[n];
       apart = std::max(apart, (placed[n] * nodes_[n] - nodes[n] * nodes_[n]).norm());
     }
@@ -28,7 +32,7 @@ void DeformingTracker::place_limbs(const ObjectView& view, const SE3& world_to_c
     const auto is_of_limb = [&](const Influence& influence) {
       double weight = 0;
       for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-        if (body_.limb_of(static_cast<std::size_t>(influence.nodes[k])) == limb) weight += influence.weights[k];
+        if (of_limb[static_cast<std::size_t>(influence.nodes[k])] != 0) weight += influence.weights[k];
       }
       return weight > kMostly;
     };

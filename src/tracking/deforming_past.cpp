@@ -51,14 +51,14 @@ void DeformingTracker::follow_back(std::size_t number, const ingest::Frame& fram
     if (is_guessed(n)) nodes[n] = guess[n] * future.corrections[n];
   }
   const NodeStates start = states_in(world_to_camera, nodes);
-  DeformingSelection selection = select_facing(surface_, skin_, view, start, config_.max_points, is_mostly_guessed);
+  DeformingSelection selection = select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points, is_mostly_guessed);
   if (!future.view.empty()) selection.add_last_view(future.view, future.states);
   DeformingAlignmentConfig config = config_.alignment;
   config.rigid_iterations = 0;
   config.plane_gate = kPlaneGate;
   config.prior_sigma = kPriorSigma;
   const std::vector<NodePull> binding = body_.pulls(number, frame.camera.camera_to_world.inverse());
-  const DeformingAlignment alignment = align_deforming({nodes_, edges_, selection.points}, selection.textures, view,
+  const DeformingAlignment alignment = align_deforming({nodes_, edges(), selection.points}, selection.textures, view,
                                                        start, guessed, spacing_, config, binding);
   const SE3 camera_to_world = world_to_camera.inverse();
   for (std::size_t n = 0; n < nodes.size(); ++n) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -185,14 +184,14 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
   for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
-BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) const {
+BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
   const NodeStates& states = pose.nodes;
-  const auto jacobians = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
+  if (!jacobians_) jacobians_ = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     std::array<PointRow, kRows> rows;
     for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      PointJacobians& out = jacobians[p];
+      PointJacobians& out = jacobians_[p];
       out.empty = !has_terms(terms_[p]);
       if (out.empty) continue;
       const SkinnedPoint& point = model_.points[p];
@@ -221,7 +220,7 @@ BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) c
   system.gradient.assign(model_.nodes.size(), Twist::Zero());
   parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      add_points(i, {jacobians.get(), model_.points.size()}, system);
+      add_points(i, system);
       add_edges(i, states, system);
       if (!prior_.empty()) add_pull(i, prior_[i], states, system);
       if (!binding_.empty()) add_pull(i, binding_[i], states, system);
@@ -232,12 +231,11 @@ BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) c
 }
 
 // In single precision: a node has few hundred points.
-void DeformingProblem::add_points(std::size_t node, std::span<const PointJacobians> jacobians,
-                                  BlockSystem& system) const {
+void DeformingProblem::add_points(std::size_t node, BlockSystem& system) const {
   const std::size_t first = pattern_.row_begin(node);
   std::vector<PaddedBlock> sums(pattern_.row_end(node) - first);
   PointJacobians::Row gradient{};
-  add_point_products(point_uses_[node], jacobians, sums, gradient);
+  add_point_products(point_uses_[node], {jacobians_.get(), model_.points.size()}, sums, gradient);
   system.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
   for (std::size_t b = 0; b < sums.size(); ++b) {
     for (std::size_t c = 0; c < sums[b].size(); ++c) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -70,7 +71,7 @@ public:
   double energy(const LayerPose& pose) const;
   /// Gauss–Newton system about `pose`, weights as Huber has them there; and the energy there. Same bits for any
   /// number of threads.
-  BlockSystem linearise(const LayerPose& pose, double& energy) const;
+  BlockSystem linearise(const LayerPose& pose, double& energy);
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
   void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information, Twist& gradient) const;
 
@@ -98,7 +99,7 @@ private:
   double energy_of(const PointResiduals& residuals) const;
   std::size_t rows_of(std::size_t point, const PointResiduals& residuals, std::array<PointRow, kRows>& rows) const;
   double energy_beside_points(const NodeStates& states) const;
-  void add_points(std::size_t node, std::span<const PointJacobians> jacobians, BlockSystem& system) const;
+  void add_points(std::size_t node, BlockSystem& system) const;
   void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
   void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states, BlockSystem& system) const;
   double pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const;
@@ -112,6 +113,7 @@ private:
   std::vector<PointTerms> terms_;
   std::vector<NodePull> prior_;
   std::vector<NodePull> binding_;
+  std::unique_ptr<PointJacobians[]> jacobians_; ///< one for each point, as of the last linearise()
   std::vector<std::vector<PointUse>> point_uses_;
   std::vector<std::vector<EdgeUse>> edge_uses_;
 };

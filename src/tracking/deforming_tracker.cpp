@@ -89,12 +89,12 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
           ? config_.node_spacing
           : std::clamp(std::sqrt(per_node), std::max(kMinSpacing, 3 * volume_->config().voxel_size), kMaxSpacing);
   records_.push_back({{}, Health::kTracked});
-  surface_ = volume_->surface_points();
+  surface_.renew_points(*volume_, {}, 0);
   std::vector<double> weights;
-  for (const SurfacePoint& point : surface_) weights.push_back(point.weight);
+  for (const SurfacePoint& point : surface_.points()) weights.push_back(point.weight);
   unit_weight_ = weights.empty() ? 0 : static_cast<float>(median(weights));
-  grow_graph(0);
-  renew_surface();
+  grow_graph(0, {});
+  renew_skin();
   past_ = std::make_unique<Past>();
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
@@ -151,7 +151,7 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
 // Nodes whose texture is elsewhere than they are expected go there.
 void DeformingTracker::follow_texture(const ObjectView& view, const SE3& world_to_camera, const NodeStates& then,
                                       std::vector<SE3>& nodes) const {
-  const auto flow = find_node_flow(past_->view, then, view, states_in(world_to_camera, nodes), edges_);
+  const auto flow = find_node_flow(past_->view, then, view, states_in(world_to_camera, nodes), edges());
   const Eigen::Matrix3d to_world = world_to_camera.linear().transpose();
   for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n].translation() += to_world * flow[n];
 }
@@ -199,9 +199,9 @@ DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, co
 // The share of the surface that would face the camera there that the view shows where it is.
 double DeformingTracker::shown_share(const ObjectView& view, const NodeStates& states,
                                      const std::function<bool(const Influence&)>& takes_part) const {
-  const DeformingSelection facing = select_facing(surface_, skin_, view, states, config_.max_points, takes_part);
+  const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, states, config_.max_points, takes_part);
   if (facing.points.empty()) return 0;
-  const DeformingQuality quality = judge_deformation({nodes_, edges_, facing.points}, facing.textures, view, states);
+  const DeformingQuality quality = judge_deformation({nodes_, edges(), facing.points}, facing.textures, view, states);
   return static_cast<double>(quality.inliers) / static_cast<double>(facing.points.size());
 }
 
@@ -213,9 +213,9 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const NodeStates then = states_in(past_->world_to_camera, records_[records_.size() - 2].nodes);
   follow_texture(view, world_to_camera, then, expected);
   const NodeStates prior = states_in(world_to_camera, expected);
-  DeformingSelection selection = select_facing(surface_, skin_, view, prior, config_.max_points);
+  DeformingSelection selection = select_facing(surface_.points(), surface_.skin(), view, prior, config_.max_points);
   selection.add_last_view(past_->view, then);
-  const LayerModel model{nodes_, edges_, selection.points};
+  const LayerModel model{nodes_, edges(), selection.points};
   const std::vector<NodePull> binding = pulls(frame.camera.camera_to_world.inverse(), objects);
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
@@ -230,8 +230,8 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
     if (cost(elsewhere.nodes) < cost(alignment.nodes)) alignment = std::move(elsewhere);
     if (const std::vector<SE3> placed = placed_by_bones(); !placed.empty()) {
       const NodeStates start = states_in(world_to_camera, placed);
-      const DeformingSelection facing = select_facing(surface_, skin_, view, start, config_.max_points);
-      elsewhere = align_from_afar({nodes_, edges_, facing.points}, facing, view, start, binding);
+      const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
+      elsewhere = align_from_afar({nodes_, edges(), facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
@@ -247,12 +247,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->time = frame.time;
   past_->view = view;
   past_->world_to_camera = world_to_camera;
-  if (++unfused_ >= config_.fuse_interval || grows_) {
-    const std::size_t old = nodes_.size();
-    fuse(view, alignment.nodes);
-    grows_ = nodes_.size() > old;
-    unfused_ = 0;
-  }
+  fuse(view, alignment.nodes);
   learn_holds(std::move(alignment.seen), objects);
   return Health::kTracked;
 }

@@ -10,6 +10,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/brick_influences.h"
+#include "tracking/brick_surface.h"
 #include "tracking/deforming_alignment.h"
 #include "tracking/deforming_selection.h"
 #include "tracking/frame_memory.h"
@@ -33,7 +34,7 @@ struct DeformingTrackerConfig {
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
   double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost
-  int fuse_interval = 1;          ///< tracked frames from one that is fused to the next, while no new nodes come
+  int fuse_interval = 4;          ///< frames from one to the next that is fused where the surface was seen often
   bool use_body = true;           ///< false: no skeleton is looked for
   bool use_objects = true;        ///< false: nothing is held
   DeformingAlignmentConfig alignment;
@@ -78,7 +79,7 @@ public:
   const TsdfVolume* model() const { return volume_.get(); }
   double node_spacing() const { return spacing_; }
   /// Which nodes of the motion's graph hold each other.
-  const std::vector<GraphEdge>& edges() const { return edges_; }
+  const std::vector<GraphEdge>& edges() const { return edges_.edges(); }
   /// The skeleton beside the graph.
   const LayerBody& body() const { return body_; }
 
@@ -107,9 +108,9 @@ private:
   void learn_holds(std::vector<double> seen, std::span<const NearbyObject> objects);
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
-  void renew_surface();
-  void grow_graph(float min_weight);
-  void connect_graph(std::span<const SurfaceSample> samples);
+  void renew_skin();
+  void grow_graph(float min_weight, std::span<const std::uint8_t> changed);
+  void connect_graph(std::size_t old, float min_weight);
 
   int label_;
   DeformingTrackerConfig config_;
@@ -117,10 +118,9 @@ private:
   std::unique_ptr<TsdfVolume> volume_;
   std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the volume's origin, as all that follows
   std::shared_ptr<const DeformationGraph> graph_;
-  std::vector<GraphEdge> edges_;
+  SurfaceEdges edges_;
   BrickInfluences influences_;
-  std::vector<SurfacePoint> surface_;
-  std::vector<Influence> skin_; ///< for each point of the surface
+  BrickSurface surface_;
   float unit_weight_ = 0;       ///< of a surface point seen once
   struct Record {
     std::vector<SE3> nodes; ///< canonical to world, both relative to the origin; empty before the first frame
@@ -133,8 +133,6 @@ private:
   LayerBody body_;
   Interaction interaction_;
   int unseen_ = 0;
-  int unfused_ = 0;   ///< tracked frames since the last that was fused
-  bool grows_ = true; ///< the last frame that was fused has brought nodes
   struct SeenPiece {
     Eigen::Vector3d centroid; ///< in the camera
     int frames;               ///< in a row that have shown it

@@ -1,11 +1,14 @@
 #include "tracking/object_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <vector>
 
 #include "core/error.h"
+#include "core/parallel.h"
 
 namespace kinora::tracking {
 namespace {
@@ -128,14 +131,20 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   view.intrinsics.cx -= box.u0;
   view.intrinsics.cy -= box.v0;
   view.mask = cut_mask(frame.labels, label, box);
-  view.to_silhouette = offsets_to_silhouette(cut(frame.labels, box)); // another label may hide this one
   view.depth = cut(frame.depth, box);
-  view.planes = fit_depth_planes(cut(frame.clean_depth, box), view.intrinsics, view.mask);
-  measure_depth(view);
-  if (view.empty()) return view;
-  view.texture = smoothed(log_luminance(frame.color, box.u0, box.v0, view.mask.width(), view.mask.height()), view.mask);
-  fill_outside(view.texture, view.mask);
-  view.pyramid = texture_pyramid(view.texture, 1);
+  const std::array<std::function<void()>, 3> parts = {
+      [&] { view.to_silhouette = offsets_to_silhouette(cut(frame.labels, box)); }, // another label may hide this one
+      [&] {
+        view.texture =
+            smoothed(log_luminance(frame.color, box.u0, box.v0, view.mask.width(), view.mask.height()), view.mask);
+        fill_outside(view.texture, view.mask);
+        view.pyramid = texture_pyramid(view.texture, 1);
+      },
+      [&] {
+        view.planes = fit_depth_planes(cut(frame.clean_depth, box), view.intrinsics, view.mask);
+        measure_depth(view);
+      }};
+  parallel_for(parts.size(), 1, [&](const Chunk& chunk) { parts[chunk.begin](); });
   return view;
 }
 

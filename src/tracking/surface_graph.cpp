@@ -196,8 +196,10 @@ void add_nodes(std::span<const SurfaceSample> samples, double spacing, std::size
   }
 }
 
-std::vector<GraphEdge> connect_nodes(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
-                                     double spacing, double sample_spacing, const EdgeConfig& config) {
+void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
+                          double spacing, double sample_spacing, const EdgeConfig& config) {
+  const std::size_t old = neighbours_.size();
+  neighbours_.resize(nodes.size());
   const SampleLinks links(samples, sample_spacing);
   const std::vector<int> sample_of = nearest_samples(nodes, samples, 2 * sample_spacing);
   std::vector<std::vector<int>> nodes_at(samples.size());
@@ -205,32 +207,33 @@ std::vector<GraphEdge> connect_nodes(std::span<const Eigen::Vector3d> nodes, std
     if (sample_of[i] >= 0) nodes_at[static_cast<std::size_t>(sample_of[i])].push_back(static_cast<int>(i));
   }
   const double reach = config.reach * spacing;
-  std::vector<std::vector<std::pair<int, int>>> found(chunk_count(nodes.size(), kNodesPerChunk));
+  const NearestPoints added(nodes.subspan(old), reach);
   parallel_for(nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     SurfacePaths paths(links);
+    std::array<NearestPoints::Neighbour, 1> beside{};
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (sample_of[i] < 0) continue;
-      std::size_t kept = 0;
+      if (sample_of[i] < 0 || (i < old && added.find(nodes[i], beside) == 0)) continue;
+      std::vector<int>& found = neighbours_[i];
+      found.clear();
       paths.walk(sample_of[i], reach, [&](int sample, double along) {
         for (const int j : nodes_at[static_cast<std::size_t>(sample)]) {
           const auto other = static_cast<std::size_t>(j);
           // Half a sample at both ends is no detour.
           const double longest = config.max_detour * ((nodes[i] - nodes[other]).norm() + sample_spacing);
-          if (other == i || along > longest || kept == static_cast<std::size_t>(config.neighbours)) continue;
-          found[chunk.index].emplace_back(std::minmax(static_cast<int>(i), j));
-          ++kept;
+          if (other == i || along > longest || found.size() == config.neighbours) continue;
+          found.push_back(j);
         }
-        return kept < static_cast<std::size_t>(config.neighbours);
+        return found.size() < config.neighbours;
       });
     }
   });
-  std::set<std::pair<int, int>> edges;
-  for (const auto& part : found) edges.insert(part.begin(), part.end());
-  tie_pieces(nodes, edges);
-  std::vector<GraphEdge> result;
-  result.reserve(edges.size());
-  for (const auto& [a, b] : edges) result.push_back({a, b});
-  return result;
+  std::set<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (const int j : neighbours_[i]) pairs.insert(std::minmax(static_cast<int>(i), j));
+  }
+  tie_pieces(nodes, pairs);
+  edges_.clear();
+  for (const auto& [a, b] : pairs) edges_.push_back({a, b});
 }
 
 } // namespace kinora::tracking

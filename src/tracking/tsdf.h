@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -68,9 +69,12 @@ public:
   /// Fuses one image into a volume that has been bent since: each voxel is carried into the camera and averaged with
   /// the distance there. A voxel learns only from pixels whose cell shows a place near it, and nothing, not even
   /// emptiness, farther than the truncation from what is measured: the bending may be wrong. The bending is taken at
-  /// every fourth voxel and in between trilinearly; it must be thread-safe. Throws Error(kFailure) if sizes differ.
-  void integrate_bent(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
-                      const Bending& to_camera, const Places& places);
+  /// every fourth voxel and in between trilinearly; it must be thread-safe. Bricks with a mark in `resting` (one for
+  /// each brick, or for the first ones) learn nothing. Returns a mark for each brick that may have learnt something.
+  /// Throws Error(kFailure) if sizes differ.
+  std::vector<std::uint8_t> integrate_bent(const DepthPlanes& view, const Image<float>& intensity,
+                                           const Intrinsics& intrinsics, const Bending& to_camera, const Places& places,
+                                           std::span<const std::uint8_t> resting = {});
 
   /// Trilinear; nothing where one of the eight voxels around was never seen.
   std::optional<double> distance(const Eigen::Vector3d& point) const;
@@ -80,6 +84,8 @@ public:
 
   /// Zero crossings along the voxel edges, brick by brick in the order of their making.
   std::vector<SurfacePoint> surface_points(float min_weight = 0) const;
+  /// The same of one brick.
+  void append_surface(std::size_t brick, float min_weight, std::vector<SurfacePoint>& points) const;
 
   const TsdfConfig& config() const { return config_; }
   const Eigen::Vector3d& origin() const { return origin_; }
@@ -113,7 +119,6 @@ private:
   void update(Brick& brick, const View& view) const;
   std::vector<std::uint8_t> touch_around(const Places& places, float reach);
   void update_bent(std::size_t number, const BentView& view);
-  void append_surface(std::size_t number, float min_weight, std::vector<SurfacePoint>& points) const;
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }
 
   TsdfConfig config_;

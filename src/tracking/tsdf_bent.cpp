@@ -153,8 +153,9 @@ void TsdfVolume::update_bent(std::size_t number, const BentView& view) {
   }
 }
 
-void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
-                                const Bending& to_camera, const Places& places) {
+std::vector<std::uint8_t> TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& intensity,
+                                                     const Intrinsics& intrinsics, const Bending& to_camera,
+                                                     const Places& places, std::span<const std::uint8_t> resting) {
   const bool fits = view.planes.width() == intrinsics.width && view.planes.height() == intrinsics.height &&
                     view.weights.same_size(view.planes) && (intensity.empty() || intensity.same_size(view.planes)) &&
                     places.stride > 0 && places.of_cell.channels() == 3 &&
@@ -165,7 +166,10 @@ void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& int
   }
   // Half a cell of pixels is about as wide as a voxel; a grazing surface is longer.
   const float reach = static_cast<float>(config_.truncation + 3 * config_.voxel_size);
-  const std::vector<std::uint8_t> touched = touch_around(places, reach);
+  std::vector<std::uint8_t> touched = touch_around(places, reach);
+  for (std::size_t i = 0; i < std::min(touched.size(), resting.size()); ++i) {
+    if (resting[i] != 0) touched[i] = 0;
+  }
   const BentView local{to_camera,
                        {view.planes.data(), view.weights.data(), intensity.empty() ? nullptr : intensity.data(),
                         places.of_cell.data(), intrinsics.width, intrinsics.height, places.stride,
@@ -177,6 +181,7 @@ void TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& int
       if (touched[i] != 0) update_bent(i, local);
     }
   });
+  return touched;
 }
 
 } // namespace kinora::tracking

@@ -11,13 +11,12 @@ namespace kinora::tracking {
 namespace {
 
 constexpr int kStride = 4;
-constexpr double kLikeNormal = 0.5; // cosine
+constexpr float kLikeNormal = 0.5F; // cosine
 constexpr std::size_t kPointsPerChunk = 1024;
 
 struct Live {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  BlendedMotion motion;
+  Eigen::Vector3f place;
+  Eigen::Vector3f normal;
   int cell = -1;
 };
 
@@ -32,12 +31,14 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (skin[i].count == 0) continue;
       Live& point = live[i];
-      point.motion = blend_motion(states, skin[i]);
-      point.place = point.motion.apply(surface[i].position.cast<double>());
-      point.normal = point.motion.rotate(surface[i].normal.cast<double>());
-      if (!(point.place.z() > 0) || point.normal.dot(point.place) > 0) continue;
-      const Eigen::Vector2d pixel = view.intrinsics.project(point.place) / kStride;
+      const BlendedMotion motion = blend_motion(states, skin[i]);
+      const Eigen::Vector3d place = motion.apply(surface[i].position.cast<double>());
+      const Eigen::Vector3d normal = motion.rotate(surface[i].normal.cast<double>());
+      if (!(place.z() > 0) || normal.dot(place) > 0) continue;
+      const Eigen::Vector2d pixel = view.intrinsics.project(place) / kStride;
       if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < columns && pixel.y() < rows)) continue;
+      point.place = place.cast<float>();
+      point.normal = normal.cast<float>();
       point.cell = static_cast<int>(pixel.y()) * columns + static_cast<int>(pixel.x());
     }
   });
@@ -56,23 +57,23 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
       if (view.planes.weights.at(u, v) <= 0) continue;
       const Eigen::Vector3d measured = view.point(u, v);
       const float* plane = view.planes.planes.pixel(u, v);
-      const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
-      double best = reach * reach;
-      const Live* nearest = nullptr;
+      const Eigen::Vector3f normal(plane[0], plane[1], plane[2]);
+      float best = static_cast<float>(reach * reach);
+      int nearest = -1;
       for (int y = std::max(0, row - 1); y <= std::min(rows - 1, row + 1); ++y) {
         for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x) {
           const int cell = y * columns + x;
           const int index = front[static_cast<std::size_t>(cell)];
           if (index < 0) continue;
           const Live& candidate = live[static_cast<std::size_t>(index)];
-          const double squared = (candidate.place - measured).squaredNorm();
+          const float squared = (candidate.place - measured.cast<float>()).squaredNorm();
           if (squared >= best || candidate.normal.dot(normal) < kLikeNormal) continue;
           best = squared;
-          nearest = &candidate;
+          nearest = index;
         }
       }
-      if (nearest == nullptr) continue;
-      const SE3 to_camera = nearest->motion.transform.to_se3();
+      if (nearest < 0) continue;
+      const SE3 to_camera = blend_motion(states, skin[static_cast<std::size_t>(nearest)]).transform.to_se3();
       const Eigen::Vector3f place = (to_camera.inverse() * measured).cast<float>();
       std::copy_n(place.data(), 3, result.of_cell.pixel(column, row));
     }

@@ -3,28 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "tracking/synthetic_scene.h"
+#include "tracking/scanned_sphere.h"
 
 namespace kinora::tracking {
 namespace {
 
-using testing::render_frame;
-using testing::Shape;
-using testing::ShapeKind;
-
-const SE3 kPlace(Eigen::Translation3d(0, 0, 1));
-
-// A sphere's front, relative to its centre.
-TsdfVolume sphere() {
-  const Shape shape{ShapeKind::kSphere, {0.15, 0, 0}, true};
-  const ingest::Frame frame = render_frame(shape, kPlace, SE3::Identity(), 0, {});
-  TsdfVolume volume({0.006, 0.03, 64}, kPlace.translation());
-  LabelImage mask = frame.labels;
-  for (std::uint8_t& value : mask.values()) value = value == 2 ? 1 : 0;
-  volume.integrate(fit_depth_planes(frame.depth, frame.camera.intrinsics, mask), Image<float>(),
-                   frame.camera.intrinsics, SE3::Identity());
-  return volume;
-}
+using testing::scanned_sphere;
 
 void add_nodes_near(const TsdfVolume& volume, std::size_t count, Random& random, std::vector<Eigen::Vector3d>& nodes) {
   const std::vector<SurfacePoint> surface = volume.surface_points();
@@ -52,7 +36,7 @@ void expect_those_of_the_graph(const BrickInfluences& influences, const TsdfVolu
 
 TEST(BrickInfluences, AreThoseOfTheGraphAlsoAfterItHasGrown) {
   Random random(8);
-  const TsdfVolume volume = sphere();
+  const TsdfVolume volume = scanned_sphere();
   ASSERT_GT(volume.brick_count(), 20U);
   std::vector<Eigen::Vector3d> nodes;
   BrickInfluences influences;

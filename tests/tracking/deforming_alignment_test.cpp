@@ -83,7 +83,7 @@ NodeStates disturbed(const Scene& scene, double size, std::uint64_t seed) {
 }
 
 // The derivative by the step of some nodes against differences of the energy; `tolerance` in units of its length.
-void expect_gradient(const DeformingProblem& problem, const NodeStates& states, double size, double tolerance) {
+void expect_gradient(DeformingProblem& problem, const NodeStates& states, double size, double tolerance) {
   const std::span<const SkinnedPoint> points = problem.model().points;
   double energy_there = 0;
   const LayerPose pose = pose_layer(points, states);

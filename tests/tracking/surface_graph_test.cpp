@@ -18,6 +18,13 @@ void add_sheet(double x0, double x1, double z, float facing, std::vector<Surface
   }
 }
 
+std::vector<GraphEdge> edges_of(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
+                                double spacing, double cell) {
+  SurfaceEdges edges;
+  edges.extend(nodes, samples, spacing, cell);
+  return edges.edges();
+}
+
 struct Graph {
   std::vector<SurfaceSample> samples;
   std::vector<Eigen::Vector3d> nodes;
@@ -26,7 +33,7 @@ struct Graph {
   explicit Graph(const std::vector<SurfacePoint>& points, double spacing = 0.045) {
     samples = thin_surface(points, kCell, 0);
     add_nodes(samples, spacing, 1000, nodes);
-    edges = connect_nodes(nodes, samples, spacing, kCell);
+    edges = edges_of(nodes, samples, spacing, kCell);
   }
 };
 
@@ -82,7 +89,7 @@ TEST(SurfaceGraph, FrontAndBackOfAThinSheetAreNotNeighbours) {
     nodes.emplace_back(x, 0.1, 0);
     nodes.emplace_back(x, 0.1, 0.012);
   }
-  const auto edges = connect_nodes(nodes, samples, 0.05, 0.008);
+  const auto edges = edges_of(nodes, samples, 0.05, 0.008);
   const auto across =
       std::count_if(edges.begin(), edges.end(), [](const GraphEdge& e) { return (e.a + e.b) % 2 != 0; });
   EXPECT_LE(across, 3);
@@ -100,6 +107,29 @@ TEST(SurfaceGraph, OldNodesStayTheFirstAndTheLimitHolds) {
   ASSERT_EQ(nodes.size(), before.size() + 3);
   EXPECT_TRUE(std::equal(before.begin(), before.end(), nodes.begin()));
   for (std::size_t i = before.size(); i < nodes.size(); ++i) EXPECT_GT(nodes[i].x(), 0.2);
+}
+
+TEST(SurfaceGraph, EdgesThatGrowAreThoseOfTheWhole) {
+  constexpr double kSpacing = 0.045;
+  std::vector<SurfacePoint> points;
+  add_sheet(0, 0.8, 0, -1, points);
+  const auto samples = thin_surface(points, kCell, 0);
+  std::vector<Eigen::Vector3d> nodes;
+  add_nodes(samples, kSpacing, 1000, nodes);
+  std::stable_sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
+  const std::size_t half = nodes.size() / 2;
+  std::vector<SurfaceSample> right; // what is near to the new half
+  const double reach = 2 * EdgeConfig().reach * kSpacing + 2 * kCell;
+  for (const SurfaceSample& sample : samples) {
+    if (sample.position.x() > nodes[half].x() - reach) right.push_back(sample);
+  }
+  ASSERT_LT(right.size(), samples.size());
+  SurfaceEdges growing;
+  growing.extend(std::span(nodes).first(half), samples, kSpacing, kCell);
+  growing.extend(nodes, right, kSpacing, kCell);
+  const std::vector<GraphEdge> whole = edges_of(nodes, samples, kSpacing, kCell);
+  EXPECT_TRUE(std::equal(growing.edges().begin(), growing.edges().end(), whole.begin(), whole.end(),
+                         [](const GraphEdge& a, const GraphEdge& b) { return a.a == b.a && a.b == b.b; }));
 }
 
 TEST(SurfaceGraph, ASurfaceSeenTooSeldomGetsNoNodes) {

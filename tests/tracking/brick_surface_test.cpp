@@ -1,0 +1,81 @@
+#include "tracking/brick_surface.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tracking/scanned_sphere.h"
+
+namespace kinora::tracking {
+namespace {
+
+using testing::scanned_sphere;
+
+bool same_points(std::span<const SurfacePoint> a, std::span<const SurfacePoint> b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SurfacePoint& p, const SurfacePoint& q) {
+    return p.position == q.position && p.normal == q.normal && p.weight == q.weight && p.brick == q.brick;
+  });
+}
+
+float weight_of_one_view() {
+  std::vector<float> weights;
+  for (const SurfacePoint& point : scanned_sphere().surface_points()) weights.push_back(point.weight);
+  std::nth_element(weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(weights.size() / 2), weights.end());
+  return weights[weights.size() / 2];
+}
+
+TEST(BrickSurface, TakesAnewTheBricksThatAreMarked) {
+  const TsdfVolume once = scanned_sphere();
+  const TsdfVolume often = scanned_sphere(5);
+  ASSERT_EQ(once.brick_count(), often.brick_count());
+  BrickSurface surface;
+  surface.renew_points(once, {}, 0);
+  EXPECT_TRUE(same_points(surface.points(), once.surface_points()));
+  std::vector<std::uint8_t> changed(once.brick_count(), 0);
+  for (std::size_t b = 0; b < changed.size(); b += 2) changed[b] = 1;
+  surface.renew_points(often, changed, 0);
+  for (std::size_t b = 0; b < changed.size(); ++b) {
+    std::vector<SurfacePoint> expected;
+    (b % 2 == 0 ? often : once).append_surface(b, 0, expected);
+    EXPECT_TRUE(same_points(surface.points_of([&](std::size_t brick) { return brick == b; }), expected));
+  }
+}
+
+TEST(BrickSurface, SkinIsThatOfTheGraphAlsoAfterItHasGrown) {
+  const TsdfVolume volume = scanned_sphere();
+  BrickSurface surface;
+  surface.renew_points(volume, {}, 0);
+  std::vector<Eigen::Vector3d> nodes = {{0, 0, -0.15}};
+  BrickInfluences influences;
+  for (const Eigen::Vector3d& node : {Eigen::Vector3d(0.05, 0, -0.14), Eigen::Vector3d(-0.1, 0.05, -0.1)}) {
+    nodes.push_back(node);
+    const auto graph = std::make_shared<const DeformationGraph>(nodes, 0.03, 0.07);
+    influences.renew(volume, graph);
+    surface.renew_skin(influences);
+    ASSERT_EQ(surface.skin().size(), surface.points().size());
+    for (std::size_t i = 0; i < surface.skin().size(); ++i) {
+      const Influence expected = graph->influence(surface.points()[i].position.cast<double>());
+      ASSERT_EQ(surface.skin()[i].count, expected.count);
+      EXPECT_EQ(surface.skin()[i].weights, expected.weights);
+    }
+  }
+}
+
+TEST(BrickSurface, WhatWasSeenOftenRestsButForItsTurn) {
+  constexpr std::size_t kInterval = 4;
+  BrickSurface surface;
+  surface.renew_points(scanned_sphere(), {}, weight_of_one_view());
+  const std::vector<std::uint8_t> young = surface.resting(0, kInterval);
+  EXPECT_EQ(std::count(young.begin(), young.end(), 1), 0);
+  surface.renew_points(scanned_sphere(20), {}, weight_of_one_view());
+  std::vector<int> rests(young.size(), 0);
+  for (std::size_t frame = 7; frame < 7 + kInterval; ++frame) {
+    const std::vector<std::uint8_t> marks = surface.resting(frame, kInterval);
+    for (std::size_t b = 0; b < marks.size(); ++b) rests[b] += marks[b];
+  }
+  EXPECT_GT(std::count(rests.begin(), rests.end(), 3), 10);
+  EXPECT_EQ(std::count(rests.begin(), rests.end(), 4), 0);
+}
+
+} // namespace
+} // namespace kinora::tracking
