@@ -76,18 +76,20 @@ void run(const std::string& folder, int labels) {
   std::vector<double> processor;
   std::vector<SE3> truth;
   std::map<tracking::Health, int> health;
-  while (auto frame = capture->next()) {
-    truth.push_back(frame->camera.camera_to_world);
-    frame->camera.camera_to_world = SE3::Identity();
+  std::vector<ingest::Frame> frames; // read beforehand: the next one would be read while this one is tracked
+  while (auto frame = capture->next()) frames.push_back(std::move(*frame));
+  for (ingest::Frame& frame : frames) {
+    truth.push_back(frame.camera.camera_to_world);
+    frame.camera.camera_to_world = SE3::Identity();
     const auto start = std::chrono::steady_clock::now();
     const std::clock_t processor_start = std::clock();
-    const tracking::CameraTrackingResult result = tracker.track(*frame);
+    const tracking::CameraTrackingResult result = tracker.track(frame);
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     processor.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
     ++health[result.health];
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
       const SE3 expected = truth.front().inverse() * truth.back();
-      std::printf("frame %d: %s, %.1f mm off, share %.2f, texture %.2f, %d weak, %.1f ms\n", frame->index,
+      std::printf("frame %d: %s, %.1f mm off, share %.2f, texture %.2f, %d weak, %.1f ms\n", frame.index,
                   std::string(tracking::name_of(result.health)).c_str(),
                   1e3 * (expected.translation() - result.camera_to_world.translation()).norm(),
                   result.quality.inlier_share(), result.quality.texture_correlation, result.weak_directions,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "tracking/camera_keyframe.h"
 
@@ -45,6 +46,34 @@ struct Cell {
   }
 };
 
+/// The part of the picture that points fall into, in cells: floor may be all that is within the sensor's range, and a
+/// strip of the picture has fewer cells than it takes to tell.
+class Grid {
+public:
+  Grid(std::span<const ModelPoint> points, const ObjectView& view) {
+    for (const ModelPoint& point : points) {
+      const auto p = project(point, view, SE3::Identity());
+      if (!p) continue;
+      const Eigen::Vector2i pixel(p->pixel_u, p->pixel_v);
+      first_ = first_.cwiseMin(pixel);
+      last_ = last_.cwiseMax(pixel);
+    }
+  }
+
+  Cell& at(const ProjectedPoint& p) {
+    const Eigen::Vector2i size = last_ - first_ + Eigen::Vector2i::Ones();
+    const int column = (p.pixel_u - first_.x()) * kColumns / size.x();
+    const int row = (p.pixel_v - first_.y()) * kRows / size.y();
+    return cells_[static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column)];
+  }
+  const auto& cells() const { return cells_; }
+
+private:
+  Eigen::Vector2i first_ = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
+  Eigen::Vector2i last_ = Eigen::Vector2i::Constant(-1);
+  std::array<Cell, kColumns * kRows> cells_;
+};
+
 } // namespace
 
 bool StillnessVotes::show_motion() const {
@@ -65,14 +94,12 @@ StillnessVotes compare_with_still(std::span<const ModelPoint> points, const Obje
   const SE3 identity = SE3::Identity();
   const TextureModel still_texture = measure_texture(points, view, identity, 0);
   const TextureModel moved_texture = measure_texture(points, view, still_to_camera, 0);
-  std::array<Cell, kColumns * kRows> cells;
+  Grid grid(points, view);
   for (const ModelPoint& point : points) {
     const auto still = project(point, view, identity);
     const auto moved = project(point, view, still_to_camera);
     if (!still || !moved) continue;
-    const int column = std::min(kColumns - 1, still->pixel_u * kColumns / view.intrinsics.width);
-    const int row = std::min(kRows - 1, still->pixel_v * kRows / view.intrinsics.height);
-    Cell& cell = cells[static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column)];
+    Cell& cell = grid.at(*still);
     const auto g_still = geometric_residual(*still, view, Pivot(), kGates);
     const auto g_moved = geometric_residual(*moved, view, Pivot(), kGates);
     const auto t_still = photometric_residual(*still, point, view, Pivot(), 0, still_texture.light);
@@ -89,7 +116,7 @@ StillnessVotes compare_with_still(std::span<const ModelPoint> points, const Obje
   }
   StillnessVotes votes;
   votes.shift = visible_shift(points, view.intrinsics, still_to_camera);
-  for (const Cell& cell : cells) {
+  for (const Cell& cell : grid.cells()) {
     const int vote = cell.vote();
     if (vote > 0) ++votes.moved;
     if (vote < 0) ++votes.still;

@@ -7,7 +7,8 @@
 
 namespace kinora::tracking {
 
-/// The picture in cells that each tell, by the residuals of their points, which of two poses explains them better.
+/// The picture, as far as there are points, in cells that each tell, by the residuals of their points, which of two
+/// poses explains them better.
 struct StillnessVotes {
   int moved = 0;    ///< cells significantly better explained by the other pose
   int still = 0;    ///< cells significantly better explained by the camera's old place

@@ -14,13 +14,14 @@ constexpr Gates kGates{0.10, 0.7};
 constexpr double kMinSamples = 30;
 constexpr int kRim = 2; // pixels that a silhouette may be wrong by
 
-// Beside the label, where the camera sees past it.
+// Beside the label, where the camera sees past it: what is measured there lies behind, or is background out of range.
 bool is_outside(const ProjectedPoint& p, const ObjectView& view) {
   if (view.to_silhouette.empty()) return false;
   const std::int16_t* offset = view.to_silhouette.pixel(p.pixel_u, p.pixel_v);
   if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
   const double z = p.point.z();
-  return view.depth.at(p.pixel_u, p.pixel_v) > z + std::max(0.03, 3 * ingest::depth_sigma(z));
+  const double measured = view.depth.at(p.pixel_u, p.pixel_v);
+  return !(measured > 0) || measured > z + std::max(0.03, 3 * ingest::depth_sigma(z));
 }
 
 /// Pearson's correlation, from sums.

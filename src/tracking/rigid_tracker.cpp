@@ -18,8 +18,9 @@ constexpr double kKnownShare = 0.97;         // the model explains less than thi
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
-constexpr double kCertainCorrelation = 0.85; // they are not, whatever the silhouette
-constexpr double kOtherSilhouette = 0.05;    // change of shares: likewise
+constexpr double kCertainCorrelation = 0.85; // they are not, however little of the label is covered
+constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
+constexpr double kMostOutside = 0.3;         // of the points: they belong to something that is elsewhere
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
 constexpr double kMostlyPast = 0.5;          // of the surface that faces the camera
 constexpr double kMinVoxel = 0.001;
@@ -186,15 +187,17 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
 
 bool RigidTracker::is_healthy(const PoseQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
+         quality.outside_share() <= kMostOutside &&
          (!quality.has_texture() || quality.texture_correlation >= config_.min_correlation);
 }
 
-// Where texture does not tell, a shape may have slid along itself, and its silhouette says so.
+// A shape may have slid along itself where texture does not tell, or to where little of it is left to have any, and its
+// silhouette says so.
 bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
   if (quality.has_texture() && quality.texture_correlation < kDoubtfulCorrelation) return true;
-  if (quality.texture_correlation > kCertainCorrelation) return false;
-  return quality.explained_share < past_->quality.explained_share - kOtherSilhouette ||
-         quality.outside_share() > past_->quality.outside_share() + kOtherSilhouette;
+  if (quality.outside_share() > past_->quality.outside_share() + kOtherSilhouette) return true;
+  return quality.texture_correlation <= kCertainCorrelation &&
+         quality.explained_share < past_->quality.explained_share - kOtherSilhouette;
 }
 
 // Without the support of the last frame the view itself must be convincing.

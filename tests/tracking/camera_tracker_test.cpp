@@ -94,6 +94,20 @@ TEST(CameraTracker, FollowsAHandHeldCameraWithinFiveMillimetres) {
   EXPECT_GT(tracker.keyframe_count(), 1U);
 }
 
+TEST(CameraTracker, AStripOfFloorShowsThatTheCameraMoves) {
+  CameraTracker tracker;
+  const std::vector<SE3> truth = carried_poses(30);
+  for (int i = 0; i < 30; ++i) {
+    ingest::Frame frame = render_room(truth[static_cast<std::size_t>(i)], i);
+    constexpr int kRange = 104; // row above which everything is out of the sensor's range
+    std::fill_n(frame.depth.data(), kRange * frame.depth.width(), 0.0F);
+    frame.clean_depth = frame.depth;
+    tracker.track(frame);
+  }
+  ASSERT_TRUE(tracker.moves());
+  EXPECT_LT(errors_of(tracker.path(), truth).metres, 0.01);
+}
+
 TEST(CameraTracker, FollowsByGeometryWhereNothingHasTexture) {
   RoomOptions options;
   options.textured = false;
@@ -180,7 +194,7 @@ TEST(CameraTracker, ClosesTheLoopOfATurnAllAroundWithoutAJump) {
   EXPECT_GT(tracker.loop_count(), 0U);
   const std::vector<SE3> path = tracker.path();
   const Errors errors = errors_of(path, truth);
-  EXPECT_LT(errors.metres, 0.02);
+  EXPECT_LT(errors.metres, 0.01);
   EXPECT_LT(errors.degrees, 0.5);
   EXPECT_LT((path.back().translation() - truth.back().translation()).norm(), 0.005);
   const auto& live = tracker.results();

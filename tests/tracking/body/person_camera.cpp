@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "ingest/depth_cleaning.h"
-#include "ingest/sensor_noise.h"
+#include "tracking/faulty_sensor.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -43,34 +43,6 @@ Picture draw(const DressedPerson& person, const Intrinsics& intrinsics) {
   });
   return picture;
 }
-
-// What a depth camera makes of it. A jump: to a neighbour of the 3×3 around.
-DepthImage measured(const DepthImage& truth, Random& random) {
-  constexpr float kJump = 0.035F;
-  constexpr double kLost = 0.5;
-  constexpr double kFlying = 0.2;
-  DepthImage depth(truth.width(), truth.height());
-  for (int v = 1; v + 1 < truth.height(); ++v) {
-    for (int u = 1; u + 1 < truth.width(); ++u) {
-      const float z = truth.at(u, v);
-      if (z <= 0) continue;
-      float other = z;
-      for (int i = 0; i < 9; ++i) {
-        const float near = truth.at(u - 1 + i % 3, v - 1 + i / 3);
-        if (std::abs(near - z) > kJump) other = near > 0 ? near : z + 0.3F;
-      }
-      const double fate = random.uniform_double();
-      if (other != z && fate < kLost) continue;
-      double seen = z;
-      if (other != z && fate < kLost + kFlying) seen += random.uniform_double() * static_cast<double>(other - z);
-      seen += ingest::depth_sigma(seen) * random.normal();
-      depth.at(u, v) = static_cast<float>(std::round(1e3 * seen) / 1e3);
-    }
-  }
-  return depth;
-}
-
-double srgb(double linear) { return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055; }
 
 // Points spread as the body's samples are, and over the skirt.
 std::vector<CoatPoint> material_points(bool has_skirt, std::size_t count) {
@@ -108,11 +80,7 @@ ingest::Frame see_person(const PersonScene& scene, int frame, const PersonCamera
     }
   }
   Random random(camera.seed, static_cast<std::uint64_t>(frame));
-  result.color = ColorImage(camera.width, camera.height, 3);
-  for (std::size_t k = 0; k < picture.light.values().size(); ++k) {
-    const double value = 255 * srgb(static_cast<double>(picture.light.values()[k])) + random.normal();
-    result.color.values()[k] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
-  }
+  result.color = exposed(picture.light, random);
   result.labels = LabelImage(camera.width, camera.height);
   for (std::size_t k = 0; k < picture.depth.values().size(); ++k) {
     result.labels.values()[k] = picture.depth.values()[k] > 0 ? 1 : 0;

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 
 #include "core/error.h"
-#include "tracking/body/body_prior.h"
-#include "tracking/body/limbs.h"
+#include "tracking/body/limb_poses.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -16,57 +14,6 @@ namespace {
 using Vec = Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-
-void turn(BodyState& state, double degrees) {
-  state.pose.root.linear() = Eigen::AngleAxisd(degrees * kPi / 180, -Vec::UnitY()) * state.pose.root.linear();
-}
-
-/// Angles of one limb.
-struct LimbPose {
-  Eigen::Quaterniond ball;
-  double hinge;
-};
-
-Eigen::Quaterniond quaternion_of(const Vec& vector) {
-  return Eigen::Quaterniond(
-      Eigen::AngleAxisd(vector.norm(), vector.norm() > 0 ? Vec(vector.normalized()) : Vec::UnitX()));
-}
-
-// Of all ways to put the wrist at a place (in the chest's axes, metres from its joint), the most usual one.
-LimbPose reaching(Limb arm, const BodyState& state, const Vec& place) {
-  constexpr int kSwivels = 36;
-  const PosedBody body = pose_body(state.pose, state.shape);
-  const auto& chain = chain_of(arm);
-  Angles best = state.pose.angles;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kSwivels; ++i) {
-    const Angles tried = reach_for(arm, state.pose.angles, body, body.bones[kChest] * place, 2 * kPi * i / kSwivels, 0);
-    const double energy = angle_energy(tried, PosePriorConfig());
-    if (energy < least) {
-      least = energy;
-      best = tried;
-    }
-  }
-  return {quaternion_of(best.segment<3>(joints()[chain.ball].first_angle)), best[joints()[chain.hinge].first_angle]};
-}
-
-void set_limb(Limb limb, const LimbPose& from, const LimbPose& to, double share, BodyState& state) {
-  const LimbChain& chain = chain_of(limb);
-  const Eigen::AngleAxisd ball(from.ball.slerp(share, to.ball));
-  state.pose.angles.segment<3>(joints()[chain.ball].first_angle) = ball.angle() * ball.axis();
-  state.pose.angles[joints()[chain.hinge].first_angle] = from.hinge + share * (to.hinge - from.hinge);
-}
-
-// 0 before, 1 after, smooth in between.
-double eased(double frame, double begin, double length) {
-  const double x = std::clamp((frame - begin) / length, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
-// There and back again: up to 1 in `length` frames, `rest` frames there, and back.
-double stroke(double frame, double begin, double length, double rest) {
-  return eased(frame, begin, length) - eased(frame, begin + length + rest, length);
-}
 
 DressedPerson turning(double frame) {
   BodyState state = tall_person();
