@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 
@@ -78,6 +79,7 @@ BodyState place(const Extent& extent, double height, double turn) {
 
 BodyEnergyConfig wider(BodyEnergyConfig config) {
   config.cutoff *= 3;
+  config.detected.cutoff *= 3;
   return config;
 }
 
@@ -98,12 +100,11 @@ std::vector<BodyFit> best_of_each_side(std::vector<BodyFit> fits) {
   return best;
 }
 
-} // namespace
-
-BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config) {
+// `coarse` and `fine`: of one view.
+BodyFit fit_to(const BodyEvidence& coarse, const BodyEvidence& fine, const BodyPrior& prior,
+               const BodyEnergyConfig& config) {
   constexpr double kLeastHeight = 1.0;
-  const BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);
-  const Extent extent = find_extent(gather_evidence(view, kFinePoints, config));
+  const Extent extent = find_extent(fine);
   const double usual = kMeanHeight * std::exp(prior.state.shape[kHeight]);
   std::vector<BodyFit> fits;
   for (const double height : {extent.top - extent.bottom, usual}) {
@@ -116,13 +117,29 @@ BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnerg
     }
   }
   fits = best_of_each_side(std::move(fits));
-  const BodyEvidence fine = gather_evidence(view, kFinePoints, config);
   for (BodyFit& fit : fits) {
     for (const Limb limb : kEveryLimb) search_limb(limb, coarse, prior, config, 0, 0, fit.state);
     fit.energy = minimise(fine, prior, config, 20, true, fit.state);
   }
   return *std::min_element(fits.begin(), fits.end(),
                            [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+}
+
+} // namespace
+
+BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config) {
+  constexpr double kDoubt = 15; // energy of the view: what differs by less, detected joints decide
+  BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);
+  BodyEvidence fine = gather_evidence(view, kFinePoints, config);
+  std::optional<BodyFit> detected;
+  if (!fine.joints.empty()) {
+    detected = fit_to(coarse, fine, prior, config);
+    coarse.joints.clear();
+    fine.joints.clear();
+    detected->energy = evaluate(fine, detected->state, prior, config).energy;
+  }
+  const BodyFit seen = fit_to(coarse, fine, prior, config);
+  return detected && detected->energy < seen.energy + kDoubt ? *detected : seen;
 }
 
 } // namespace kinora::tracking
