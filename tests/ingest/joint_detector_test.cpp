@@ -79,7 +79,7 @@ TEST(JointDetector, ThreadsDoNotMatter) {
   const auto detector = detector_of(folder, joint_detector(192, 256));
   const auto run = [&](int threads) {
     set_thread_count(threads);
-    const DetectedPerson person = detector->detect(spotted_person(), 3);
+    DetectedPerson person = detector->detect(spotted_person(), 3);
     set_thread_count(0);
     return person;
   };
