@@ -61,7 +61,8 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
 }
 
 void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
-  state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy).state);
+  const std::vector<BodyPose> earlier = earlier_.about(view.centroid);
+  state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy, earlier).state);
   velocity_.setZero();
   started_ = true;
   lost_frames_ = 0;
@@ -110,6 +111,9 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   result.empty = empty_share(evidence, state);
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
+  if (result.health == Health::kTracked) {
+    earlier_.add(state.pose, place_bones(state.pose, state.shape), evidence.view->centroid);
+  }
   move_to(transformed(camera_to_world, state), seconds);
   if (result.health == Health::kTracked) learn_holds(objects, result);
 }

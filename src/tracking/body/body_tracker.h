@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tracking/body/body_energy.h"
+#include "tracking/body/earlier_poses.h"
 #include "tracking/body/limb_search.h"
 #include "tracking/interaction.h"
 #include "tracking/motion.h"
@@ -74,6 +75,7 @@ private:
   Interaction interaction_;              ///< of both hands
   bool fresh_ = true;                    ///< fitted anew in this frame
   int lost_frames_ = 0;                  ///< in a row
+  EarlierPoses earlier_;                 ///< in which it was tracked
   BodyPrior known_;                      ///< of the measures
   int shape_frames_ = 0;
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
