@@ -3,7 +3,9 @@
 // another's are: so there are errors as they are, and errors without each joint's constant offset in the space of its
 // parent's bone. Usage: bench_tracking_body CAPTURE [LABEL]; with KINORA_BENCH_FRAMES set, also frame by
 // frame; with KINORA_BENCH_BODY=FILE.npz the measures are those of a mesh at first; with KINORA_BENCH_ALONE set, nobody
-// holds anything.
+// holds anything; with KINORA_BENCH_DETECTOR=SHARE a detector of joints is simulated from the ground truth (5 pixels of
+// noise, 10 % misses and outliers), which exchanges left and right in that share of the frames;
+// KINORA_BENCH_SEEN_ONLY: and finds nothing that is hidden.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -20,6 +22,7 @@
 #include "nearby_objects.h"
 #include "tracking/body/body_sizes.h"
 #include "tracking/body/body_tracker.h"
+#include "tracking/body/simulated_detector.h"
 #include "tracking/body/true_joints.h"
 #include "tracking/layer_view.h"
 
@@ -103,6 +106,24 @@ void print(const Differences& differences) {
               at_fraction(all_without, 0.95));
 }
 
+// The rig's names of COCO's joints; it has no face.
+constexpr std::array<const char*, kinora::ingest::kDetectedJoints> kDetectable = {
+    "",       "",       "",        "",        "",       "upperarm_l", "upperarm_r", "lowerarm_l", "lowerarm_r",
+    "hand_l", "hand_r", "thigh_l", "thigh_r", "calf_l", "calf_r",     "foot_l",     "foot_r"};
+
+void simulate_detector(const std::map<std::string, Eigen::Vector3d>& truth, int label, double swaps,
+                       ingest::Frame& frame) {
+  tracking::testing::JointPlaces places;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (const auto found = truth.find(kDetectable[i]); found != truth.end()) places[i] = found->second;
+  }
+  tracking::testing::DetectorErrors errors;
+  errors.swaps = swaps;
+  errors.knows_hidden = std::getenv("KINORA_BENCH_SEEN_ONLY") == nullptr;
+  frame.people.push_back({label, tracking::testing::detect_joints(places, frame.camera.intrinsics, frame.depth, errors,
+                                                                  static_cast<std::uint64_t>(frame.index))});
+}
+
 void run(const std::string& folder, int label) {
   Progress silent;
   const host::PluginTable plugins = host::PluginTable::builtin();
@@ -120,7 +141,12 @@ void run(const std::string& folder, int label) {
   double explained = 0;
   double empty = 0;
   int not_tracked = 0;
-  while (const auto frame = capture->next()) {
+  while (auto frame = capture->next()) {
+    const auto found = truth.find(frame->index);
+    const char* swaps = std::getenv("KINORA_BENCH_DETECTOR");
+    if (swaps != nullptr && found != truth.end()) {
+      simulate_detector(found->second, label, std::atof(swaps), *frame);
+    }
     const tracking::ObjectView view = tracking::view_layer(*frame, label);
     std::vector<tracking::NearbyObject> nearby;
     if (std::getenv("KINORA_BENCH_ALONE") == nullptr) nearby = objects.follow(*frame);
@@ -140,7 +166,6 @@ void run(const std::string& folder, int label) {
       for (const tracking::LimbHealth limb : result.limbs) std::printf(",%s", std::string(name_of(limb)).c_str());
       std::printf(",%.1f\n", milliseconds.back());
     }
-    const auto found = truth.find(frame->index);
     if (found != truth.end()) compare(bones, found->second, frame->index, differences);
   }
   const auto frames = static_cast<double>(std::max<std::size_t>(1, milliseconds.size()));

@@ -33,6 +33,7 @@ struct Options {
   std::string format;
   bool no_masks = false;
   std::filesystem::path segmenter;
+  std::filesystem::path detector;
   std::filesystem::path body;
   int holdout = 0;
   std::uint64_t seed = 1;
@@ -64,6 +65,7 @@ encode::PreparedCapture prepare(const Options& options, Context& context) {
   };
   request.options = capture_options(options);
   request.network = options.segmenter;
+  request.detector = options.detector;
   return encode::prepare_capture(request, context.progress);
 }
 
@@ -128,6 +130,7 @@ void run(const Options& options, Context& context) {
   encode::EncodeOptions how = encode_options(options);
   require_input(options.capture);
   if (!options.segmenter.empty()) require_input(options.segmenter);
+  if (!options.detector.empty()) require_input(options.detector);
   if (!options.body.empty()) {
     require_input(options.body);
     how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
@@ -194,6 +197,11 @@ void add_encode(CLI::App& app, Context& context) {
   command
       .add_option("--segmenter", options->segmenter,
                   "Label the frames with this network (background, person, object, ...) instead of masks")
+      ->type_name("ONNX");
+  command
+      .add_option("--detector", options->detector,
+                  "Find people's joints with this network too: a crop of one person (RGB, ImageNet's mean and "
+                  "deviation) in, heat maps of COCO's 17 joints out, such as HRNet, SimpleBaseline or ViTPose")
       ->type_name("ONNX");
   command
       .add_option("--body", options->body,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "ingest/explained_surface.h"
+#include "ingest/joint_detector.h"
 #include "ingest/mask_completion.h"
 #include "ingest/network_segmenter.h"
 #include "ingest/sample_views.h"
@@ -44,9 +45,14 @@ class Preparation {
 public:
   Preparation(const CaptureRequest& request, Progress& progress)
       : request_(request), options_(request.options), progress_(progress), quiet_(progress) {
+    // A network that is none is known before the work begins.
+    if (!request.detector.empty()) {
+      detector_ = ingest::make_network_detector(request.detector);
+      result_.joints_from = "network " + request.detector.filename().string();
+    }
     if (request.network.empty()) return;
     options_.use_masks = false;
-    (void)segmenter(); // a network that is none is known before the work begins
+    (void)segmenter();
   }
 
   PreparedCapture run() {
@@ -57,6 +63,7 @@ public:
     find_registration();
     if (result_.camera->moves() && !has_masks_) follow_background();
     result_.capture = labelled(segmenter(), progress_);
+    if (detector_) result_.capture = ingest::detected_capture(std::move(result_.capture), std::move(detector_));
     return std::move(result_);
   }
 
@@ -160,6 +167,7 @@ private:
   QuietProgress quiet_;
   tracking::CameraTrackerConfig tracker_; ///< how the camera is followed
   PreparedCapture result_;
+  std::unique_ptr<ingest::JointDetector> detector_;
   bool has_masks_ = false;
 };
 

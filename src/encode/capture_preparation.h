@@ -18,6 +18,7 @@ struct CaptureRequest {
   std::function<std::unique_ptr<ingest::Capture>(const ingest::CaptureOptions&, Progress&)> open;
   ingest::CaptureOptions options; ///< with a registration none is looked for
   std::filesystem::path network;  ///< labels the frames, instead of masks; empty: none
+  std::filesystem::path detector; ///< finds joints of people; empty: none
 };
 
 struct PreparedCapture {
@@ -25,6 +26,7 @@ struct PreparedCapture {
   std::shared_ptr<const CameraPath> camera = std::make_shared<CameraPath>(); ///< where the capture has no poses
   ingest::FoundRegistration registration;
   std::string labels_from; ///< in words: "masks", "motion", or the network
+  std::string joints_from; ///< in words: the detector; empty: none
   StageTimes times;        ///< of what was done so far
 };
 
@@ -32,8 +34,8 @@ struct PreparedCapture {
 /// planes alone, and the path along which most of what is seen keeps still is taken (ingest::explained_surface). Colour
 /// is then compared with depth, what moves is told from the background with these poses, and the camera is followed
 /// again without it until its path stays the same or explains less. A path that explains little is warned of. Labels
-/// come from the network if there is one, else from masks, else from motion. Same capture, same bits, for any number of
-/// threads. Throws what reading, segmenters and the network throw.
+/// come from the network if there is one, else from masks, else from motion, and joints from the detector. Same
+/// capture, same bits, for any number of threads. Throws what reading, segmenters, the network and the detector throw.
 PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress);
 
 } // namespace kinora::encode

@@ -315,6 +315,7 @@ EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions
   const std::size_t frames = pass.clip.times.size();
   Json config = options.json();
   config["labels_from"] = prepared.labels_from;
+  config["joints_from"] = prepared.joints_from;
   pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", config}};
   pass.clip.metadata["frames_per_second"] = info.frames_per_second;
   if (info.registration) pass.clip.metadata["registration"] = ingest::to_json(*info.registration);

@@ -1,8 +1,11 @@
 // One instant of a capture, ready for tracking and training.
 #pragma once
 
+#include <vector>
+
 #include "core/camera.h"
 #include "core/image.h"
+#include "ingest/joint_detection.h"
 
 namespace kinora::ingest {
 
@@ -15,6 +18,7 @@ struct Frame {
   DepthImage depth;       ///< as measured, metres, 0 = no measurement; what metrics call "measured depth"
   DepthImage clean_depth; ///< `depth` without flying pixels, jumps, grazing surfaces and a border: for fusion only
   LabelImage labels;      ///< 0 background, 1 person, 2…; empty when the capture has no masks
+  std::vector<DetectedPerson> people; ///< whose joints a detector has looked for; one for each label at most
 };
 
 } // namespace kinora::ingest

@@ -1,10 +1,9 @@
 #include "ingest/network_segmenter.h"
 
 #include <fmt/format.h>
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 
-#include "core/error.h"
+#include "ingest/onnx_network.h"
 
 namespace kinora::ingest {
 namespace {
@@ -17,16 +16,7 @@ int network_side(int side) { return side < kSideMultiple ? side : side / kSideMu
 
 class NetworkSegmenter final : public Segmenter {
 public:
-  explicit NetworkSegmenter(const std::filesystem::path& path) : path_(path.string()) {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    if (!std::filesystem::is_regular_file(path)) fail("the network is missing; give the path of an ONNX file");
-    try {
-      network_ = cv::dnn::readNetFromONNX(path_);
-    } catch (const cv::Exception&) {
-    }
-    if (network_.empty()) fail("is no ONNX network that OpenCV can run; export it for opset 11 with fixed sizes");
-    network_.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    network_.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
+  explicit NetworkSegmenter(const std::filesystem::path& path) : path_(path), network_(read_onnx_network(path)) {
     const std::string why = "the network " + path.filename().string() + " says so";
     labels_ = {{0, {"background", "still", why}}, {1, {"person", "deforming", why}}};
   }
@@ -57,10 +47,6 @@ public:
   const std::map<int, LabelInfo>& labels() const override { return labels_; }
 
 private:
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw Error(ErrorCode::kCorruptInput, path_ + ": " + problem);
-  }
-
   cv::Mat run(const ColorImage& color) {
     cv::Mat scores;
     try {
@@ -70,11 +56,11 @@ private:
           image, 1.0 / 255, cv::Size(network_side(color.width()), network_side(color.height())), cv::Scalar(), false));
       scores = network_.forward();
     } catch (const cv::Exception& error) {
-      fail(fmt::format("cannot be run on {}x{} pixels: {}", color.width(), color.height(), error.err));
+      refuse_network(path_, fmt::format("cannot be run on {}x{} pixels: {}", color.width(), color.height(), error.err));
     }
     if (scores.dims != 4 || scores.size[0] != 1 || scores.size[1] < 1 || scores.size[1] > kMaxClasses ||
         scores.size[2] < 1 || scores.size[3] < 1 || scores.type() != CV_32F)
-      fail("gives no map of 1 x classes x height x width scores; export one without post-processing");
+      refuse_network(path_, "gives no map of 1 x classes x height x width scores; export one without post-processing");
     return scores;
   }
 
@@ -90,7 +76,7 @@ private:
       labels_[label] = {label == 2 ? "object" : fmt::format("object{}", label - 1), "rigid", labels_[0].why};
   }
 
-  std::string path_;
+  std::filesystem::path path_;
   cv::dnn::Net network_;
   std::map<int, LabelInfo> labels_;
 };

@@ -100,6 +100,7 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
+  library_.add(records_.size() - 1, past_->world_to_camera, records_.back().nodes);
   learn_holds({}, {});
 }
 
@@ -240,6 +241,12 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
+    if (unseen_ > 0 || !is_healthy(result.quality)) {
+      alignment = align_recalled(view, binding, std::move(alignment));
+      const DeformingSelection facing =
+          select_facing(surface_.points(), surface_.skin(), view, alignment.nodes, config_.max_points);
+      result.quality = judge_deformation({nodes_, edges(), facing.points}, facing.textures, view, alignment.nodes);
+    }
   }
   if (!is_healthy(result.quality)) return Health::kLost;
   const SE3 camera_to_world = world_to_camera.inverse();
@@ -247,6 +254,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i] = renormalized(camera_to_world * alignment.nodes.transforms[i].to_se3());
   }
+  if (result.quality.empty_share() <= kMuchEmpty) library_.add(records_.size() - 1, world_to_camera, nodes);
   past_->has_earlier = unseen_ == 0;
   past_->earlier_time = past_->time;
   past_->time = frame.time;

@@ -19,6 +19,7 @@
 #include "tracking/layer_body.h"
 #include "tracking/motion.h"
 #include "tracking/new_pieces.h"
+#include "tracking/pose_library.h"
 #include "tracking/surface_graph.h"
 #include "tracking/tsdf.h"
 
@@ -98,6 +99,9 @@ private:
                 DeformingTrackingResult& result);
   DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
                                      const ObjectView& view, NodeStates start, std::span<const NodePull> binding) const;
+  std::vector<NodeStates> recalled(const ObjectView& view) const;
+  DeformingAlignment align_recalled(const ObjectView& view, std::span<const NodePull> binding,
+                                    DeformingAlignment best) const;
   double shown_share(const ObjectView& view, const NodeStates& states,
                      const std::function<bool(const Influence&)>& takes_part = nullptr) const;
   bool is_healthy(const DeformingQuality& quality) const;
@@ -136,6 +140,7 @@ private:
   FrameMemory memory_;              ///< of the frames of records_
   std::vector<std::size_t> births_; ///< for each node, the first record that is not a guess
   std::unique_ptr<Past> past_;
+  PoseLibrary library_; ///< of frames of records_
   LayerBody body_;
   Interaction interaction_;
   std::map<int, std::size_t> met_; ///< by the object's label: the last record in which both were found

@@ -35,6 +35,7 @@ void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double
   ++frames_;
   explained_ += last_.explained;
   empty_ += last_.empty;
+  detected_ += static_cast<double>(last_.detected);
 }
 
 std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world) const {

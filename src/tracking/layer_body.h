@@ -57,6 +57,7 @@ public:
   std::optional<JointPaths> joint_paths() const;
   double explained() const { return frames_ > 0 ? explained_ / frames_ : 0.0; }
   double empty() const { return frames_ > 0 ? empty_ / frames_ : 0.0; }
+  double detected() const { return frames_ > 0 ? detected_ / frames_ : 0.0; } ///< joints that a detector has found
 
 private:
   LayerBodyConfig config_;
@@ -68,9 +69,9 @@ private:
     std::array<LimbHealth, kLimbs> limbs;
     bool trusted; ///< it goes on from the frame before, and lies on what is seen
   };
-  std::vector<std::optional<Record>> records_; ///< of all frames; nothing before the first that shows a body
-  int frames_ = 0;                             ///< that count
-  double explained_ = 0, empty_ = 0;           ///< sums
+  std::vector<std::optional<Record>> records_;      ///< of all frames; nothing before the first that shows a body
+  int frames_ = 0;                                  ///< that count
+  double explained_ = 0, empty_ = 0, detected_ = 0; ///< sums
 };
 
 } // namespace kinora::tracking

@@ -104,6 +104,15 @@ void check_sizes(const ingest::Frame& frame) {
   }
 }
 
+// Nothing is found if nobody has looked.
+ingest::DetectedJoints cut_joints(const std::vector<ingest::DetectedPerson>& people, int label, const Box& box) {
+  const auto person = std::find_if(people.begin(), people.end(), [&](const auto& p) { return p.label == label; });
+  if (person == people.end()) return {};
+  ingest::DetectedJoints joints = person->joints;
+  for (ingest::DetectedJoint& joint : joints) joint.pixel -= Eigen::Vector2d(box.u0, box.v0);
+  return joints;
+}
+
 void measure_depth(ObjectView& view) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int v = 0; v < view.mask.height(); ++v) {
@@ -132,6 +141,7 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   view.intrinsics.cy -= box.v0;
   view.mask = cut_mask(frame.labels, label, box);
   view.depth = cut(frame.depth, box);
+  view.joints = cut_joints(frame.people, label, box);
   const std::array<std::function<void()>, 3> parts = {
       [&] { view.to_silhouette = offsets_to_silhouette(cut(frame.labels, box)); }, // another label may hide this one
       [&] {

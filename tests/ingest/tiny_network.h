@@ -1,4 +1,4 @@
-// Segmentation networks for tests, made byte by byte: one 1×1 convolution in ONNX's protobuf.
+// Networks for tests, made byte by byte: one 1×1 convolution in ONNX's protobuf.
 #pragma once
 
 #include <cstdint>
@@ -28,22 +28,22 @@ inline std::string tensor(const std::string& name, const std::vector<std::uint64
   return text + bytes(9, std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)));
 }
 
-inline std::string value_info(const std::string& name, std::uint64_t channels) {
+inline std::string value_info(const std::string& name, const std::vector<std::uint64_t>& sizes) {
   std::string shape;
-  for (const std::uint64_t size : {std::uint64_t{1}, channels, std::uint64_t{32}, std::uint64_t{64}})
-    shape += bytes(1, number(1, size));
+  for (const std::uint64_t size : sizes) shape += bytes(1, number(1, size));
   return bytes(1, name) + bytes(2, bytes(1, number(1, 1) + bytes(2, shape)));
 }
 
-/// scores = weights · RGB + biases, per pixel.
+/// scores = weights · RGB + biases, per pixel. `width`, `height`: of the input, as the file says.
 inline std::string convolution(std::uint64_t classes, const std::vector<float>& weights,
-                               const std::vector<float>& biases) {
+                               const std::vector<float>& biases, std::uint64_t width = 64, std::uint64_t height = 32) {
   const std::string kernel = bytes(1, "kernel_shape") + number(8, 1) + number(8, 1) + number(20, 7);
   const std::string node =
       bytes(1, "x") + bytes(1, "w") + bytes(1, "b") + bytes(2, "y") + bytes(4, "Conv") + bytes(5, kernel);
   const std::string graph = bytes(1, node) + bytes(2, "g") + bytes(5, tensor("w", {classes, 3, 1, 1}, weights)) +
-                            bytes(5, tensor("b", {classes}, biases)) + bytes(11, value_info("x", 3)) +
-                            bytes(12, value_info("y", classes));
+                            bytes(5, tensor("b", {classes}, biases)) +
+                            bytes(11, value_info("x", {1, 3, height, width})) +
+                            bytes(12, value_info("y", {1, classes, height, width}));
   return number(1, 6) + bytes(7, graph) + bytes(8, bytes(1, "") + number(2, 11));
 }
 

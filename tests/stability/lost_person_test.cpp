@@ -1,4 +1,6 @@
 // A person leaves the view and comes back elsewhere, in another pose.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tracking/body/synthetic_body.h"
@@ -64,6 +66,49 @@ TEST(LostPerson, IsFoundAgainElsewhereInAnotherPose) {
     EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
   }
 }
+
+// Turned and with an arm raised, then facing the camera; away; and back elsewhere as in the first frames.
+BodyState turning_person_at(int frame, double degrees) {
+  constexpr int kTurned = 28;
+  const bool is_back = frame >= kTurned + kAway;
+  const double t = is_back ? 0 : std::min(1.0, std::max(0, frame - 4) / (kTurned - 6.0));
+  BodyState state = standing(degrees * (1 - t));
+  state.pose.root.translation() += is_back ? Vec(0.4, 0, 0.2) : Vec(-0.2, 0, 0);
+  state.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Vec(0, -0.2, 0.7 - 1.5 * t);
+  state.pose.angles[joints()[kLeftElbow].first_angle] = 1.4 - 1.1 * t;
+  if (frame >= kTurned && !is_back) state.pose.root.translation().x() += 10;
+  return state;
+}
+
+class TurnedLostPerson : public ::testing::TestWithParam<int> {};
+
+TEST_P(TurnedLostPerson, IsFoundAgainInAPoseSeenBefore) {
+  constexpr int kCount = 28 + kAway + kSeenAfter;
+  DeformingTracker tracker(1);
+  for (int i = 0; i < kCount; ++i) {
+    testing::BodyScene scene;
+    scene.seed = static_cast<std::uint64_t>(i);
+    ingest::Frame picture = render_body(turning_person_at(i, GetParam()), scene);
+    picture.index = i;
+    picture.time = i / 30.0;
+    tracker.track(picture);
+  }
+  const Motion motion = tracker.motion();
+  const bool back = GetParam() > 90;
+  for (const Mark& mark :
+       {Mark{kChest, {0, 0.1, back ? -0.08 : 0.12}, 0.04}, Mark{kHead, {0, 0.1, back ? -0.08 : 0.1}, 0.04},
+        Mark{kLeftShoulder, {0.13, 0, back ? -0.04 : 0.04}, 0.04},
+        Mark{kLeftElbow, {0.13, 0, back ? -0.035 : 0.035}, 0.03},
+        Mark{kLeftKnee, {0, -0.2, back ? -0.05 : 0.05}, 0.04}}) {
+    const auto place = [&](int frame) {
+      const BodyState state = turning_person_at(frame, GetParam());
+      return Vec(place_bones(state.pose, state.shape)[mark.bone] * mark.local);
+    };
+    const auto track = track_point(motion, kCount, 0, place(0));
+    EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Turns, TurnedLostPerson, ::testing::Values(90, 160));
 
 } // namespace
 } // namespace kinora::tracking

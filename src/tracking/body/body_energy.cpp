@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
@@ -28,7 +29,7 @@ struct PartResidual {
   std::size_t part;
   double value;
   Vec position, direction;
-  PartPoint point;
+  std::optional<PartPoint> point; ///< none: the origin of the bone, which the part's own measures leave alone
   double weight;
 };
 
@@ -36,8 +37,12 @@ void add(const BodyInCamera& body, const PartResidual& r, Accumulator& sum) {
   Eigen::Matrix<double, kLocal, 1> row;
   row.head<3>() = r.direction;
   row.segment<3>(3) = r.position.cross(r.direction);
-  row.tail<kPartMeasures>() =
-      measure_derivative(body.body().parts[r.part], r.point, body.bone(r.part).linear().transpose() * r.direction);
+  if (r.point) {
+    const Vec in_bone = body.bone(r.part).linear().transpose() * r.direction;
+    row.tail<kPartMeasures>() = measure_derivative(body.body().parts[r.part], *r.point, in_bone);
+  } else {
+    row.tail<kPartMeasures>().setZero();
+  }
   PartEquations& part = sum.parts[r.part];
   part.hessian.noalias() += (r.weight * row) * row.transpose();
   part.gradient += r.weight * r.value * row;
@@ -97,6 +102,21 @@ void add_held_hand(const BodyInCamera& body, const HeldHand& held, const BodyEne
   }
 }
 
+void add_joint(const BodyInCamera& body, const SightedJoint& joint, const DetectedJointsConfig& config,
+               Accumulator& sum) {
+  sum.energy += energy_of(joint, body.body(), config);
+  const Landmark& landmark = landmark_of(joint.joint);
+  const Vec place = place_of(landmark, body.body());
+  const RayDistance distance(place, joint.ray);
+  const double weight = slope_of(joint, distance.value.squaredNorm(), config);
+  for (std::size_t i = 0; i < 2; ++i) {
+    add(body,
+        {landmark.part, distance.value[static_cast<Eigen::Index>(i)], place, distance.directions[i], landmark.point,
+         weight},
+        sum);
+  }
+}
+
 void merge(const Accumulator& from, Accumulator& to) {
   for (std::size_t i = 0; i < kBodyParts; ++i) {
     to.parts[i].hessian += from.parts[i].hessian;
@@ -123,6 +143,7 @@ Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, con
   Accumulator total;
   for (const Accumulator& sum : sums) merge(sum, total);
   add_reluctances(body, total);
+  for (const SightedJoint& joint : evidence.joints) add_joint(body, joint, config.detected, total);
   return total;
 }
 

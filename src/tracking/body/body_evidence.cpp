@@ -25,7 +25,7 @@ void leave_silhouette(const Vec& p, const std::int16_t* offset, const Intrinsics
 } // namespace
 
 BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config) {
-  BodyEvidence evidence{&view, {}};
+  BodyEvidence evidence{&view, {}, sighted_joints(view.joints, view.intrinsics, config.detected)};
   const double share = static_cast<double>(view.depth_pixels) / static_cast<double>(max_points);
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(share))));
   const double pixel = stride * stride / (view.intrinsics.fx * view.intrinsics.fy);

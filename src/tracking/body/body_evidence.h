@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tracking/body/body_model.h"
+#include "tracking/body/detected_joints.h"
 #include "tracking/body/pose_prior.h"
 #include "tracking/object_view.h"
 
@@ -19,6 +20,7 @@ struct BodyEnergyConfig {
   double patch = 0.04;         ///< metres: errors nearer to each other are not independent
   double normal_length = 0.05; ///< metres that a right angle between both normals is worth
   PosePriorConfig poses;
+  DetectedJointsConfig detected;
 };
 
 /// A measured point of the person, in the camera.
@@ -31,8 +33,9 @@ struct MeasuredPoint {
 struct BodyEvidence {
   const ObjectView* view;
   std::vector<MeasuredPoint> points;
+  std::vector<SightedJoint> joints = {}; ///< if a detector has looked for them
 };
-/// At most about `max_points`, evenly over the picture.
+/// Points: at most about `max_points`, evenly over the picture.
 BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config);
 
 /// A body in the camera.

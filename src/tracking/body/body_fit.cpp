@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 
@@ -78,7 +79,30 @@ BodyState place(const Extent& extent, double height, double turn) {
 
 BodyEnergyConfig wider(BodyEnergyConfig config) {
   config.cutoff *= 3;
+  config.detected.cutoff *= 3;
   return config;
+}
+
+BodyFit roughly_fitted(BodyState state, const BodyEvidence& evidence, const BodyPrior& prior,
+                       const BodyEnergyConfig& config) {
+  minimise(evidence, prior, wider(config), 8, false, state);
+  const double energy = minimise(evidence, prior, config, 8, true, state);
+  return {state, energy};
+}
+
+// The few that explain the view best as they are.
+std::vector<BodyPose> best_poses(std::span<const BodyPose> poses, const BodyEvidence& evidence, const BodyPrior& prior,
+                                 const BodyEnergyConfig& config) {
+  constexpr std::size_t kTried = 4;
+  std::vector<BodyFit> fits;
+  for (const BodyPose& pose : poses) {
+    const BodyState state{pose, prior.state.shape};
+    fits.push_back({state, evaluate(evidence, state, prior, wider(config)).energy});
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+  std::vector<BodyPose> best;
+  for (std::size_t i = 0; i < std::min(kTried, fits.size()); ++i) best.push_back(fits[i].state.pose);
+  return best;
 }
 
 // The best, but few of each side that is shown to the camera: somebody's back may look like a front until limbs are
@@ -98,31 +122,47 @@ std::vector<BodyFit> best_of_each_side(std::vector<BodyFit> fits) {
   return best;
 }
 
-} // namespace
-
-BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config) {
+// `coarse` and `fine`: of one view.
+BodyFit fit_to(const BodyEvidence& coarse, const BodyEvidence& fine, const BodyPrior& prior,
+               const BodyEnergyConfig& config, std::span<const BodyPose> earlier) {
   constexpr double kLeastHeight = 1.0;
-  const BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);
-  const Extent extent = find_extent(gather_evidence(view, kFinePoints, config));
+  const Extent extent = find_extent(fine);
   const double usual = kMeanHeight * std::exp(prior.state.shape[kHeight]);
   std::vector<BodyFit> fits;
   for (const double height : {extent.top - extent.bottom, usual}) {
     if (height < kLeastHeight) continue;
     for (int i = 0; i < kSides; ++i) {
-      BodyState state = place(extent, height, 2 * std::numbers::pi * i / kSides);
-      minimise(coarse, prior, wider(config), 8, false, state);
-      const double energy = minimise(coarse, prior, config, 8, true, state);
-      fits.push_back({state, energy});
+      fits.push_back(roughly_fitted(place(extent, height, 2 * std::numbers::pi * i / kSides), coarse, prior, config));
     }
   }
+  for (const BodyPose& pose : best_poses(earlier, coarse, prior, config)) {
+    fits.push_back(roughly_fitted({pose, prior.state.shape}, coarse, prior, config));
+  }
   fits = best_of_each_side(std::move(fits));
-  const BodyEvidence fine = gather_evidence(view, kFinePoints, config);
   for (BodyFit& fit : fits) {
     for (const Limb limb : kEveryLimb) search_limb(limb, coarse, prior, config, 0, 0, fit.state);
     fit.energy = minimise(fine, prior, config, 20, true, fit.state);
   }
   return *std::min_element(fits.begin(), fits.end(),
                            [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
+}
+
+} // namespace
+
+BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config,
+                 std::span<const BodyPose> earlier) {
+  constexpr double kDoubt = 15; // energy of the view: what differs by less, detected joints decide
+  BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);
+  BodyEvidence fine = gather_evidence(view, kFinePoints, config);
+  std::optional<BodyFit> detected;
+  if (!fine.joints.empty()) {
+    detected = fit_to(coarse, fine, prior, config, earlier);
+    coarse.joints.clear();
+    fine.joints.clear();
+    detected->energy = evaluate(fine, detected->state, prior, config).energy;
+  }
+  const BodyFit seen = fit_to(coarse, fine, prior, config, earlier);
+  return detected && detected->energy < seen.energy + kDoubt ? *detected : seen;
 }
 
 } // namespace kinora::tracking

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -60,7 +61,8 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
 }
 
 void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
-  state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy).state);
+  const std::vector<BodyPose> earlier = earlier_.about(view.centroid);
+  state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy, earlier).state);
   velocity_.setZero();
   started_ = true;
   lost_frames_ = 0;
@@ -84,13 +86,18 @@ PoseStep BodyTracker::pose_precision(double seconds) const {
   return (seconds / kUsualInterval * deviation).cwiseAbs2().cwiseInverse();
 }
 
-void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds,
+void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, double seconds,
                          std::span<const NearbyObject> objects, BodyTrackingResult& result) {
   const SE3 world_to_camera = camera_to_world.inverse();
   BodyPrior prior = known_;
   const bool learning = shape_frames_ < config_.shape_frames;
   BodyState state = transformed(world_to_camera, predicted(seconds));
   prior.state.pose = state.pose;
+  result.detected = evidence.joints.size();
+  const std::vector<SightedJoint> before = std::exchange(sighted_, evidence.joints);
+  if (!fresh_) {
+    evidence.joints = believable(sighted_, before, pose_body(state.pose, state.shape), config_.energy.detected);
+  }
   prior.pose_precision = pose_precision(seconds);
   for (std::size_t i = 0; i < kArms.size(); ++i) {
     if (const auto place = interaction_.place_of(i, objects)) {
@@ -104,6 +111,9 @@ void BodyTracker::follow(const BodyEvidence& evidence, const SE3& camera_to_worl
   result.empty = empty_share(evidence, state);
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
+  if (result.health == Health::kTracked) {
+    earlier_.add(state.pose, place_bones(state.pose, state.shape), evidence.view->centroid);
+  }
   move_to(transformed(camera_to_world, state), seconds);
   if (result.health == Health::kTracked) learn_holds(objects, result);
 }
@@ -159,7 +169,10 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
   jumped_.fill(false);
   for (const Limb limb : kEveryLimb) {
     LimbSight sight = look_at_limb(limb, evidence, state, config_.energy);
-    const bool doubtful = sight.unexplained > kUnexplained || sight.empty > kEmpty * (sight.seen + sight.hidden);
+    const bool holds =
+        std::any_of(prior.hands.begin(), prior.hands.end(), [&](const HeldHand& held) { return held.arm == limb; });
+    const bool doubtful = sight.unexplained > kUnexplained || sight.empty > kEmpty * (sight.seen + sight.hidden) ||
+                          (sight.detected_elsewhere > 0 && !holds);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
     } else if (doubtful) {

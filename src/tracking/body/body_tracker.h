@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tracking/body/body_energy.h"
+#include "tracking/body/earlier_poses.h"
 #include "tracking/body/limb_search.h"
 #include "tracking/interaction.h"
 #include "tracking/motion.h"
@@ -32,8 +33,9 @@ struct BodyTrackingResult {
   Health health = Health::kLost;
   std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
   double explained = 0;                   ///< share of the measured surface that the body lies on
-  double empty = 0;      ///< share of the body's surface, of what nothing hides, that the camera sees past
-  bool refitted = false; ///< size and pose were fitted anew: what was known of the bones does not go on
+  double empty = 0;         ///< share of the body's surface, of what nothing hides, that the camera sees past
+  std::size_t detected = 0; ///< joints that a detector has found
+  bool refitted = false;    ///< size and pose were fitted anew: what was known of the bones does not go on
 };
 
 /// Not thread-safe. Same views, same bits, for any number of threads.
@@ -55,8 +57,8 @@ private:
   void begin(const ObjectView& view, const SE3& camera_to_world);
   BodyState predicted(double seconds) const;
   PoseStep pose_precision(double seconds) const;
-  void follow(const BodyEvidence& evidence, const SE3& camera_to_world, double seconds,
-              std::span<const NearbyObject> objects, BodyTrackingResult& result);
+  void follow(BodyEvidence evidence, const SE3& camera_to_world, double seconds, std::span<const NearbyObject> objects,
+              BodyTrackingResult& result);
   void move_to(const BodyState& state, double seconds);
   void learn_shape(const BodyEvidence& evidence, const BodyState& in_camera);
   void learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result);
@@ -69,9 +71,11 @@ private:
   double time_ = 0;
   BodyState state_;
   PoseStep velocity_ = PoseStep::Zero(); ///< per second
+  std::vector<SightedJoint> sighted_;    ///< in the last frame
   Interaction interaction_;              ///< of both hands
   bool fresh_ = true;                    ///< fitted anew in this frame
   int lost_frames_ = 0;                  ///< in a row
+  EarlierPoses earlier_;                 ///< in which it was tracked
   BodyPrior known_;                      ///< of the measures
   int shape_frames_ = 0;
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame

@@ -82,9 +82,10 @@ std::vector<Candidate> thinned(const std::vector<Candidate>& points) {
 
 // Energy as far as the limb has a say in it.
 double limb_energy(const LimbChain& chain, const std::vector<Candidate>& points, const BodyState& state,
-                   const ObjectView& view, const BodyEnergyConfig& config) {
+                   const BodyEvidence& evidence, const BodyEnergyConfig& config) {
   const BodyInCamera body(state);
   double energy = angle_energy(state.pose.angles, config.poses) + energy_of(find_reluctances(body));
+  energy += energy_of(evidence.joints, body.body(), config.detected);
   for (const Candidate& c : points) {
     BodyInCamera::Match match(c.cost);
     for (const std::size_t part : chain.parts) body.match(part, c.point, config.normal_length, match);
@@ -92,7 +93,7 @@ double limb_energy(const LimbChain& chain, const std::vector<Candidate>& points,
   }
   for (const std::size_t part : chain.parts) {
     for (const BodySample& sample : samples_of(part)) {
-      const SampleResidual r = look_at(body, sample, view, config);
+      const SampleResidual r = look_at(body, sample, *evidence.view, config);
       if (r.sight == Sight::kEmpty) energy += r.weight * robust_loss(r.value * r.value, config);
     }
   }
@@ -117,9 +118,24 @@ struct Trial {
   BodyState state;
 };
 
-// Poses of the limb that reach for points that nothing explains, and all around the ball joint.
-std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points, const BodyState& state,
-                                const BodyEnergyConfig& config) {
+// On the ray of the limb's end joint, where a detector has found it, as far away as the limb reaches.
+std::vector<Vec> detected_ends(Joint end, const BodyEvidence& evidence, const Vec& root, double reach) {
+  std::vector<Vec> places;
+  for (const SightedJoint& sighted : evidence.joints) {
+    const Landmark& landmark = landmark_of(sighted.joint);
+    if (body_parts()[landmark.part].bone != end) continue;
+    for (const double depth : {-0.8, -0.4, 0.0, 0.4, 0.8}) {
+      const double z = root.z() + depth * reach;
+      places.emplace_back(z * sighted.ray.x(), z * sighted.ray.y(), z);
+    }
+  }
+  return places;
+}
+
+// Poses of the limb that reach for points that nothing explains, for where it was detected, and all around the ball
+// joint.
+std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points, const BodyEvidence& evidence,
+                                const BodyState& state, const BodyEnergyConfig& config) {
   constexpr double kTooFar = 40; // energy of angles that are beyond their limits
   const LimbChain& chain = chain_of(limb);
   const PosedBody body = pose_body(state.pose, state.shape);
@@ -139,6 +155,9 @@ std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points,
     add(target, 0, kSwivels);
     add(target, lengths.last, kSwivels);
   }
+  for (const Vec& target : detected_ends(chain.end, evidence, root, lengths.upper + lengths.lower)) {
+    add(target, 0, kSwivels);
+  }
   for (const double reach : {0.5, 0.8}) {
     for (const Vec& direction : directions()) {
       add(root + reach * (lengths.upper + lengths.lower) * direction, 0, kSwivels / 2);
@@ -151,10 +170,10 @@ std::vector<Trial> poses_to_try(Limb limb, const std::vector<Candidate>& points,
 std::vector<Trial> best_trials(Limb limb, const std::vector<Candidate>& points, const BodyEvidence& evidence,
                                const BodyState& state, const BodyEnergyConfig& config) {
   const std::vector<Candidate> judges = thinned(points);
-  std::vector<Trial> tried = poses_to_try(limb, points, state, config);
+  std::vector<Trial> tried = poses_to_try(limb, points, evidence, state, config);
   parallel_for(tried.size(), 16, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      tried[i].energy = limb_energy(chain_of(limb), judges, tried[i].state, *evidence.view, config);
+      tried[i].energy = limb_energy(chain_of(limb), judges, tried[i].state, evidence, config);
     }
   });
   std::stable_sort(tried.begin(), tried.end(), [](const Trial& a, const Trial& b) { return a.energy < b.energy; });
@@ -177,6 +196,12 @@ LimbSight look_at_limb(Limb limb, const BodyEvidence& evidence, const BodyState&
       if (r.sight == Sight::kHidden) sight.hidden += r.weight;
       if (r.sight == Sight::kEmpty && r.value > config.sigma) sight.empty += r.weight;
     }
+  }
+  for (const SightedJoint& joint : evidence.joints) {
+    const Joint bone = body_parts()[landmark_of(joint.joint).part].bone;
+    if (bone != chain.hinge && bone != chain.end) continue;
+    const RayDistance distance(place_of(landmark_of(joint.joint), body.body()), joint.ray);
+    if (distance.value.norm() > config.detected.cutoff) sight.detected_elsewhere += joint.weight;
   }
   const double least = config.cutoff * config.cutoff;
   for (const Candidate& c : points_for(chain, evidence, body, config)) {

@@ -7,10 +7,11 @@
 namespace kinora::tracking {
 
 /// What the view says of a limb, in patches of its lower and last part's surface, and of points around that no part
-/// explains.
+/// explains; and, likewise in patches, of its joints that a detector has found elsewhere.
 struct LimbSight {
   double seen = 0, hidden = 0, empty = 0;
   double unexplained = 0;
+  double detected_elsewhere = 0;
 };
 LimbSight look_at_limb(Limb limb, const BodyEvidence& evidence, const BodyState& state, const BodyEnergyConfig& config);
 

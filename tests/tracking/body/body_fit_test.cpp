@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tracking/body/earlier_poses.h"
 #include "tracking/body/synthetic_body.h"
 
 namespace kinora::tracking {
@@ -49,6 +50,24 @@ TEST(BodyFit, TellsAFrontFromABackWithArmsStretched) {
     truth.pose.angles.segment<3>(joints()[kRightShoulder].first_angle) = Eigen::Vector3d(-0.52, -0.04, 0.14);
     EXPECT_LT(testing::mean_joint_distance(fitted(truth), truth), 0.03) << degrees;
   }
+}
+
+// Who raises an arm, seen from the side, is taken for somebody of another side unless the pose is known.
+TEST(BodyFit, FindsAPoseThatItHadEarlierElsewhere) {
+  BodyState truth = testing::standing(250, 1.75);
+  truth.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Eigen::Vector3d(0, -0.5, 0.5);
+  EXPECT_GT(testing::mean_joint_distance(fitted(truth), truth), 0.1);
+  EarlierPoses earlier;
+  for (const int degrees : {200, 225, 240, 270}) {
+    BodyState other = truth;
+    other.pose.root = testing::standing(degrees).pose.root;
+    const ObjectView view = view_object(testing::render_body(other), 1);
+    earlier.add(other.pose, place_bones(other.pose, other.shape), view.centroid);
+  }
+  truth.pose.root.translation() += Eigen::Vector3d(0.3, 0, 0.3);
+  const ObjectView view = view_object(testing::render_body(truth), 1);
+  const BodyFit fit = fit_body(view, {}, {}, earlier.about(view.centroid));
+  EXPECT_LT(testing::mean_joint_distance(fit.state, truth), 0.03);
 }
 
 TEST(BodyFit, FindsSomebodyWhoseLegsAreOutOfThePicture) {

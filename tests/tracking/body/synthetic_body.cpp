@@ -1,5 +1,6 @@
 #include "tracking/body/synthetic_body.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -65,6 +66,11 @@ ingest::Frame render_body(const BodyState& state, const BodyScene& scene) {
         frame.depth.at(u, v) = 1;
         frame.labels.at(u, v) = 2;
       }
+    }
+  }
+  if (scene.hole) {
+    for (int v = scene.hole->v0; v < scene.hole->v1; ++v) {
+      std::fill_n(frame.depth.pixel(scene.hole->u0, v), scene.hole->u1 - scene.hole->u0, 0.0F);
     }
   }
   frame.clean_depth = frame.depth;

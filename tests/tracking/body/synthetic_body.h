@@ -22,6 +22,7 @@ struct BodyScene {
   double noise = 1; ///< in units of the sensor's σ(z)
   std::uint64_t seed = 1;
   std::optional<Cover> cover;
+  std::optional<Cover> hole; ///< where no depth is measured
 };
 
 /// What a camera sees of the body (label 1) before a wall at 4 m (label 0). The state is in the camera.
