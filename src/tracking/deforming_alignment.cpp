@@ -249,9 +249,8 @@ void associate(const LayerModel& model, std::span<const PointTexture> textures, 
       image[p] = view.sample_texture(level, seen.u, seen.v).value;
     }
   });
-  for (std::size_t which = 0; which < PointTerms::kTextures; ++which) {
-    set_textures(textures, image, which, level, config, terms);
-  }
+  parallel_for(PointTerms::kTextures, 1,
+               [&](const Chunk& which) { set_textures(textures, image, which.begin, level, config, terms); });
 }
 
 NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,

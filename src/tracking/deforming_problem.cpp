@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kPointsPerChunk = 512;
 constexpr std::size_t kNodesPerChunk = 16;
+constexpr std::size_t kEdgesPerChunk = 1024;
 constexpr double kNearest = 0.05; // metres before the camera
 
 double huber(double value, double bend) {
@@ -42,27 +43,19 @@ void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
 } // namespace
 
 DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights)
-    : model_(model), view_(view), weights_(weights), terms_(model.points.size()), point_uses_(model.nodes.size()),
-      edge_uses_(model.nodes.size()) {
-  for (std::size_t p = 0; p < model.points.size(); ++p) {
-    const Influence& influence = model.points[p].influence;
+    : model_(model), view_(view), weights_(weights), terms_(model.points.size()) {}
+
+// Which nodes share a point or an edge, and where in the system that is.
+void DeformingProblem::tie_nodes() {
+  point_uses_.resize(model_.nodes.size());
+  edge_uses_.resize(model_.nodes.size());
+  for (std::size_t p = 0; p < model_.points.size(); ++p) {
+    const Influence& influence = model_.points[p].influence;
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(influence.count); ++slot) {
       point_uses_[static_cast<std::size_t>(influence.nodes[slot])].push_back(
           {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}});
     }
   }
-  tie_nodes();
-  for (std::size_t e = 0; e < model.edges.size(); ++e) {
-    const GraphEdge& edge = model.edges[e];
-    edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
-        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.a, edge.b))});
-    edge_uses_[static_cast<std::size_t>(edge.b)].push_back(
-        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.b, edge.a))});
-  }
-}
-
-// Which nodes share a point or an edge, and where in the system that is.
-void DeformingProblem::tie_nodes() {
   std::vector<BlockPattern::Pair> pairs;
   for (const GraphEdge& edge : model_.edges) pairs.push_back({edge.a, edge.b});
   std::vector<int> last(model_.nodes.size(), -1); // for each node, the last one that it was paired with
@@ -92,6 +85,13 @@ void DeformingProblem::tie_nodes() {
         use.blocks[k] = wanted ? place[static_cast<std::size_t>(influence.nodes[k])] : PointUse::kNone;
       }
     }
+  }
+  for (std::size_t e = 0; e < model_.edges.size(); ++e) {
+    const GraphEdge& edge = model_.edges[e];
+    edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
+        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.a, edge.b))});
+    edge_uses_[static_cast<std::size_t>(edge.b)].push_back(
+        {static_cast<int>(e), static_cast<std::uint32_t>(pattern_.find(edge.b, edge.a))});
   }
 }
 
@@ -163,12 +163,16 @@ double DeformingProblem::energy(const LayerPose& pose) const {
 }
 
 double DeformingProblem::energy_beside_points(const NodeStates& states) const {
-  double sum = 0;
-  for (const GraphEdge& edge : model_.edges) {
-    sum += huber(edge_residual(edge.a, edge.b, states).norm() / weights_.rigidity_sigma, weights_.huber);
-    sum += huber(edge_residual(edge.b, edge.a, states).norm() / weights_.rigidity_sigma, weights_.huber);
-  }
-  return sum + pull_energy(prior_, states) + pull_energy(binding_, states);
+  std::vector<double> parts(chunk_count(model_.edges.size(), kEdgesPerChunk));
+  parallel_for(model_.edges.size(), kEdgesPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
+      const auto [a, b] = model_.edges[e];
+      for (const Eigen::Vector3d& residual : {edge_residual(a, b, states), edge_residual(b, a, states)}) {
+        parts[chunk.index] += huber(residual.norm() / weights_.rigidity_sigma, weights_.huber);
+      }
+    }
+  });
+  return std::accumulate(parts.begin(), parts.end(), 0.0) + pull_energy(prior_, states) + pull_energy(binding_, states);
 }
 
 double DeformingProblem::pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const {
@@ -186,6 +190,7 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
 
 BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
   const NodeStates& states = pose.nodes;
+  if (point_uses_.empty()) tie_nodes();
   if (!jacobians_) jacobians_ = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {

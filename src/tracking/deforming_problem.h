@@ -55,6 +55,7 @@ public:
   DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights);
 
   const LayerModel& model() const { return model_; }
+  /// Of the systems; known from the first linearise() on.
   const BlockPattern& pattern() const { return pattern_; }
   /// One for each point; to be filled before energy() and linearise().
   std::vector<PointTerms>& terms() { return terms_; }

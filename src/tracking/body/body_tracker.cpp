@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/parallel.h"
 #include "tracking/body/body_fit.h"
 
 namespace kinora::tracking {
@@ -107,8 +108,10 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
   search_limbs(evidence, prior, state, result);
   result.refitted = fresh_;
-  result.explained = explained_share(evidence, state);
-  result.empty = empty_share(evidence, state);
+  parallel_for(2, 1, [&](const Chunk& which) {
+    if (which.begin == 0) result.explained = explained_share(evidence, state);
+    if (which.begin == 1) result.empty = empty_share(evidence, state);
+  });
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
   if (result.health == Health::kTracked) {
@@ -167,8 +170,14 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
   constexpr double kEmpty = 0.25;    // of the rest
   constexpr int kPause = 3;          // frames after a search in vain
   jumped_.fill(false);
+  std::array<LimbSight, kLimbs> sights;
+  const auto look = [&](const Chunk& limbs) {
+    const auto limb = static_cast<Limb>(limbs.begin);
+    sights[limb] = look_at_limb(limb, evidence, state, config_.energy);
+  };
+  parallel_for(sights.size(), 1, look);
   for (const Limb limb : kEveryLimb) {
-    LimbSight sight = look_at_limb(limb, evidence, state, config_.energy);
+    const LimbSight& sight = sights[limb];
     const bool holds =
         std::any_of(prior.hands.begin(), prior.hands.end(), [&](const HeldHand& held) { return held.arm == limb; });
     const bool doubtful = sight.unexplained > kUnexplained || sight.empty > kEmpty * (sight.seen + sight.hidden) ||
@@ -177,7 +186,7 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
       --search_pause_[limb];
     } else if (doubtful) {
       jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, kMargin, kJumpCost, state);
-      if (jumped_[limb]) sight = look_at_limb(limb, evidence, state, config_.energy);
+      if (jumped_[limb]) parallel_for(sights.size(), 1, look); // it may hide others, or explain what they did
       if (!jumped_[limb]) search_pause_[limb] = kPause;
     }
     result.limbs[limb] = health_of(sight);
