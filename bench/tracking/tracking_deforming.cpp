@@ -109,6 +109,7 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
   config.alignment.rigid_iterations = whole("rigid");
   config.alignment.pcg_iterations = whole("pcg");
+  config.alignment.worthwhile = knobs.at("worthwhile");
   config.alignment.rigidity = knobs.at("rigidity");
   config.alignment.prior_sigma = knobs.at("prior");
   config.alignment.photometric_share = knobs.at("texture");
@@ -183,6 +184,7 @@ int main(int argc, char** argv) {
                      {"voxel", {defaults.voxel_size}},
                      {"fuse_interval", {static_cast<double>(defaults.fuse_interval)}},
                      {"coarse", {static_cast<double>(alignment.iterations[0])}},
+                     {"worthwhile", {alignment.worthwhile}},
                      {"middle", {static_cast<double>(alignment.iterations[1])}},
                      {"fine", {static_cast<double>(alignment.iterations[2])}},
                      {"rigid", {static_cast<double>(alignment.rigid_iterations)}},

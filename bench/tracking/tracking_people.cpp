@@ -2,7 +2,8 @@
 // their own truth. One line of CSV for each scene: errors in millimetres of points that are seen, of those on the
 // scene's fast parts, of hidden ones and of joints; frames that were not tracked; and the processor's time of a frame.
 // Usage: bench_tracking_people [KNOB=VALUE,VALUE...]; scene: by name; height: of the picture, pixels; body=0: without
-// bones; coarse, middle, fine: steps of each level; seed: of the noise; frames=1 also tells it frame by frame.
+// bones; coarse, middle, fine: steps of each level, while each is worthwhile; seed: of the noise; frames=1 also tells
+// it frame by frame.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -42,6 +43,7 @@ void follow(const bench::Setting& knobs) {
   camera.seed = static_cast<std::uint64_t>(knobs.at("seed"));
   DeformingTrackerConfig config;
   config.use_body = knobs.at("body") != 0;
+  config.alignment.worthwhile = knobs.at("worthwhile");
   std::size_t stage = 0;
   for (const char* name : {"coarse", "middle", "fine"}) {
     config.alignment.iterations[stage++] = static_cast<int>(knobs.at(name));
@@ -94,7 +96,8 @@ int main(int argc, char** argv) {
                      {"frames", {0}},
                      {"coarse", {static_cast<double>(steps[0])}},
                      {"middle", {static_cast<double>(steps[1])}},
-                     {"fine", {static_cast<double>(steps[2])}}};
+                     {"fine", {static_cast<double>(steps[2])}},
+                     {"worthwhile", {DeformingAlignmentConfig().worthwhile}}};
   for (const testing::PersonScene& scene : testing::person_scenes()) {
     knobs["scene"].push_back(static_cast<double>(names.size()));
     names.emplace_back(scene.name);
@@ -106,10 +109,10 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "usage: %s [KNOB=VALUE,VALUE...]; the knobs stand at the top of its source\n", argv[0]);
       return 2;
     }
-    std::printf(
-        "scene,body,coarse,fine,frames,height,middle,seed,seen_mean_mm,seen_median_mm,seen_95_percent_mm,fast_mean_mm,"
-        "fast_median_mm,fast_95_percent_mm,hidden_mean_mm,hidden_median_mm,hidden_95_percent_mm,"
-        "joints_mean_mm,joints_median_mm,joints_95_percent_mm,not_tracked,processor_ms,95_percent_ms\n");
+    std::printf("scene,body,coarse,fine,frames,height,middle,seed,worthwhile,seen_mean_mm,seen_median_mm,seen_95_"
+                "percent_mm,fast_mean_mm,"
+                "fast_median_mm,fast_95_percent_mm,hidden_mean_mm,hidden_median_mm,hidden_95_percent_mm,"
+                "joints_mean_mm,joints_median_mm,joints_95_percent_mm,not_tracked,processor_ms,95_percent_ms\n");
     bench::run_all(knobs, follow);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

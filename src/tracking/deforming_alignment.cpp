@@ -301,6 +301,8 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
       const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
       problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, pose, result.energies)) break;
+      const std::size_t tries = result.energies.size();
+      if (result.energies[tries - 1] > (1 - config.worthwhile) * result.energies[tries - 2]) break;
     }
   }
   result.nodes = std::move(pose.nodes);

@@ -27,7 +27,8 @@ struct DeformingAlignmentConfig {
   double texture_sigma = 0.02;    ///< at least; log luminance
   double plane_gate = 0.1;        ///< metres; measured surface farther away than this is another one
   int rigid_iterations = 4;
-  std::array<int, kStages> iterations{1, 1, 2}; ///< at most, from the coarsest level to the finest
+  std::array<int, kStages> iterations{1, 1, 5}; ///< at most, from the coarsest level to the finest
+  double worthwhile = 0.015;                    ///< share of the energy that a step saves if another is to follow it
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;
 };

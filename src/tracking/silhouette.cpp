@@ -1,88 +1,64 @@
 #include "tracking/silhouette.h"
 
-#include <cstdlib>
-#include <limits>
-#include <span>
-#include <vector>
-
-#include "core/parallel.h"
+#include <algorithm>
+#include <utility>
 
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kRowsPerChunk = 32;
-constexpr std::int16_t kNone = std::numeric_limits<std::int16_t>::max();
-
-int squared(int value) { return value * value; }
-
-// From each pixel to the nearest of its column; kNone if that has none.
-Image<std::int16_t> offsets_along_columns(const LabelImage& allowed) {
-  Image<std::int16_t> offsets(allowed.width(), allowed.height());
-  const auto take = [&](int v, int before) {
-    for (int u = 0; u < allowed.width(); ++u) {
-      if (allowed.at(u, v) != 0) continue; // zero already
-      const std::int16_t other = allowed.contains(u, v + before) ? offsets.at(u, v + before) : kNone;
-      const auto through = static_cast<std::int16_t>(other == kNone ? kNone : other + before);
-      std::int16_t& own = offsets.at(u, v);
-      if (before < 0 || std::abs(through) < std::abs(own)) own = through;
+class Sweeps {
+public:
+  explicit Sweeps(const LabelImage& allowed) : offsets_(allowed.width(), allowed.height(), 2) {
+    const int far = 2 * (allowed.width() + allowed.height()); // and not nearer after any way across the picture
+    for (int v = 0; v < allowed.height(); ++v) {
+      for (int u = 0; u < allowed.width(); ++u) {
+        if (allowed.at(u, v) == 0) set(u, v, far, far);
+      }
     }
-  };
-  for (int v = 0; v < allowed.height(); ++v) take(v, -1);
-  for (int v = allowed.height() - 1; v >= 0; --v) take(v, 1);
-  return offsets;
-}
-
-/// Columns whose nearest pixels are nearest to some piece of a row, from left to right.
-struct Piece {
-  int column;
-  int begin; ///< of the piece; it ends where the next begins
-};
-
-// `along_column`: of the row's pixels.
-void find_pieces(std::span<const std::int16_t> along_column, std::vector<Piece>& pieces) {
-  const auto cost = [&](int u, int column) {
-    return squared(u - column) + squared(along_column[static_cast<std::size_t>(column)]);
-  };
-  pieces.clear();
-  for (int column = 0; column < static_cast<int>(along_column.size()); ++column) {
-    if (along_column[static_cast<std::size_t>(column)] == kNone) continue;
-    while (!pieces.empty() && cost(pieces.back().begin, pieces.back().column) > cost(pieces.back().begin, column)) {
-      pieces.pop_back();
-    }
-    if (pieces.empty()) {
-      pieces.push_back({column, 0});
-      continue;
-    }
-    const int other = pieces.back().column;
-    const int begin = 1 + (cost(0, column) - cost(0, other)) / (2 * (column - other));
-    if (begin < static_cast<int>(along_column.size())) pieces.push_back({column, begin});
   }
-}
+
+  Image<std::int16_t> run() {
+    for (int v = 0; v < offsets_.height(); ++v) sweep_row(v, -1);
+    for (int v = offsets_.height() - 1; v >= 0; --v) sweep_row(v, 1);
+    return std::move(offsets_);
+  }
+
+private:
+  void set(int u, int v, int du, int dv) {
+    offsets_.pixel(u, v)[0] = static_cast<std::int16_t>(du);
+    offsets_.pixel(u, v)[1] = static_cast<std::int16_t>(dv);
+  }
+
+  bool is_allowed(int u, int v) const {
+    const std::int16_t* own = offsets_.pixel(u, v);
+    return own[0] == 0 && own[1] == 0;
+  }
+
+  // From the row before (`before`: −1 or 1), then along the row both ways.
+  void sweep_row(int v, int before) {
+    for (int u = 0; u < offsets_.width(); ++u) {
+      if (is_allowed(u, v)) continue;
+      for (int du = -1; du <= 1; ++du) take(u, v, du, before);
+    }
+    for (int u = 1; u < offsets_.width(); ++u) take(u, v, -1, 0);
+    for (int u = offsets_.width() - 2; u >= 0; --u) take(u, v, 1, 0);
+  }
+
+  // What the neighbour knows, if that is nearer.
+  void take(int u, int v, int du, int dv) {
+    if (!offsets_.contains(u + du, v + dv)) return;
+    const std::int16_t* own = offsets_.pixel(u, v);
+    const std::int16_t* other = offsets_.pixel(u + du, v + dv);
+    const int x = other[0] + du;
+    const int y = other[1] + dv;
+    if (x * x + y * y < own[0] * own[0] + own[1] * own[1]) set(u, v, x, y);
+  }
+
+  Image<std::int16_t> offsets_;
+};
 
 } // namespace
 
-Image<std::int16_t> offsets_to_silhouette(const LabelImage& allowed) {
-  const Image<std::int16_t> along_columns = offsets_along_columns(allowed);
-  const auto width = static_cast<std::size_t>(allowed.width());
-  const auto far = static_cast<std::int16_t>(2 * (allowed.width() + allowed.height()));
-  Image<std::int16_t> offsets(allowed.width(), allowed.height(), 2, far);
-  parallel_for(static_cast<std::size_t>(allowed.height()), kRowsPerChunk, [&](const Chunk& rows) {
-    std::vector<Piece> pieces;
-    for (std::size_t v = rows.begin; v < rows.end; ++v) {
-      const std::span<const std::int16_t> along_column(along_columns.pixel(0, static_cast<int>(v)), width);
-      find_pieces(along_column, pieces);
-      for (std::size_t k = 0; k < pieces.size(); ++k) {
-        const int column = pieces[k].column;
-        const int end = k + 1 < pieces.size() ? pieces[k + 1].begin : allowed.width();
-        for (int u = pieces[k].begin; u < end; ++u) {
-          std::int16_t* offset = offsets.pixel(u, static_cast<int>(v));
-          offset[0] = static_cast<std::int16_t>(column - u);
-          offset[1] = along_column[static_cast<std::size_t>(column)];
-        }
-      }
-    }
-  });
-  return offsets;
-}
+Image<std::int16_t> offsets_to_silhouette(const LabelImage& allowed) { return Sweeps(allowed).run(); }
 
 } // namespace kinora::tracking
