@@ -118,12 +118,12 @@ CameraFit fit_camera(std::span<const ModelPoint> points, const ObjectView& view,
   config.weak_share = kWeakShare;
   config.texture_tolerance = kTextureTolerance;
   config.unseen_cost = kUnseenCost;
-  fit.alignment = align(shown, view, expected, expected, config);
+  fit.alignment = align(shown, view, expected, expected, {}, config);
   fit.quality = judge_pose(shown, view, fit.pose());
   if (have_texture(shown) && fit.quality.texture_correlation < kMinCorrelation) {
     config.photometric_share = 0;
     fit.dark = true;
-    fit.alignment = align(shown, view, expected, expected, config);
+    fit.alignment = align(shown, view, expected, expected, {}, config);
     fit.quality = judge_pose(shown, view, fit.pose());
   }
   return fit;

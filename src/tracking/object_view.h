@@ -28,6 +28,7 @@ struct ObjectView {
   DepthPlanes planes;                ///< of the label's clean depth
   Image<float> texture;              ///< log luminance, slightly smoothed; its mean off the label
   TexturePyramid pyramid;
+  LabelImage detail; ///< 1 where the texture is taken for what the layer wears, not for light; empty: everywhere
   ingest::DetectedJoints joints; ///< of the person, in pixels of the crop, if a detector has looked for them
   std::size_t depth_pixels = 0;  ///< pixels with a plane
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero(); ///< mean of their points, in the camera

@@ -72,8 +72,8 @@ std::optional<Residual> geometric_residual(const ProjectedPoint& projected, cons
 using LightOffsets = std::array<double, ModelPoint::kDirections>;
 
 /// Texture of the image minus that of the model and the light's offset; sigma is 1. Nothing if the point has no texture
-/// at that level, lies within two pixels of the label's border, or something measured stands before it by more than
-/// max(3 cm, 3σ).
+/// at that level, lies within two pixels of the label's border or where the view has no detail, or something measured
+/// stands before it by more than max(3 cm, 3σ).
 std::optional<Residual> photometric_residual(const ProjectedPoint& projected, const ModelPoint& model,
                                              const ObjectView& view, const Pivot& pivot, int level,
                                              const LightOffsets& light = {});
@@ -132,6 +132,7 @@ inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, con
                                                     const LightOffsets& light) {
   const float expected = model.texture[static_cast<std::size_t>(level)];
   if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != 2) return std::nullopt;
+  if (!view.detail.empty() && view.detail.at(p.pixel_u, p.pixel_v) == 0) return std::nullopt;
   const double z = p.point.z();
   const float front = view.depth.at(p.pixel_u, p.pixel_v);
   if (front > 0 && front < z - std::max(0.03, 3 * ingest::depth_sigma(z))) return std::nullopt;

@@ -27,12 +27,13 @@ struct Stage {
   int iterations;
   double still;           ///< metres: a step so short is the last
   std::size_t max_points; ///< about
+  double rim_reach;       ///< pixels
 };
 
 constexpr std::array<Stage, 3> kStages = {{
-    {2, {0.10, 0.70}, 12, 15, 5e-4, 600},
-    {1, {0.05, 0.80}, 4, 12, 2e-4, 600},
-    {0, {0.03, 0.866}, kHuber, 10, 5e-5, std::numeric_limits<std::size_t>::max()},
+    {2, {0.10, 0.70}, 12, 15, 5e-4, 600, 24},
+    {1, {0.05, 0.80}, 4, 12, 2e-4, 600, 10},
+    {0, {0.03, 0.866}, kHuber, 10, 5e-5, std::numeric_limits<std::size_t>::max(), 4},
 }};
 
 // Of a point without correspondence, and the most that a point with one can cost: neither losing nor finding a bad
@@ -52,12 +53,16 @@ double huber_weight(double r, double limit) {
 struct System {
   Matrix6 depth_information = Matrix6::Zero();
   Matrix6 texture_information = Matrix6::Zero();
+  Matrix6 rim_information = Matrix6::Zero();
   Twist gradient = Twist::Zero();
   double cost = 0;
   double normal_information = 0; ///< Σ of the geometric weights: information if all normals pointed one way
   std::size_t geometric = 0;
   std::size_t photometric = 0;
+  double rim_normal_information = 0; ///< likewise, of the rim
+  std::size_t rim = 0;
 
+  Matrix6 information() const { return depth_information + texture_information + rim_information; }
   void add(const Residual& r, double sigma, double limit, double share, Matrix6& information) {
     const double normalised = r.value / sigma;
     const double weight = share * huber_weight(normalised, limit) / (sigma * sigma);
@@ -101,6 +106,21 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
     }
   } else {
     system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
+  }
+}
+
+void add_rim(const RimPair& rim, const ObjectView& view, const SE3& pose, const Pivot& pivot, const Stage& stage,
+             const AlignmentConfig& config, System& system) {
+  for (RimPoint point : rim.earlier) {
+    point.place = pose * point.place;
+    if (const auto r = rim.now.residual(point, view, pivot, stage.rim_reach)) {
+      system.add(*r, r->sigma, kHuber, config.rim_share, system.rim_information);
+      const double focal = view.intrinsics.fx / point.place.z();
+      system.rim_normal_information += config.rim_share * focal * focal;
+      ++system.rim;
+    } else {
+      system.cost += config.rim_share * largest_cost(kHuber);
+    }
   }
 }
 
@@ -148,39 +168,71 @@ std::vector<ModelPoint> thinned(std::span<const ModelPoint> points, std::size_t 
   return result;
 }
 
+double weak_below(const System& system, const AlignmentConfig& config) {
+  return config.weak_share * std::max(1.0, system.normal_information);
+}
+
+// Noise in the normals pretends to some information in every direction; so depth must give a share of what it gives
+// along the normals. Texture and rim count by what they can resolve. The rim's normals, too, are noisy: in what depth
+// and texture leave open, the prior has the weight of what they pretend to.
+DampedStep solve(System system, const Twist& toward_prior, double damping, const AlignmentConfig& config) {
+  const double limit = weak_below(system, config);
+  const double texture = config.texture_tolerance * config.texture_tolerance;
+  Matrix6 support = system.depth_information + limit * texture * system.texture_information;
+  if (system.rim > 0) {
+    const double pretended = config.rim_weak_share * std::max(1.0, system.rim_normal_information);
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(support);
+    Matrix6 open = Matrix6::Zero();
+    for (int i = 0; i < 6 && !(solver.eigenvalues()[i] > config.nearly_weak * limit); ++i) {
+      open += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
+    }
+    const double resolved = std::min(config.rim_tolerance * config.rim_tolerance, 1 / pretended);
+    support += limit * resolved * system.rim_information;
+    system.rim_information += pretended * open;
+    system.gradient -= pretended * open * toward_prior;
+  }
+  return solve_with_prior(system.information(), support, system.gradient, toward_prior, limit, damping);
+}
+
 void run_stage(std::span<const ModelPoint> all_points, const ObjectView& view, const Stage& stage, const Extent& extent,
-               const SE3& prior, const AlignmentConfig& config, Alignment& alignment) {
+               const SE3& prior, const RimSource& rims, const AlignmentConfig& config, Alignment& alignment) {
   std::vector<ModelPoint> fewer;
   if (all_points.size() > stage.max_points) fewer = thinned(all_points, stage.max_points);
   const std::span<const ModelPoint> points = fewer.empty() ? all_points : fewer;
   const auto pivot_at = [&extent](const SE3& pose) { return Pivot{pose * extent.centre, extent.radius}; };
   Pivot pivot = pivot_at(alignment.model_to_camera);
   const TextureModel texture = measure_texture(points, view, alignment.model_to_camera, stage.level);
+  const RimPair* rim = nullptr;
   const auto build = [&](const SE3& pose) {
-    return build_system(points, view, pose, pivot_at(pose), stage, texture, config);
+    System system = build_system(points, view, pose, pivot_at(pose), stage, texture, config);
+    if (rim != nullptr) add_rim(*rim, view, pose, pivot_at(pose), stage, config, system);
+    return system;
   };
   System system = build(alignment.model_to_camera);
   double damping = kFirstDamping;
   for (int i = 0; i < stage.iterations; ++i) {
     ++alignment.iterations;
     pivot = pivot_at(alignment.model_to_camera);
-    const double weak_below = config.weak_share * std::max(1.0, system.normal_information);
-    // Noise in the normals pretends to some information in every direction; so depth must give a share of what it gives
-    // along the normals. Texture counts by what it can resolve.
-    const double tolerance = config.texture_tolerance;
-    const Matrix6 support = system.depth_information + weak_below * tolerance * tolerance * system.texture_information;
-    const DampedStep solved =
-        solve_with_prior(system.depth_information + system.texture_information, support, system.gradient,
-                         step_between(pivot, alignment.model_to_camera, prior), weak_below, damping);
+    const Twist toward_prior = step_between(pivot, alignment.model_to_camera, prior);
+    DampedStep solved = solve(system, toward_prior, damping, config);
+    const bool is_open = !(solved.eigenvalues[0] > config.nearly_weak * weak_below(system, config));
+    if (rim == nullptr && is_open && rims) {
+      rim = rims();
+      if (rim != nullptr) {
+        add_rim(*rim, view, alignment.model_to_camera, pivot, stage, config, system);
+        solved = solve(system, toward_prior, damping, config);
+      }
+    }
     alignment.eigenvalues = solved.eigenvalues;
     alignment.directions = solved.directions;
     alignment.weak_directions = solved.weak_directions;
     alignment.geometric_terms = system.geometric;
     alignment.photometric_terms = system.photometric;
+    alignment.rim_terms = system.rim;
     const SE3 moved = step_about(pivot, solved.step, alignment.model_to_camera);
     System next = build(moved);
     // What the prior moves may cost a little: the data hardly see it.
-    const double allowance = solved.weak_directions > 0 ? 1e-3 : 1e-9;
+    const double allowance = solved.weak_directions > 0 || rim != nullptr ? 1e-3 : 1e-9;
     const bool pays = !(next.cost > system.cost * (1 + allowance));
     if (pays) {
       alignment.model_to_camera = moved;
@@ -215,7 +267,7 @@ DampedStep solve_with_prior(const Matrix6& information, const Matrix6& support, 
 }
 
 Alignment align(std::span<const ModelPoint> points, const ObjectView& view, const SE3& start, const SE3& prior,
-                const AlignmentConfig& config) {
+                const RimSource& rims, const AlignmentConfig& config) {
   Alignment alignment;
   if (points.empty() || view.empty()) {
     alignment.model_to_camera = prior;
@@ -225,7 +277,7 @@ Alignment align(std::span<const ModelPoint> points, const ObjectView& view, cons
   alignment.model_to_camera = start;
   const Extent extent = extent_of(points);
   for (const Stage& stage : kStages) {
-    if (stage.level <= config.coarsest_level) run_stage(points, view, stage, extent, prior, config, alignment);
+    if (stage.level <= config.coarsest_level) run_stage(points, view, stage, extent, prior, rims, config, alignment);
   }
   return alignment;
 }

@@ -22,7 +22,11 @@ constexpr double kCertainCorrelation = 0.85; // they are not, however little of 
 constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
 constexpr double kMostOutside = 0.3;         // of the points: they belong to something that is elsewhere
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
+constexpr double kPrintShare = 0.25;         // of the pixels with detail: what never had as much is plain
 constexpr double kMostlyPast = 0.5;          // of the surface that faces the camera
+constexpr int kOldestRim = 10;               // frames that a rim is compared with
+constexpr double kRimTurn = 0.2;             // radians from which on another is
+constexpr double kRimChange = 0.1;           // and the change of the label's pixels
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
 
@@ -59,6 +63,10 @@ struct RigidTracker::Past {
   SE3 model_to_camera;
   SE3 model_to_world;
   PoseQuality quality;
+  std::vector<RimPoint> rim;           ///< in the model, of this view or one before that was like it
+  SE3 rim_to_camera = SE3::Identity(); ///< model to camera when it was seen
+  std::size_t rim_pixels = 1;          ///< of the label, then
+  int rim_age = 0;                     ///< tracked frames
   double time = 0;
   /// The tracked pose before, if it was the frame before.
   std::optional<SE3> earlier_model_to_world;
@@ -72,6 +80,7 @@ RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   ObjectView view = view_object(frame, label_);
+  leave_out_shading(view);
   if (config_.remembers) memory_.add(frame, view);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
@@ -94,6 +103,17 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   }
   poses_.push_back(result.pose);
   return result;
+}
+
+// Light stays where it is while a thing turns. What has shown a print is taken at its whole texture: blurred by motion,
+// or from afar, a print is hardly told from light.
+void RigidTracker::leave_out_shading(ObjectView& view) {
+  if (wears_print_ || view.empty()) return;
+  LabelImage detail = detail_of(view.texture, view.mask);
+  const auto inner = std::count(view.mask.values().begin(), view.mask.values().end(), 2);
+  const auto printed = std::count(detail.values().begin(), detail.values().end(), 1);
+  wears_print_ = static_cast<double>(printed) > kPrintShare * static_cast<double>(inner);
+  if (!wears_print_) view.detail = std::move(detail);
 }
 
 SE3 RigidTracker::canonical_to_world() const { return model_to_world_ * Eigen::Translation3d(-volume_->origin()); }
@@ -138,6 +158,7 @@ void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrack
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
   past_->time = frame.time;
+  renew_rim();
   keyframes_.emplace_back(past_->model_to_camera.linear());
   result.visible = true;
   result.pose.health = Health::kTracked;
@@ -172,10 +193,26 @@ std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, con
   return points;
 }
 
-RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3& start, const SE3& prior) const {
+// An older rim leads to less drift, while the view shows the same edges.
+void RigidTracker::renew_rim() {
+  const double turned = rotation_angle(past_->rim_to_camera.inverse() * past_->model_to_camera);
+  const double more = static_cast<double>(past_->view.depth_pixels) / static_cast<double>(past_->rim_pixels);
+  const bool serves =
+      unseen_ == 0 && ++past_->rim_age < kOldestRim && turned < kRimTurn && std::abs(more - 1) < kRimChange;
+  if (serves && !past_->rim.empty()) return;
+  past_->rim = rim_of(past_->view);
+  const SE3 to_model = past_->model_to_camera.inverse();
+  for (RimPoint& point : past_->rim) point.place = to_model * point.place;
+  past_->rim_to_camera = past_->model_to_camera;
+  past_->rim_pixels = past_->view.depth_pixels;
+  past_->rim_age = 0;
+}
+
+RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3& start, const SE3& prior,
+                                              const RimSource& rims) const {
   const std::vector<ModelPoint> points = visible_points(view, start);
   Candidate candidate;
-  candidate.alignment = align(points, view, start, prior, config_.alignment);
+  candidate.alignment = align(points, view, start, prior, rims, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
   candidate.seen = select_points(surface_, view, pose, config_.max_points);
   candidate.quality = judge_pose(candidate.seen, view, pose);
@@ -244,13 +281,19 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
 
 void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
   result.visible = true;
+  std::optional<RimPair> pair;
+  const RimSource rims = [&]() -> const RimPair* {
+    if (unseen_ > 0) return nullptr;
+    if (!pair) pair = RimPair{past_->rim, RimMap(view)};
+    return &*pair;
+  };
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
-  Candidate best = attempt(view, prior, prior);
+  Candidate best = attempt(view, prior, prior, rims);
   bool elsewhere = false;
   const auto try_starts = [&](Where where) {
     for (const SE3& start : starts(view, frame.camera.camera_to_world, where)) {
-      Candidate other = attempt(view, start, start);
+      Candidate other = attempt(view, start, start, {});
       if (other.score < best.score + kClearlyBetter) continue;
       best = std::move(other);
       elsewhere = true;
@@ -299,6 +342,7 @@ void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Can
   past_->time = frame.time;
   past_->model_to_world = model_to_world_;
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  renew_rim();
   ++unfused_;
   if (fused_ < kFirstFused || unfused_ >= kFusedEvery || best.quality.explained_share < kKnownShare) {
     fuse(frame, past_->view);

@@ -78,6 +78,7 @@ private:
   struct Past; ///< what is kept of the last tracked frame
   enum class Where { kNear, kAsBefore, kTurned };
 
+  void leave_out_shading(ObjectView& view);
   void begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
   void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
   void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
@@ -85,8 +86,9 @@ private:
   bool is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const;
   SE3 canonical_to_world() const;
   SE3 predicted(double time) const;
-  Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior) const;
+  Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior, const RimSource& rims) const;
   std::vector<SE3> starts(const ObjectView& view, const SE3& camera_to_world, Where where) const;
+  void renew_rim();
   std::vector<ModelPoint> visible_points(const ObjectView& view, const SE3& model_to_camera) const;
   bool is_healthy(const PoseQuality& quality) const;
   bool is_doubtful(const PoseQuality& quality) const;
@@ -98,9 +100,11 @@ private:
   std::vector<SurfacePoint> surface_;
   SE3 model_to_world_ = SE3::Identity(); ///< model = canonical − the volume's origin
   std::unique_ptr<Past> past_;
+  std::optional<RimPair> rim_;             ///< of the last tracked frame and this one, if they follow each other
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
   int unseen_ = 0;
   bool is_visible_ = false;
+  bool wears_print_ = false;
   bool is_let_go_ = false; ///< by what held it, since it was found last
   int fused_ = 0;          ///< frames
   int unfused_ = 0;        ///< tracked frames since the last that was fused

@@ -6,6 +6,31 @@
 namespace kinora::tracking {
 namespace {
 
+constexpr int kReach = 2;             // pixels
+constexpr float kLeastDetail = 0.03F; // of the logarithm; light on a ball 40 pixels wide has as much at its limb only
+
+// Sums over 5×5 pixels; 0 within two of the picture's border.
+template <class T> Image<T> sums_around(const Image<T>& values) {
+  Image<T> across(values.width(), values.height());
+  Image<T> result(values.width(), values.height());
+  for (int v = 0; v < values.height(); ++v) {
+    const T* in = values.pixel(0, v);
+    T* out = across.pixel(0, v);
+    for (int u = kReach; u + kReach < values.width(); ++u) {
+      out[u] = static_cast<T>(in[u - 2] + in[u - 1] + in[u] + in[u + 1] + in[u + 2]);
+    }
+  }
+  for (int v = kReach; v + kReach < values.height(); ++v) {
+    T* out = result.pixel(0, v);
+    const T* in = across.pixel(0, v - kReach);
+    const std::ptrdiff_t row = values.width();
+    for (std::ptrdiff_t u = 0; u < row; ++u) {
+      out[u] = static_cast<T>(in[u] + in[u + row] + in[u + 2 * row] + in[u + 3 * row] + in[u + 4 * row]);
+    }
+  }
+  return result;
+}
+
 Image<float> halved(const Image<float>& values) {
   Image<float> result(std::max(1, values.width() / 2), std::max(1, values.height() / 2));
   for (int v = 0; v < result.height(); ++v) {
@@ -63,6 +88,23 @@ void fill_outside(Image<float>& values, const LabelImage& mask) {
   for (std::size_t i = 0; i < mask.values().size(); ++i) {
     if (mask.values()[i] == 0) values.values()[i] = mean;
   }
+}
+
+LabelImage detail_of(const Image<float>& texture, const LabelImage& mask) {
+  constexpr float kPixels = (2 * kReach + 1) * (2 * kReach + 1);
+  const Image<float> sums = sums_around(texture);
+  LabelImage differs(mask.width(), mask.height());
+  for (int v = 0; v < mask.height(); ++v) {
+    for (int u = 0; u < mask.width(); ++u) {
+      const float contrast = texture.at(u, v) - sums.at(u, v) / kPixels;
+      if (mask.at(u, v) == 2 && std::abs(contrast) > kLeastDetail) differs.at(u, v) = 1;
+    }
+  }
+  LabelImage detail = sums_around(differs);
+  for (std::size_t i = 0; i < detail.values().size(); ++i) {
+    detail.values()[i] = detail.values()[i] > 0 && mask.values()[i] == 2 ? 1 : 0;
+  }
+  return detail;
 }
 
 TexturePyramid texture_pyramid(const Image<float>& values, float scale) {

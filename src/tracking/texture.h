@@ -23,6 +23,11 @@ Image<float> log_luminance(const ColorImage& color, int left, int top, int width
 /// Where the mask is 0, the mean of the others: what lies beside a layer must not leak into the coarse levels.
 void fill_outside(Image<float>& values, const LabelImage& mask);
 
+/// 1 where there is print, or an edge: within two pixels the texture differs from the mean of the 5×5 around by more
+/// than light does, which varies slowly over a surface and does not move with it. Elsewhere, and where the mask is not
+/// 2, 0.
+LabelImage detail_of(const Image<float>& texture, const LabelImage& mask);
+
 /// The finest level has `scale` pixels to one of the view, each other half as many. Gradients are per view pixel.
 TexturePyramid texture_pyramid(const Image<float>& values, float scale);
 

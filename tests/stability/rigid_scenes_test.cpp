@@ -132,6 +132,52 @@ TEST(RigidScene, TextureResolvesWhatShapeLeavesOpen) {
   }
 }
 
+TEST(RigidScene, APlainPlateThatSlidesIsFollowedByItsRim) {
+  const Shape plate{ShapeKind::kBox, {0.16, 0.11, 0.01}, false};
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    SceneOptions options = noisy();
+    options.seed = seed;
+    RigidThing tracker(2);
+    const auto slid = [](int i) {
+      return pose_at({0.12 * std::sin(0.15 * i), 0.06 * std::sin(0.1 * i), 0.9}, 0, 0, 10 * std::sin(0.12 * i));
+    };
+    for (int i = 0; i < 30; ++i) {
+      const auto result = tracker.track(render_frame(plate, slid(i), SE3::Identity(), i, options));
+      expect_tracked(result, slid(0), slid(i), {0.005, 1.5}, i);
+    }
+  }
+}
+
+TEST(RigidScene, LightOnAPlainBallIsNotTakenForItsPrint) {
+  const Shape ball{ShapeKind::kSphere, {0.12, 0, 0}, false};
+  RigidThing tracker(2);
+  for (int i = 0; i < 12; ++i) {
+    const SE3 pose = pose_at({0.004 * i, -0.002 * i, 1 + 0.003 * i}, 0, 0);
+    ingest::Frame frame = render_frame(ball, pose, SE3::Identity(), i, noisy());
+    for (int v = 0; v < frame.color.height(); ++v) {
+      for (int u = 0; u < frame.color.width(); ++u) {
+        if (frame.labels.at(u, v) != 2) continue;
+        const Eigen::Vector3d ray = frame.camera.intrinsics.unproject(u, v, 1.0);
+        const auto at =
+            testing::intersect(ball, pose.inverse() * Eigen::Vector3d::Zero(), pose.inverse().linear() * ray);
+        const double facing = at ? -(pose.inverse() * (*at * ray)).z() / 0.12 : 0.0;
+        for (int c = 0; c < 3; ++c) {
+          std::uint8_t& value = frame.color.pixel(u, v)[c];
+          value = static_cast<std::uint8_t>(value * (0.4 + 0.6 * std::max(0.0, facing)));
+        }
+      }
+    }
+    const auto result = tracker.track(frame);
+    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    if (i > 0) {
+      EXPECT_EQ(result.weak_directions, 3) << "frame " << i;
+    }
+    const Eigen::Vector3d centre = result.pose.canonical_to_world * Eigen::Vector3d(0, 0, 1);
+    EXPECT_LT((centre - pose.translation()).norm(), 0.003) << "frame " << i;
+  }
+}
+
 TEST(RigidScene, HoldsAThingOfTwoCentimetresAndOneOfTwoMetres) {
   struct Case {
     double size;

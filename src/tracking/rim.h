@@ -1,0 +1,38 @@
+// The rim of a rigid layer in a picture: where a shape slides along itself, its outline does not.
+// Source: Stoiber et al., "Iterative Corresponding Geometry", CVPR 2022 (an outline along its normals, beside depth).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tracking/residuals.h"
+
+namespace kinora::tracking {
+
+/// Where the camera sees past the layer on one side, in one view.
+struct RimPoint {
+  Eigen::Vector3d place;  ///< in the camera, at the layer's depth
+  Eigen::Vector2d normal; ///< unit, in the picture, out of the layer
+};
+
+/// The label's border without what something nearer, or the picture's border, may have cut. Thread-safe.
+std::vector<RimPoint> rim_of(const ObjectView& view);
+
+/// Finds the nearest point of a view's rim. Immutable.
+class RimMap {
+public:
+  explicit RimMap(const ObjectView& view);
+
+  bool empty() const { return offsets_.empty(); }
+  /// How far a point of an earlier rim lies outside this one, along this one's normal: in pixels, sigma 1. Nothing if
+  /// it leaves the crop, or no rim of its direction (45°) lies within `reach` pixels.
+  std::optional<Residual> residual(const RimPoint& moved, const ObjectView& view, const Pivot& pivot,
+                                   double reach) const;
+
+private:
+  Image<std::int16_t> offsets_; ///< to the nearest pixel of the rim
+  Image<float> normals_;        ///< there; 2 channels
+};
+
+} // namespace kinora::tracking
