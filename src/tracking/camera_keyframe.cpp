@@ -89,7 +89,7 @@ bool have_texture(std::span<const ModelPoint> points) {
 } // namespace
 
 CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const ObjectView& view) {
-  CameraKeyframe keyframe{reduced, {}, 1};
+  CameraKeyframe keyframe{reduced, {}, 1, {}};
   add_textured(view, keyframe.points);
   add_fairly(view, keyframe.points);
   std::vector<double> depths;
@@ -129,6 +129,10 @@ CameraFit fit_camera(std::span<const ModelPoint> points, const ObjectView& view,
   return fit;
 }
 
+double view_change(const SE3& motion, double distance) {
+  return rotation_angle(motion) + motion.translation().norm() / distance;
+}
+
 double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intrinsics, const SE3& motion) {
   double squares = 0;
   double count = 0;
@@ -143,10 +147,11 @@ double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intri
   return count > 0 ? std::sqrt(squares / count) : 0.0;
 }
 
-std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const SE3& b_to_a) {
+std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const ObjectView& b_view,
+                          const SE3& b_to_a) {
   const CameraFit there = fit_camera(b.points, view_background(a.frame), b_to_a);
   if (!there.complete()) return std::nullopt;
-  const CameraFit back = fit_camera(a.points, view_background(b.frame), there.pose().inverse());
+  const CameraFit back = fit_camera(a.points, b_view, there.pose().inverse());
   if (!back.complete()) return std::nullopt;
   if (visible_shift(b.points, b.frame.intrinsics, back.pose() * there.pose()) > 1) return std::nullopt;
   return interpolate(there.pose(), back.pose().inverse(), 0.5);

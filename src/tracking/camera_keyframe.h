@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "tracking/camera_marks.h"
 #include "tracking/camera_view.h"
 #include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
@@ -16,6 +17,7 @@ struct CameraKeyframe {
   BackgroundFrame frame;          ///< its view can be made again
   std::vector<ModelPoint> points; ///< of the background, in the camera
   double distance = 1;            ///< median depth of the points, metres
+  SurfaceMarks marks;             ///< that its place is known again by
 };
 
 /// Of each cell of 4×4 pixels the point with the strongest texture, and as many again at most, fairly over the
@@ -42,12 +44,16 @@ struct CameraFit {
 CameraFit fit_camera(std::span<const ModelPoint> points, const ObjectView& view, const SE3& expected,
                      int coarsest_level = 2);
 
+/// How much the view changes with a motion of the camera: radians, and metres over the distance of what is seen.
+double view_change(const SE3& motion, double distance);
+
 /// How far `motion` moves the points as a camera sees them: root mean square, in pixels and σ(z) together. Below one it
 /// is less than the camera can tell of a single point. 0 without points.
 double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intrinsics, const SE3& motion);
 
-/// The pose b → a that aligning b's points to a's view finds from `b_to_a` on, if aligning a's points to b's view finds
-/// the same one to less than a camera can tell.
-std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const SE3& b_to_a);
+/// The pose b → a (`b_view` is b's) that aligning b's points to a's view finds from `b_to_a` on, if aligning a's points
+/// to b's view finds the same one to less than a camera can tell.
+std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const ObjectView& b_view,
+                          const SE3& b_to_a);
 
 } // namespace kinora::tracking

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tracking/camera_stillness.h"
 #include "tracking/camera_view.h"
@@ -12,14 +13,15 @@ namespace {
 constexpr double kLongestStep = 0.2;    // seconds that the last velocity is believed to last
 constexpr double kVelocityShare = 0.95; // of it that is expected, and
 constexpr double kFading = 0.8;         // of that after each frame that shows no motion, or not in all directions
-constexpr std::size_t kSearched = 8;    // key frames that a lost camera is looked for at
+constexpr std::size_t kSearched = 4;    // key frames that a lost camera is looked for at
+constexpr double kDoubtful = 0.01;      // weight of an edge over frames that did not show where the camera was
+constexpr double kMarkShare = 0.15;     // size of a mark over the distance of what the first key frame shows
+constexpr double kFastestTurn = 4;      // radians per second, and
+constexpr double kFastestWay = 2;       // metres per second, of a hand
+constexpr double kSamePlace = 0.1;      // change of view that places which are one may differ by
 constexpr std::size_t kPoints = 1200;   // that a frame is aligned to
 
 } // namespace
-
-double CameraTracker::view_change(const SE3& motion, double distance) {
-  return rotation_angle(motion) + motion.translation().norm() / distance;
-}
 
 CameraTrackingResult CameraTracker::track(const ingest::Frame& frame) {
   const BackgroundFrame reduced = reduce_background(frame);
@@ -94,26 +96,56 @@ CameraFit CameraTracker::fit_near(const ObjectView& view, const SE3& camera_to_m
   return fit;
 }
 
-// At the place that is expected, else where it was last, else, if it has been lost, at the key frames around.
-CameraFit CameraTracker::search(const ObjectView& view, const SE3& expected, Place& found) const {
-  CameraFit best = fit_near(view, expected, reference_, 1, found);
+SurfaceMarks CameraTracker::marks_of(const ObjectView& view, const SE3& camera_to_map) const {
+  return find_marks(view, camera_to_map.linear(), kMarkShare * keyframes_.front().distance);
+}
+
+// By a hand, since a frame showed where it was.
+bool CameraTracker::may_have_come_to(const SE3& camera_to_map, double time) const {
+  const SE3 motion = map_pose(anchor_).inverse() * camera_to_map;
+  const double since = std::max(0.0, time - anchor_time_);
+  return rotation_angle(motion) < kSamePlace + kFastestTurn * since &&
+         motion.translation().norm() < kSamePlace * keyframes_[anchor_.keyframe].distance + kFastestWay * since;
+}
+
+// Anywhere in the map, if it looks so there and nowhere else.
+bool CameraTracker::find_by_marks(const ObjectView& view, double time, const SE3& expected, CameraFit& fit,
+                                  Place& found) const {
+  const SurfaceMarks marks = marks_of(view, expected);
+  std::vector<std::size_t> all(keyframes_.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  bool any = false;
+  for (const std::size_t k : most_alike(marks, keyframes_, all, kSearched)) {
+    const auto start = place_by_marks(keyframes_[k].marks, marks);
+    if (!start) continue;
+    Place place{};
+    CameraFit fit_there = fit_near(view, map_[k] * *start, k, 2, place);
+    if (!fit_there.certain() || !may_have_come_to(map_pose(place), time)) continue;
+    if (any) return view_change(map_pose(found).inverse() * map_pose(place), keyframes_[k].distance) < kSamePlace;
+    any = true;
+    fit = std::move(fit_there);
+    found = place;
+  }
+  return any;
+}
+
+// At the place that is expected, else where it was last; if it has been lost, first where its marks are known from.
+CameraFit CameraTracker::search(const ObjectView& view, double time, const SE3& expected, Place& found) {
+  CameraFit best;
+  if (gap_ > 0) {
+    doubtful_ = !find_by_marks(view, time, expected, best, found);
+    if (!doubtful_) return best;
+  }
+  best = fit_near(view, expected, reference_, 1, found);
   if (best.certain()) return best;
   best = fit_near(view, expected, reference_, 2, found);
   if (best.supported()) return best;
-  const auto try_at = [&](const SE3& camera_to_map, std::size_t reference) {
-    Place elsewhere{};
-    CameraFit fit = fit_near(view, camera_to_map, reference, 2, elsewhere);
-    if (!fit.certain()) return false; // without the support of the last frame the view itself must convince
-    best = std::move(fit);
-    found = elsewhere;
-    return true;
-  };
-  const SE3 last = map_pose(places_.back());
-  if (try_at(last, reference_)) return best;
-  if (gap_ > 0) {
-    for (const std::size_t k : nearest_keyframes(last, kSearched)) {
-      if (try_at(map_[k], k)) return best;
-    }
+  // Without the support of the last frame the view itself must convince.
+  Place at_last{};
+  CameraFit fit = fit_near(view, map_pose(places_.back()), reference_, 2, at_last);
+  if (fit.certain()) {
+    found = at_last;
+    return fit;
   }
   found = {reference_, map_[reference_].inverse() * expected};
   return best;
@@ -123,24 +155,37 @@ void CameraTracker::follow(const BackgroundFrame& reduced, const ObjectView& vie
   const SE3 expected = carried_on(reduced.time, kVelocityShare * std::pow(kFading, gap_));
   const SE3 last = map_pose(places_.back());
   Place place{};
-  const CameraFit fit = search(view, expected, place);
+  const CameraFit fit = search(view, reduced.time, expected, place);
   const SE3 found = map_pose(place);
   result.quality = fit.quality;
   result.weak_directions = fit.alignment.weak_directions;
   const bool anchored = fit.supported() && fit.alignment.weak_directions == 0;
-  if (anchored) bridge_gap(found * carried_on(reduced.time, 1).inverse());
+  if (anchored && gap_ > 0) {
+    const auto count = static_cast<std::size_t>(gap_);
+    const Place& before = places_.back();
+    gaps_.push_back({places_.size() - count,
+                     count,
+                     {before.keyframe, map_[before.keyframe].inverse() * carried_on(reduced.time, 1)}});
+  }
   const double step = reduced.time - last_time_;
   if (fit.supported() && step > 0) {
     velocity_ = anchored && gap_ > 0 ? Twist::Zero() : Twist(log_se3(last.inverse() * found) / step);
   }
   gap_ = anchored ? 0 : gap_ + 1;
+  if (anchored) {
+    anchor_ = place;
+    anchor_time_ = reduced.time;
+  }
   reference_ = place.keyframe;
   if (!fit.complete()) {
     result.health = fit.supported() || gap_ <= config_.held_frames ? Health::kHeld : Health::kLost;
   }
   places_.push_back(place);
   if (fit.complete() && !moves()) judge_stillness(view, found);
-  if (!moves()) return;
+  if (!moves()) {
+    if (fit.complete()) doubtful_ = false;
+    return;
+  }
   if (fit.complete()) grow_map(reduced, view, found);
   result.camera_to_world = renormalized(map_to_live_ * map_pose(places_.back()));
 }
@@ -151,41 +196,36 @@ void CameraTracker::judge_stillness(const ObjectView& view, const SE3& camera_to
   if (showing_motion_ >= config_.frames_to_move) moving_from_ = results_.size();
 }
 
-// What the frames have drifted in which some directions followed the motion before them is shared among them.
-void CameraTracker::bridge_gap(const SE3& drift) {
-  for (int i = 0; i < gap_; ++i) {
-    Place& place = places_[places_.size() - static_cast<std::size_t>(gap_ - i)];
-    const double share = static_cast<double>(i + 1) / static_cast<double>(gap_ + 1);
-    place.camera_to_keyframe =
-        map_[place.keyframe].inverse() * interpolate(SE3::Identity(), drift, share) * map_pose(place);
-  }
-}
-
 void CameraTracker::grow_map(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map) {
   const double change = view_change(places_.back().camera_to_keyframe, keyframes_[reference_].distance);
-  if (change < config_.keyframe_change || keyframes_.size() >= config_.max_keyframes) return;
+  // What was found again without marks hangs on the map loosely, by a key frame of its own.
+  if ((change < config_.keyframe_change && !doubtful_) || keyframes_.size() >= config_.max_keyframes) return;
   const std::size_t previous = reference_;
   add_keyframe(reduced, view, camera_to_map);
-  connect(previous, reference_, places_.back().camera_to_keyframe);
+  connect({previous, reference_, places_.back().camera_to_keyframe, doubtful_ ? kDoubtful : 1.0});
+  doubtful_ = false;
   places_.back() = {reference_, SE3::Identity()};
-  close_loops(previous);
+  const bool near = close_near_loops(previous, view);
+  const bool far = close_far_loops(view);
+  if (near || far) settle();
 }
 
 void CameraTracker::add_keyframe(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map) {
   reference_ = keyframes_.size();
   keyframes_.push_back(make_keyframe(reduced, view));
+  keyframes_.back().marks = marks_of(view, camera_to_map);
   map_.push_back(camera_to_map);
   neighbours_.emplace_back();
 }
 
-void CameraTracker::connect(std::size_t from, std::size_t to, const SE3& to_in_from) {
-  edges_.push_back({from, to, to_in_from});
-  neighbours_[from].push_back(to);
-  neighbours_[to].push_back(from);
+void CameraTracker::connect(const PoseEdge& edge) {
+  edges_.push_back(edge);
+  neighbours_[edge.from].push_back(edge.to);
+  neighbours_[edge.to].push_back(edge.from);
 }
 
 // Compares the newest key frame with others that may see the same, first with those that nothing ties to it.
-void CameraTracker::close_loops(std::size_t previous) {
+bool CameraTracker::close_near_loops(std::size_t previous, const ObjectView& view) {
   const std::size_t newest = reference_;
   std::vector<std::size_t> candidates;
   std::vector<std::size_t> tied;
@@ -199,13 +239,25 @@ void CameraTracker::close_loops(std::size_t previous) {
   candidates.resize(std::min(candidates.size(), config_.max_loops));
   bool closed = false;
   for (const std::size_t k : candidates) {
-    const auto measured = relate(keyframes_[k], keyframes_[newest], map_[k].inverse() * map_[newest]);
+    const auto measured = relate(keyframes_[k], keyframes_[newest], view, map_[k].inverse() * map_[newest]);
     if (!measured) continue;
-    connect(k, newest, *measured);
+    connect({k, newest, *measured});
     ++loops_;
     closed = true;
   }
-  if (!closed) return;
+  return closed;
+}
+
+bool CameraTracker::close_far_loops(const ObjectView& view) {
+  const std::vector<PoseEdge> loops = far_loops_.look_back(keyframes_, view, map_, edges_);
+  for (const PoseEdge& loop : loops) connect(loop);
+  loops_ += loops.size();
+  return !loops.empty();
+}
+
+// The live path goes on where it is.
+void CameraTracker::settle() {
+  const std::size_t newest = reference_;
   const SE3 live = map_to_live_ * map_[newest];
   optimise_poses(edges_, keyframes_.front().distance, map_);
   map_to_live_ = renormalized(live * map_[newest].inverse());
@@ -215,6 +267,15 @@ std::vector<SE3> CameraTracker::path() const {
   std::vector<SE3> poses(places_.size(), SE3::Identity());
   if (!moves()) return poses;
   for (std::size_t i = 0; i < places_.size(); ++i) poses[i] = renormalized(map_pose(places_[i]));
+  // What the frames of a gap have drifted is shared among them.
+  for (const Gap& gap : gaps_) {
+    const SE3 drift = poses[gap.first + gap.count] * map_pose(gap.expected).inverse();
+    for (std::size_t i = 0; i < gap.count; ++i) {
+      const double share = static_cast<double>(i + 1) / static_cast<double>(gap.count + 1);
+      SE3& pose = poses[gap.first + i];
+      pose = renormalized(interpolate(SE3::Identity(), drift, share) * pose);
+    }
+  }
   return poses;
 }
 

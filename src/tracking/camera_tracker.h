@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tracking/camera_keyframe.h"
+#include "tracking/camera_loops.h"
 #include "tracking/motion.h"
 #include "tracking/pose_graph.h"
 
@@ -15,7 +16,7 @@ namespace kinora::tracking {
 
 struct CameraTrackerConfig {
   std::size_t min_pixels = 2000;   ///< of the reduced background with clean depth that the first key frame must have
-  double keyframe_change = 0.15;   ///< of the view (CameraTracker::view_change) from which on a key frame is made
+  double keyframe_change = 0.15;   ///< of the view (view_change) from which on a key frame is made
   double loop_change = 0.5;        ///< up to which older key frames are compared with a new one
   std::size_t max_loops = 4;       ///< key frames that a new one is compared with
   std::size_t references = 3;      ///< key frames that a frame is aligned to at once
@@ -58,13 +59,16 @@ public:
   /// Pairs of key frames, not made one after the other, that were found to see the same surface.
   std::size_t loop_count() const { return loops_; }
 
-  /// How much the view changes with a motion of the camera: radians, and metres over the distance of what is seen.
-  static double view_change(const SE3& motion, double distance);
-
 private:
   struct Place {
     std::size_t keyframe;
     SE3 camera_to_keyframe;
+  };
+  /// Frames that did not show where the camera was in all directions, up to one that did.
+  struct Gap {
+    std::size_t first;
+    std::size_t count;
+    Place expected; ///< where the motion before would have led by then
   };
 
   void follow(const BackgroundFrame& reduced, const ObjectView& view, CameraTrackingResult& result);
@@ -73,13 +77,17 @@ private:
   std::vector<std::size_t> references_for(const SE3& camera_to_map, std::size_t reference) const;
   CameraFit fit_near(const ObjectView& view, const SE3& camera_to_map, std::size_t reference, int coarsest_level,
                      Place& found) const;
-  CameraFit search(const ObjectView& view, const SE3& expected, Place& found) const;
+  CameraFit search(const ObjectView& view, double time, const SE3& expected, Place& found);
+  bool may_have_come_to(const SE3& camera_to_map, double time) const;
+  bool find_by_marks(const ObjectView& view, double time, const SE3& expected, CameraFit& fit, Place& found) const;
+  SurfaceMarks marks_of(const ObjectView& view, const SE3& camera_to_map) const;
   void judge_stillness(const ObjectView& view, const SE3& camera_to_map);
-  void bridge_gap(const SE3& drift);
   void grow_map(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
   void add_keyframe(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
-  void connect(std::size_t from, std::size_t to, const SE3& to_in_from);
-  void close_loops(std::size_t previous);
+  void connect(const PoseEdge& edge);
+  bool close_near_loops(std::size_t previous, const ObjectView& view);
+  bool close_far_loops(const ObjectView& view);
+  void settle();
   SE3 map_pose(const Place& place) const { return map_[place.keyframe] * place.camera_to_keyframe; }
 
   CameraTrackerConfig config_;
@@ -88,13 +96,18 @@ private:
   std::vector<PoseEdge> edges_;
   std::vector<std::vector<std::size_t>> neighbours_; ///< of each key frame, by edges
   std::size_t loops_ = 0;
+  CameraLoops far_loops_;
   std::size_t reference_ = 0; ///< key frame that the last frame was measured against
   SE3 map_to_live_ = SE3::Identity();
   std::vector<Place> places_; ///< of all frames
+  std::vector<Gap> gaps_;
   std::vector<CameraTrackingResult> results_;
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
-  int gap_ = 0; ///< frames in a row that do not show where the camera is in all directions
+  int gap_ = 0;           ///< frames in a row that do not show where the camera is in all directions
+  bool doubtful_ = false; ///< since the last key frame the camera was lost, and has not been found by marks
+  Place anchor_{};        ///< the last that a frame showed in all directions
+  double anchor_time_ = 0;
   int showing_motion_ = 0;
   std::optional<std::size_t> moving_from_;
 };

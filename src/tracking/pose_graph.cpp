@@ -65,14 +65,16 @@ void optimise_poses(std::span<const PoseEdge> edges, double lever, std::vector<S
       const Twist error = edge_error(edge, from, to, lever);
       const Matrix6 by_from = -(scale.asDiagonal() * adjoint(to.inverse() * from));
       const Matrix6 by_to = scale.asDiagonal();
-      add(edge.from, edge.from, by_from.transpose() * by_from);
-      add(edge.from, edge.to, by_from.transpose() * by_to);
-      add(edge.to, edge.from, by_to.transpose() * by_from);
-      add(edge.to, edge.to, by_to.transpose() * by_to);
+      const Matrix6 weighted_from = edge.weight * by_from.transpose();
+      const Matrix6 weighted_to = edge.weight * by_to.transpose();
+      add(edge.from, edge.from, weighted_from * by_from);
+      add(edge.from, edge.to, weighted_from * by_to);
+      add(edge.to, edge.from, weighted_to * by_from);
+      add(edge.to, edge.to, weighted_to * by_to);
       if (edge.from > 0) {
-        gradient.segment<6>(static_cast<Eigen::Index>(6 * (edge.from - 1))) += by_from.transpose() * error;
+        gradient.segment<6>(static_cast<Eigen::Index>(6 * (edge.from - 1))) += weighted_from * error;
       }
-      if (edge.to > 0) gradient.segment<6>(static_cast<Eigen::Index>(6 * (edge.to - 1))) += by_to.transpose() * error;
+      if (edge.to > 0) gradient.segment<6>(static_cast<Eigen::Index>(6 * (edge.to - 1))) += weighted_to * error;
     }
     Eigen::SparseMatrix<double> information(size, size);
     information.setFromTriplets(entries.begin(), entries.end());

@@ -96,6 +96,18 @@ TEST(PoseGraph, EndsWhereNoSmallStepOfAnyPoseIsBetter) {
   }
 }
 
+TEST(PoseGraph, AnEdgeOfLittleWeightTakesWhatOthersDisagreeBy) {
+  const std::vector<SE3> truth = circle(4);
+  std::vector<PoseEdge> edges;
+  for (std::size_t i = 0; i < 4; ++i) edges.push_back(edge_between(i, (i + 1) % 4, truth));
+  edges[1].to_in_from = edges[1].to_in_from * pose_at({0.3, 0, 0}, 0, 5);
+  edges[1].weight = 1e-4;
+  std::vector<SE3> poses = truth;
+  for (std::size_t i = 2; i < 4; ++i) poses[i] = poses[1] * edges[1].to_in_from * truth[2].inverse() * truth[i];
+  optimise_poses(edges, kLever, poses);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((poses[i].matrix() - truth[i].matrix()).norm(), 1e-3) << i;
+}
+
 TEST(PoseGraph, LeavesWhatNothingTiesWhereItIs) {
   const std::vector<SE3> truth = circle(4);
   std::vector<SE3> poses = truth;

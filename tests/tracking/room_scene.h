@@ -14,6 +14,10 @@ struct RoomOptions {
   bool furnished = true;  ///< false: bare walls
   bool only_wall = false; ///< nothing but one endless wall at z = 2
   double light = 1;       ///< factor on the colours
+  bool covered = false;   ///< something lies on the lens: no light, no depth
+  double bow = 0;         ///< depth is told too large by this share × (r/f)²: walls seem bent, and turns too long
+  double alike = 0;       ///< > 0: what is in the room repeats along x with this period, metres
+  std::uint64_t seed = 3; ///< of the noise
   /// Something that is no part of the room, 0.5 m wide, at its place in the world; label 1 if `mover_has_label`.
   std::optional<SE3> mover;
   bool mover_has_label = false;
