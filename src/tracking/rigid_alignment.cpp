@@ -228,7 +228,6 @@ void run_stage(std::span<const ModelPoint> all_points, const ObjectView& view, c
     alignment.weak_directions = solved.weak_directions;
     alignment.geometric_terms = system.geometric;
     alignment.photometric_terms = system.photometric;
-    alignment.rim_terms = system.rim;
     const SE3 moved = step_about(pivot, solved.step, alignment.model_to_camera);
     System next = build(moved);
     // What the prior moves may cost a little: the data hardly see it.

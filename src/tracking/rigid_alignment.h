@@ -37,7 +37,6 @@ struct Alignment {
   int weak_directions = 0; ///< the first so many were left to the prior
   std::size_t geometric_terms = 0;
   std::size_t photometric_terms = 0;
-  std::size_t rim_terms = 0;
   int iterations = 0;
 };
 
