@@ -28,7 +28,7 @@ struct DeformingAlignmentConfig {
   double plane_gate = 0.1;        ///< metres; measured surface farther away than this is another one
   int rigid_iterations = 4;
   std::array<int, kStages> iterations{1, 1, 5}; ///< at most, from the coarsest level to the finest
-  double worthwhile = 0.015;                    ///< share of the energy that a step saves if another is to follow it
+  double worthwhile = 0.005;                    ///< share of the energy that a step saves if another is to follow it
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;
 };
