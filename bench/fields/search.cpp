@@ -131,26 +131,23 @@ SE3 blended(const Instant& instant, const bench::NearestOfAll::Found& found, dou
 }
 
 /// The nodes that are nearest in the live frame, their blend inverted: Instant-NVR without its table, eq. 4.
-Places by_live_nodes(const Instant& instant, const std::vector<Ray>& rays) {
+void by_live_nodes(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
   const bench::NearestOfAll all(instant.warp.node_positions());
-  Places places;
   for (const Ray& ray : rays) {
     for (const double t : ray.behind) {
       const Vector3d point = ray.at(t);
       places.emplace_back(blended(instant, all.find(point), 0).inverse() * point);
     }
   }
-  return places;
 }
 
 /// The same, then Newton's fixed point with the nodes that are nearest in canonical space, each time of all.
-Places by_all_nodes(const Instant& instant, const std::vector<Ray>& rays) {
+void by_all_nodes(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
   constexpr double kTolerance = 1e-4;
   const tracking::DeformationGraph& graph = instant.table->graph();
   const bench::NearestOfAll live(instant.warp.node_positions());
   const bench::NearestOfAll canonical(graph.nodes());
   const double reach = graph.influence_radius() * graph.influence_radius();
-  Places places;
   for (const Ray& ray : rays) {
     for (const double t : ray.behind) {
       const Vector3d point = ray.at(t);
@@ -167,13 +164,12 @@ Places by_all_nodes(const Instant& instant, const std::vector<Ray>& rays) {
       places.push_back(found_place);
     }
   }
-  return places;
 }
 
 /// The table of the paper: canonical voxels are carried into the live frame; a live voxel keeps the one that lands in
 /// it, and the way back is that voxel's.
-Places by_live_table(const Instant& instant, const std::vector<Ray>& rays, const fields::FieldConfig& config,
-                     const fields::Occupancy& occupancy) {
+void by_live_table(const Instant& instant, const std::vector<Ray>& rays, const fields::FieldConfig& config,
+                   const fields::Occupancy& occupancy, Places& places) {
   constexpr int kPerCell = 4; // voxels along an occupied cell
   constexpr int kSide = 512;
   const tracking::BulkWarp bulk(instant.table, instant.warp);
@@ -212,7 +208,6 @@ Places by_live_table(const Instant& instant, const std::vector<Ray>& rays, const
     table[*at] = static_cast<std::uint32_t>(i) + 1;
     filled.push_back(*at);
   }
-  Places places;
   for (const Ray& ray : rays) {
     for (const double t : ray.behind) {
       const Eigen::Vector3f point = (ray.at(t) - bulk.world_origin()).cast<float>();
@@ -230,25 +225,22 @@ Places by_live_table(const Instant& instant, const std::vector<Ray>& rays, const
     }
   }
   for (const std::size_t at : filled) table[at] = 0;
-  return places;
 }
 
 /// One way back for each ray, turned rigidly about its surface.
-Places by_rigid_ray(const Instant& instant, const std::vector<Ray>& rays) {
-  Places places;
+void by_rigid_ray(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
   for (const Ray& ray : rays) {
     const auto surface = instant.warp.to_canonical(ray.surface);
     const Vector3d direction =
-        surface ? Vector3d(instant.warp.at(*surface)->linear().transpose() * ray.direction) : Vector3d();
+        surface ? Vector3d(instant.warp.at(*surface)->linear().transpose() * ray.direction) : Vector3d::Zero();
     for (const double t : ray.behind) {
       places.push_back(surface ? std::optional<Vector3d>(*surface + t * direction) : std::nullopt);
     }
   }
-  return places;
 }
 
 /// What training does: half a parabola on either side of the surface, sixteen rays at a time.
-Places by_bent_ray(const Instant& instant, const std::vector<Ray>& rays) {
+void by_bent_ray(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
   const tracking::BulkWarp bulk(instant.table, instant.warp);
   std::vector<tracking::BulkWarp::Ray> world;
   for (const Ray& ray : rays) {
@@ -258,8 +250,6 @@ Places by_bent_ray(const Instant& instant, const std::vector<Ray>& rays) {
   }
   std::vector<tracking::BulkWarp::CanonicalRay> back(rays.size());
   bulk.to_canonical(world, back.data());
-  Places places;
-  places.reserve(rays.size() * kSamples);
   const auto vector = [](const std::array<float, 3>& v) { return Eigen::Vector3f(v.data()).cast<double>().eval(); };
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Vector3d surface = vector(back[i].point) + bulk.canonical_origin();
@@ -272,7 +262,6 @@ Places by_bent_ray(const Instant& instant, const std::vector<Ray>& rays) {
       }
     }
   }
-  return places;
 }
 
 struct Measured {
@@ -284,15 +273,17 @@ struct Measured {
 template <class Method>
 Measured measure(const std::vector<Instant>& instants, const std::vector<std::vector<Ray>>& steps,
                  const std::vector<Places>& exact, const Method& method) {
+  constexpr int kRuns = 5;
   Measured measured;
   std::vector<double> times;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    Places found = method(instants[i], steps[i]); // warms the caches
+    Places found; // its memory is there from the first, unmeasured time on
     double best = 1e9;
-    for (int run = 0; run < 3; ++run) {
+    for (int run = 0; run <= kRuns; ++run) {
+      found.clear();
       const double begin = thread_seconds();
-      found = method(instants[i], steps[i]);
-      best = std::min(best, thread_seconds() - begin);
+      method(instants[i], steps[i], found);
+      if (run > 0) best = std::min(best, thread_seconds() - begin);
     }
     times.push_back(best);
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -340,8 +331,8 @@ void compare_searches(const fields::PixelStore& pixels, const encode::Layer& lay
   report("nodes of all", measure(instants, steps, exact, by_all_nodes), &all_nodes);
   report("live table",
          measure(instants, steps, exact,
-                 [&](const Instant& instant, const std::vector<Ray>& rays) {
-                   return by_live_table(instant, rays, config, layer.field.occupancy);
+                 [&](const Instant& instant, const std::vector<Ray>& rays, Places& places) {
+                   by_live_table(instant, rays, config, layer.field.occupancy, places);
                  }),
          nullptr);
   report("rigid ray", measure(instants, steps, exact, by_rigid_ray), nullptr);

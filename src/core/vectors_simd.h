@@ -56,8 +56,52 @@ HWY_INLINE Vec3 gather3(const float* base, I index) {
   const Floats df;
   return {hn::GatherIndex(df, base, index), hn::GatherIndex(df, base + 1, index), hn::GatherIndex(df, base + 2, index)};
 }
+
+#if HWY_TARGET == HWY_SCALAR
+template <class RowOf> HWY_INLINE Quat load_rows(const RowOf& row_of) {
+  const float* row = row_of(0);
+  const Floats df;
+  return {{hn::Set(df, row[0]), hn::Set(df, row[1]), hn::Set(df, row[2])}, hn::Set(df, row[3])};
+}
+#else
+/// The rows of the lanes `first`, `first` + 4, `first` + 8, …, one after the other.
+template <std::size_t kLanes, class RowOf>
+HWY_INLINE hn::Vec<hn::FixedTag<float, kLanes>> every_fourth_row(const RowOf& row_of, std::size_t first) {
+  const hn::FixedTag<float, kLanes> d;
+  if constexpr (kLanes == 4) {
+    return hn::LoadU(d, row_of(first));
+  } else {
+    return hn::Combine(d, every_fourth_row<kLanes / 2>(row_of, first + kLanes / 2),
+                       every_fourth_row<kLanes / 2>(row_of, first));
+  }
+}
+
+/// The four floats at row_of(lane) for each lane. Whole rows are loaded and transposed: several times as fast as four
+/// gathers.
+template <class RowOf> HWY_INLINE Quat load_rows(const RowOf& row_of) {
+  const Floats df;
+  const hn::RepartitionToWide<Floats> pairs;
+  constexpr std::size_t kLanes = hn::MaxLanes(Floats());
+  const F a = every_fourth_row<kLanes>(row_of, 0);
+  const F b = every_fourth_row<kLanes>(row_of, 1);
+  const F c = every_fourth_row<kLanes>(row_of, 2);
+  const F d = every_fourth_row<kLanes>(row_of, 3);
+  const auto xy_first = hn::BitCast(pairs, hn::InterleaveLower(df, a, b));
+  const auto xy_second = hn::BitCast(pairs, hn::InterleaveLower(df, c, d));
+  const auto zw_first = hn::BitCast(pairs, hn::InterleaveUpper(df, a, b));
+  const auto zw_second = hn::BitCast(pairs, hn::InterleaveUpper(df, c, d));
+  return {{hn::BitCast(df, hn::InterleaveLower(pairs, xy_first, xy_second)),
+           hn::BitCast(df, hn::InterleaveUpper(pairs, xy_first, xy_second)),
+           hn::BitCast(df, hn::InterleaveLower(pairs, zw_first, zw_second))},
+          hn::BitCast(df, hn::InterleaveUpper(pairs, zw_first, zw_second))};
+}
+#endif
+
+/// `index` counts floats.
 HWY_INLINE Quat gather4(const float* base, I index) {
-  return {gather3(base, index), hn::GatherIndex(Floats(), base + 3, index)};
+  HWY_ALIGN std::int32_t rows[hn::MaxLanes(Floats())];
+  hn::Store(index, Ints(), rows);
+  return load_rows([&](std::size_t lane) { return base + rows[lane]; });
 }
 
 } // namespace kinora::vectors::HWY_NAMESPACE

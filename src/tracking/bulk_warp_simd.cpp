@@ -53,11 +53,15 @@ HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& no
   const I slots = hn::Set(di, kSlotBits);
   const F none = hn::BitCast(df, hn::Or(hn::BitCast(di, constant(cells.squared_influence_radius)), slots));
   F nearest[kWeighed] = {none, none, none, none, none};
+  const std::int32_t* candidates = cells.candidates.data();
+  const float* positions = cells.positions.data();
   for (std::int32_t slot = 0; slot < most; ++slot) {
     const auto present = hn::Lt(hn::Set(di, slot), count);
-    const I node =
-        hn::GatherIndex(di, cells.candidates.data(), hn::IfThenElseZero(present, hn::Add(first, hn::Set(di, slot))));
-    const Vec3 offset = sub(at, gather3(cells.positions.data(), hn::ShiftLeft<2>(node)));
+    HWY_ALIGN std::int32_t candidate[hn::MaxLanes(di)];
+    hn::Store(hn::IfThenElseZero(present, hn::Add(first, hn::Set(di, slot))), di, candidate);
+    const Vec3 position =
+        load_rows([&](std::size_t lane) { return positions + 4 * std::ptrdiff_t{candidates[candidate[lane]]}; }).v;
+    const Vec3 offset = sub(at, position);
     const I key = hn::Or(hn::AndNot(slots, hn::BitCast(di, dot(offset, offset))), hn::Set(di, slot));
     F distance = hn::IfThenElse(hn::RebindMask(df, present), hn::BitCast(df, key), none);
     for (F& kept : nearest) {
@@ -71,7 +75,7 @@ HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& no
     const auto present = hn::Ne(slot, slots);
     nodes.present[k] = hn::RebindMask(df, present);
     const I node = hn::GatherIndex(di, cells.candidates.data(), hn::IfThenElseZero(present, hn::Add(first, slot)));
-    nodes.position[k] = gather3(cells.positions.data(), hn::ShiftLeft<2>(node));
+    nodes.position[k] = gather4(cells.positions.data(), hn::ShiftLeft<2>(node)).v;
     if (k == kMost) break;
     const I transform = hn::ShiftLeft<3>(node);
     nodes.real[k] = gather4(motion.transforms, transform);

@@ -100,7 +100,6 @@ private:
   std::vector<SurfacePoint> surface_;
   SE3 model_to_world_ = SE3::Identity(); ///< model = canonical − the volume's origin
   std::unique_ptr<Past> past_;
-  std::optional<RimPair> rim_;             ///< of the last tracked frame and this one, if they follow each other
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
   int unseen_ = 0;
   bool is_visible_ = false;
