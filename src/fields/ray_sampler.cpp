@@ -1,9 +1,12 @@
 #include "fields/ray_sampler.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "core/parallel.h"
 #include "fields/ray_order.h"
 
@@ -32,12 +35,6 @@ template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
   rays.resize(left);
 }
 
-RayTarget target_of(const StoredPixel& pixel) {
-  RayTarget target;
-  for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
-  return target;
-}
-
 } // namespace
 
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
@@ -45,6 +42,10 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling), noise_(noise),
       per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
       occupancy_(config.occupancy_resolution) {
+  if (std::max({sampling.surface_samples, sampling.free_samples, sampling.unmeasured_samples,
+                sampling.emptiness_samples}) > static_cast<int>(RayPoints::kMostPoints)) {
+    throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples of each kind", RayPoints::kMostPoints));
+  }
   if (motion.kind() == tracking::MotionKind::kDeforming) {
     warped_own_ = warp_measured_pixels(pixels, label, motion, config, noise);
     arrange(warped_own_, [](const WarpedPixel& own) { return own; });
@@ -52,7 +53,7 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     list_own();
     arrange(own_, [this](const PixelRef& own) { return whole_ray(own); });
   }
-  coarse_occupancy_ = coarsened(occupancy_, 1 << kCoarse);
+  occupied_.emplace(occupancy_);
   space_ = see_occupied_space(pixels, label, motion, config, occupancy_, sampling.near_depth, noise);
 }
 
@@ -135,81 +136,93 @@ RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_st
   return {point_at(ray, depth), depth, depth_step * ray.metres_per_depth * per_density_length_};
 }
 
-// Most of what is asked for is empty, which the coarse cells tell from the nearest cache.
-bool RaySampler::is_occupied_in_box(const std::array<float, 3>& position) const {
-  const int last = occupancy_.resolution() - 1;
-  const auto cell = [&](float x) { return std::clamp(static_cast<int>(x * static_cast<float>(last + 1)), 0, last); };
-  const int x = cell(position[0]);
-  const int y = cell(position[1]);
-  const int z = cell(position[2]);
-  return coarse_occupancy_.at(x >> kCoarse, y >> kCoarse, z >> kCoarse) && occupancy_.at(x, y, z);
-}
-
-// One sample in each of `count` equal parts of what lies in the box; those in empty space are left out. Occupied space
-// is thin: a sample stands for no more of it than two cells.
-void RaySampler::append_in_occupied(const FieldRay& ray, const Interval& depths, int count, Random& random,
-                                    RayBatch& batch) const {
-  const Interval inside = in_box(ray, depths);
-  if (!(inside.begin < inside.end)) return;
-  const float step = (inside.end - inside.begin) / static_cast<float>(count);
-  const auto cell = static_cast<float>(config_.box.side / occupancy_.resolution());
-  const float length = std::min(step, 2 * cell / ray.metres_per_depth);
-  // Which ones are left out is anybody's guess: so each is written, and the next one over it if it does not count.
-  std::size_t end = batch.samples.size();
-  batch.samples.resize(end + static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    const float depth = inside.begin + step * (static_cast<float>(i) + random.uniform());
-    const RaySample sample = sample_at(ray, depth, length);
-    batch.samples[end] = sample;
-    end += is_occupied_in_box(sample.position) ? 1 : 0;
+RaySampler::Draft RaySampler::draft_measured(const WarpedPixel& chosen) const {
+  const float depth = pixels_.pixels()[chosen.pixel].depth;
+  const float band = band_at(std::abs(depth));
+  if (depth < 0) {
+    return {chosen,
+            {std::max(sampling_.near_depth, -depth - 2 * band), -depth + 2 * band},
+            sampling_.surface_samples,
+            true};
   }
-  batch.samples.resize(end);
+  // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
+  if (!warped_own_.empty()) return {chosen, {}, 0, true};
+  return {chosen, {sampling_.near_depth, depth - band}, sampling_.free_samples, true};
 }
 
-void RaySampler::append_measured(const WarpedPixel& chosen, bool closely, Random& random, RayBatch& batch) const {
-  const StoredPixel& pixel = pixels_.pixels()[chosen.pixel];
+RaySampler::Draft RaySampler::draft(bool own, std::size_t index) const {
+  if (!own) {
+    const SeenPiece& empty = space_.empty[index];
+    return {{empty.pixel, empty.ray}, empty.piece, sampling_.emptiness_samples, false};
+  }
+  if (index < measured_count()) return draft_measured(measured(index));
+  const UnmeasuredPiece& unmeasured = space_.unmeasured[index - measured_count()];
+  return {
+      {unmeasured.pixel, unmeasured.ray, {}, unmeasured.turn}, unmeasured.piece, sampling_.unmeasured_samples, true};
+}
+
+// One sample in each of so many equal parts of what lies in the box; those in empty space are left out. Occupied space
+// is thin: a sample stands for no more of it than two cells. Then those in the band about a measured depth.
+void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const {
+  RayPoints points;
+  RayPoints::Column<float> lengths{};
+  const auto two_cells = static_cast<float>(2 * config_.box.side / occupancy_.resolution());
+  for (const Draft& draft : drafts) {
+    const FieldRay& ray = draft.chosen.ray;
+    const std::size_t r = points.rays;
+    points.append(ray);
+    if (draft.samples == 0) continue;
+    const Interval inside = in_box(ray, draft.sought);
+    if (!(inside.begin < inside.end)) continue;
+    const float step = (inside.end - inside.begin) / static_cast<float>(draft.samples);
+    lengths[r] = std::min(step, two_cells / ray.metres_per_depth);
+    points.points[r] = draft.samples;
+    for (int k = 0; k < draft.samples; ++k) {
+      points.depth[static_cast<std::size_t>(k)][r] = inside.begin + step * (static_cast<float>(k) + random.uniform());
+    }
+  }
+  occupied_->find(points);
+  for (std::size_t r = 0; r < drafts.size(); ++r) {
+    const Draft& draft = drafts[r];
+    for (std::uint32_t bits = points.occupied[r]; bits != 0; bits &= bits - 1) {
+      const float depth = points.depth[static_cast<std::size_t>(std::countr_zero(bits))][r];
+      batch.samples.push_back(sample_at(draft.chosen.ray, depth, lengths[r]));
+    }
+    RayTarget target;
+    target.own = draft.own;
+    if (draft.own) {
+      const StoredPixel& pixel = pixels_.pixels()[draft.chosen.pixel];
+      for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
+      target.turn = unpacked(draft.chosen.turn);
+      if (pixel.depth > 0) append_band(draft.chosen, pixel.depth, closely, random, target, batch);
+    }
+    batch.end_ray(target);
+  }
+}
+
+void RaySampler::append_all(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const {
+  for (std::size_t begin = 0; begin < drafts.size(); begin += RayPoints::kMostRays) {
+    append(drafts.subspan(begin, std::min(RayPoints::kMostRays, drafts.size() - begin)), closely, random, batch);
+  }
+}
+
+void RaySampler::append_band(const WarpedPixel& chosen, float depth, bool closely, Random& random, RayTarget& target,
+                             RayBatch& batch) const {
   const FieldRay& ray = chosen.ray;
-  RayTarget target = target_of(pixel);
-  target.turn = unpacked(chosen.turn);
-  const float depth = std::abs(pixel.depth);
   const float band = band_at(depth);
-  if (pixel.depth > 0) {
-    target.depth = depth;
-    target.inverse_band = 1.0F / band;
-    target.lengths_per_depth = ray.metres_per_depth * per_density_length_;
-    // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
-    if (warped_own_.empty()) {
-      append_in_occupied(ray, {sampling_.near_depth, depth - band}, sampling_.free_samples, random, batch);
-    }
-    const float half = closely ? kCloseBand * band : band;
-    const int count = closely ? kCloseSamples : sampling_.surface_samples;
-    const float step = 2 * half / static_cast<float>(count);
-    for (int i = 0; i < count; ++i) {
-      const float at = depth - half + step * (static_cast<float>(i) + random.uniform());
-      batch.samples.push_back(sample_at(ray, at, step));
-      const float behind = at - depth;
-      const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
-      for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * bend[a];
-    }
-  } else {
-    append_in_occupied(ray, {std::max(sampling_.near_depth, depth - 2 * band), depth + 2 * band},
-                       sampling_.surface_samples, random, batch);
+  target.depth = depth;
+  target.inverse_band = 1.0F / band;
+  target.lengths_per_depth = ray.metres_per_depth * per_density_length_;
+  const float half = closely ? kCloseBand * band : band;
+  const int count = closely ? kCloseSamples : sampling_.surface_samples;
+  const float step = 2 * half / static_cast<float>(count);
+  for (int i = 0; i < count; ++i) {
+    const float at = depth - half + step * (static_cast<float>(i) + random.uniform());
+    batch.samples.push_back(sample_at(ray, at, step));
+    const float behind = at - depth;
+    const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
+    for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * bend[a];
   }
-  batch.end_ray(target);
-}
-
-void RaySampler::append_unmeasured(const UnmeasuredPiece& chosen, Random& random, RayBatch& batch) const {
-  append_in_occupied(chosen.ray, chosen.piece, sampling_.unmeasured_samples, random, batch);
-  RayTarget target = target_of(pixels_.pixels()[chosen.pixel]);
-  target.turn = unpacked(chosen.turn);
-  batch.end_ray(target);
-}
-
-void RaySampler::append_empty(const SeenPiece& chosen, Random& random, RayBatch& batch) const {
-  RayTarget target;
-  target.own = false;
-  append_in_occupied(chosen.ray, chosen.piece, sampling_.emptiness_samples, random, batch);
-  batch.end_ray(target);
 }
 
 WarpedPixel RaySampler::whole_ray(const PixelRef& ref) const {
@@ -235,7 +248,9 @@ std::uint32_t RaySampler::pixel_of(std::size_t index) const {
 
 void RaySampler::judge(std::size_t begin, std::size_t end, RayBatch& batch) const {
   Random random(0x7E57, begin);
-  for (std::size_t i = begin; i < end; ++i) append_measured(held_apart_[i], false, random, batch);
+  std::vector<Draft> drafts;
+  for (std::size_t i = begin; i < end; ++i) drafts.push_back(draft_measured(held_apart_[i]));
+  append_all(drafts, false, random, batch);
 }
 
 void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float empty_share,
@@ -243,6 +258,7 @@ void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std
   const std::size_t empty =
       space_.empty.empty() ? 0 : static_cast<std::size_t>(static_cast<float>(count) * empty_share);
   std::vector<std::size_t> indices;
+  std::vector<Draft> drafts;
   for (const bool own : {false, true}) {
     const std::size_t here = own ? count - empty : empty;
     const std::size_t rays = own ? own_ray_count() : space_.empty.size();
@@ -255,18 +271,12 @@ void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std
       indices.push_back(std::min(begin + spread, rays - 1));
       __builtin_prefetch(memory_of(own, indices.back()));
     }
-    if (!own) {
-      for (const std::size_t index : indices) append_empty(space_.empty[index], random, batch);
-      continue;
+    if (own) {
+      for (const std::size_t index : indices) __builtin_prefetch(&pixels_.pixels()[pixel_of(index)]);
     }
-    for (const std::size_t index : indices) __builtin_prefetch(&pixels_.pixels()[pixel_of(index)]);
-    for (const std::size_t index : indices) {
-      if (index < measured_count()) {
-        append_measured(measured(index), closely, random, batch);
-      } else {
-        append_unmeasured(space_.unmeasured[index - measured_count()], random, batch);
-      }
-    }
+    drafts.clear();
+    for (const std::size_t index : indices) drafts.push_back(draft(own, index));
+    append_all(drafts, closely, random, batch);
   }
 }
 

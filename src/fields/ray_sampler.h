@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "core/random.h"
 #include "fields/field.h"
 #include "fields/occupancy.h"
+#include "fields/occupied_points.h"
 #include "fields/pixel_store.h"
 #include "fields/ray_batch.h"
 #include "fields/seen_space.h"
@@ -16,6 +19,7 @@
 
 namespace kinora::fields {
 
+/// How many samples a ray has: at most RayPoints::kMostPoints of each kind.
 struct SamplingConfig {
   int surface_samples =
       4;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
@@ -30,7 +34,8 @@ struct SamplingConfig {
 /// in front of their surface (seen_space.h), and nothing behind. Immutable, so thread-safe.
 class RaySampler {
 public:
-  /// `pixels` and `motion` must outlive the sampler. `noise`: LossWeights::noise.
+  /// `pixels` and `motion` must outlive the sampler. `noise`: LossWeights::noise. Throws Error(kUsage) for too many
+  /// samples.
   RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
              const SamplingConfig& sampling, float noise = 1);
 
@@ -62,7 +67,12 @@ private:
     std::uint32_t pixel;
   };
 
-  static constexpr int kCoarse = 2; // binary logarithm of the cells of occupancy along a side of a coarse one
+  struct Draft { // a ray to be drawn
+    WarpedPixel chosen;
+    Interval sought; // where it has samples in occupied space, besides those about a measured depth
+    int samples;     // so many at most
+    bool own;
+  };
 
   bool is_lost(const StoredFrame& frame) const;
   FrameRays frame_rays(const StoredFrame& frame) const;
@@ -75,13 +85,13 @@ private:
   WarpedPixel measured(std::size_t index) const;
   const void* memory_of(bool own, std::size_t index) const;
   std::uint32_t pixel_of(std::size_t index) const;
-  void append_measured(const WarpedPixel& chosen, bool closely, Random& random, RayBatch& batch) const;
-  void append_unmeasured(const UnmeasuredPiece& chosen, Random& random, RayBatch& batch) const;
-  void append_empty(const SeenPiece& chosen, Random& random, RayBatch& batch) const;
-  void append_in_occupied(const FieldRay& ray, const Interval& depths, int count, Random& random,
-                          RayBatch& batch) const;
+  Draft draft(bool own, std::size_t index) const;
+  Draft draft_measured(const WarpedPixel& chosen) const;
+  void append_all(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const;
+  void append(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const;
+  void append_band(const WarpedPixel& chosen, float depth, bool closely, Random& random, RayTarget& target,
+                   RayBatch& batch) const;
   RaySample sample_at(const FieldRay& ray, float depth, float depth_step) const;
-  bool is_occupied_in_box(const std::array<float, 3>& position) const;
   float band_at(float depth) const { return std::max(three_sigma(depth, noise_), least_band_); } // surface_band()
 
   const PixelStore& pixels_;
@@ -100,7 +110,7 @@ private:
   SeenSpace space_;
   std::vector<WarpedPixel> held_apart_;
   Occupancy occupancy_;
-  Occupancy coarse_occupancy_;
+  std::optional<OccupiedPoints> occupied_; // once all is marked
 };
 
 } // namespace kinora::fields

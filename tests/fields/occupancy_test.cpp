@@ -2,9 +2,11 @@
 #include <bit>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "core/random.h"
 #include "fields/occupancy.h"
+#include "fields/occupied_points.h"
 
 namespace kinora::fields {
 namespace {
@@ -50,6 +52,58 @@ TEST(Occupancy, IsCoarselyOccupiedWhereAnyOfItsCellsIs) {
   EXPECT_EQ(coarse.count(), 1U);
   EXPECT_TRUE(coarse.at(1, 15, 4));
 }
+
+class OccupiedPointsOn : public ::testing::TestWithParam<std::int64_t> {
+protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(OccupiedPointsOn, AreThoseOfAPlainLoop) {
+  constexpr int kSide = 64;
+  Random random(9);
+  Occupancy occupancy(kSide);
+  for (int k = 0; k < 20'000; ++k) { // in some coarse cells, not in others
+    const auto cell = [&random] { return static_cast<int>(random.below(kSide / 8) * 8 + random.below(5)); };
+    occupancy.set(cell(), cell(), cell());
+  }
+  const OccupiedPoints occupied(occupancy);
+  std::size_t found = 0;
+  std::size_t asked = 0;
+  for (std::size_t rays = 0; rays <= RayPoints::kMostRays; ++rays) {
+    RayPoints points;
+    std::vector<FieldRay> chosen;
+    for (std::size_t r = 0; r < rays; ++r) {
+      FieldRay ray{};
+      for (std::size_t a = 0; a < 3; ++a) {
+        ray.origin[a] = -0.5F + 2 * random.uniform(); // some points are outside the box
+        ray.direction[a] = random.uniform() - 0.5F;
+      }
+      chosen.push_back(ray);
+      points.append(ray);
+      points.points[r] = static_cast<std::int32_t>(random.below(RayPoints::kMostPoints + 1));
+      for (auto& depth : points.depth) depth[r] = random.uniform();
+    }
+    points.occupied.fill(0xABCD);
+    occupied.find(points);
+    for (std::size_t r = 0; r < rays; ++r) {
+      std::uint32_t expected = 0;
+      for (int k = 0; k < points.points[r]; ++k) {
+        const std::array<float, 3> at = point_at(chosen[r], points.depth[static_cast<std::size_t>(k)][r]);
+        const auto cell = [&at](std::size_t a) { return std::clamp(static_cast<int>(kSide * at[a]), 0, kSide - 1); };
+        if (occupancy.at(cell(0), cell(1), cell(2))) expected |= 1U << k;
+      }
+      EXPECT_EQ(points.occupied[r], expected);
+      found += static_cast<std::size_t>(std::popcount(expected));
+      asked += static_cast<std::size_t>(points.points[r]);
+    }
+  }
+  EXPECT_GT(found, asked / 50);
+  EXPECT_LT(found, asked / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, OccupiedPointsOn, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 } // namespace
 } // namespace kinora::fields
