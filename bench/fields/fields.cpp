@@ -2,13 +2,16 @@
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [bias=0] [shift=0] [rays_per_step=4096]
 //                [surface_samples=0] [free_samples=0] [exact_depth=-1] [levels=0] [log2_table_size=0]
-//                [largest_log2_table_size=17] [geometry=density] [target=avx2]
+//                [largest_log2_table_size=17] [geometry=density] [warm_million_rays=0] [warm_rate=1] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
 // (bench/instruction_set.h) instead of the best that there are. noise, bias: standard deviation and offset of
 // depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels, samples or table size, and
 // exact_depth −1: as the encoder chooses. geometry: density (0) or sdf (1), a signed distance.
+// warm_million_rays: taught before by the first half of the views alone; then the rest arrives, and what is timed
+// begins.
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +38,12 @@ void train_and_judge(const Setting& setting) {
   const auto whole = [&](const char* name) { return static_cast<int>(setting.at(name)); };
   set_thread_count(whole("threads"));
   const bench::AnalyticScene scene{setting.at("noise"), setting.at("bias"), whole("shift")};
-  fields::PixelStore store(4'000'000, bench::AnalyticScene::kTrainedViews);
-  for (int i = 0; i < bench::AnalyticScene::kTrainedViews; ++i) store.add(scene.trained_view(i), i);
+  const auto views = [&scene](int count) {
+    fields::PixelStore store(4'000'000, static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) store.add(scene.trained_view(i), i);
+    return store;
+  };
+  const fields::PixelStore store = views(bench::AnalyticScene::kTrainedViews);
   const auto motion = tracking::Motion::still();
   fields::FieldConfig config = fields::choose_field_config(store, 1, motion);
   if (whole("levels") > 0) config.levels = whole("levels");
@@ -54,8 +61,17 @@ void train_and_judge(const Setting& setting) {
   if (whole("exact_depth") >= 0) trainer.exact_depth = whole("exact_depth") > 0;
   Progress progress;
   fields::TrainingReport report;
+  std::optional<fields::Field> before;
+  if (setting.at("warm_million_rays") > 0) {
+    fields::TrainerConfig first = trainer;
+    first.rays = static_cast<std::size_t>(setting.at("warm_million_rays") * 1e6);
+    before = fields::train_field(views(bench::AnalyticScene::kTrainedViews / 2), 1, motion, config, first, progress);
+    trainer.learning_rates.table *= static_cast<float>(setting.at("warm_rate"));
+    trainer.learning_rates.nets *= static_cast<float>(setting.at("warm_rate"));
+  }
   const bench::Stopwatch watch;
-  fields::Field trained = fields::train_field(store, 1, motion, config, trainer, progress, &report);
+  fields::Field trained =
+      fields::train_field(store, 1, motion, config, trainer, progress, &report, before ? &*before : nullptr);
   const double cpu_seconds = 1e-3 * watch.processor_milliseconds();
   const fields::DrawableField field(std::move(trained));
   double psnr = 0;
@@ -106,7 +122,9 @@ int main(int argc, char** argv) {
               {"levels", {0}},
               {"geometry", {0}},
               {"log2_table_size", {0}},
-              {"largest_log2_table_size", {17}}};
+              {"largest_log2_table_size", {17}},
+              {"warm_million_rays", {0}},
+              {"warm_rate", {1}}};
   try {
     for (int i = 1; i < argc; ++i) {
       if (bench::set_knob(argv[i], knobs, {"density", "sdf"})) continue;

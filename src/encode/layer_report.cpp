@@ -109,8 +109,9 @@ Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   return out;
 }
 
-Json refinement_json(const MotionRefinement& refinement) {
-  return {{"frames", refinement.frames},
+Json refinement_json(const MotionRefinement& refinement, std::size_t draft_rays) {
+  return {{"draft_rays", draft_rays},
+          {"frames", refinement.frames},
           {"color_difference_before", round4(refinement.color_before)},
           {"color_difference_after", round4(refinement.color_after)}};
 }

@@ -18,6 +18,6 @@ nlohmann::json config_json(const fields::FieldConfig& config);
 nlohmann::json config_json(const fields::TrainerConfig& config);
 nlohmann::json geometry_json(const fields::GeometryTrial& trial);
 nlohmann::json motion_json(const TrackedLabel& label, const tracking::Motion& motion);
-nlohmann::json refinement_json(const MotionRefinement& refinement);
+nlohmann::json refinement_json(const MotionRefinement& refinement, std::size_t draft_rays);
 
 } // namespace kinora::encode

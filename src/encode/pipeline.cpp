@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -156,24 +157,31 @@ std::string unique_name(const std::string& wanted, const Clip& clip) {
   return name;
 }
 
-// A short training with the tracker's motion, and that motion aligned through what was learnt.
-MotionRefinement refine_layer(const TrackedLabel& tracked, const fields::FieldConfig& config,
-                              const fields::TrainerConfig& trainer, Pass& pass, Layer& layer, Progress& progress) {
+/// A short training with the tracker's motion, and that motion aligned through what was learnt.
+struct RefinedLayer {
+  std::size_t draft_rays = 0;
+  fields::Field draft;
+  MotionRefinement refinement;
+};
+
+RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig& config,
+                          const fields::TrainerConfig& trainer, Pass& pass, Layer& layer, Progress& progress) {
   constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
+  RefinedLayer refined;
+  refined.draft_rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
   fields::TrainerConfig shorter = trainer;
-  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
+  shorter.rays = refined.draft_rays;
   shorter.largest_log2_table_size = 0;
   progress.stage("training a draft of " + layer.name, shorter.rays);
-  const fields::Field draft = pass.times.measure("train a draft of " + layer.name, [&] {
+  refined.draft = pass.times.measure("train a draft of " + layer.name, [&] {
     return fields::train_field(pass.pixels, tracked.plan.label, layer.motion, config, shorter, progress);
   });
-  MotionRefinement refinement;
   progress.stage("refining the motion of " + layer.name, pass.pixels.frames().size());
   layer.motion = pass.times.measure("refine the motion of " + layer.name, [&] {
-    return refine_motion(draft, pass.pixels, tracked.plan.label, layer.motion, tracked.bending->edges(),
-                         tracked.bending->node_spacing(), progress, &refinement);
+    return refine_motion(refined.draft, pass.pixels, tracked.plan.label, layer.motion, tracked.bending->edges(),
+                         tracked.bending->node_spacing(), progress, &refined.refinement);
   });
-  return refinement;
+  return refined;
 }
 
 void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, Json& report, Progress& progress) {
@@ -199,15 +207,21 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
     });
   }
   config.geometry = trial.chosen;
-  MotionRefinement refinement;
+  std::optional<RefinedLayer> refined;
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
-    refinement = refine_layer(tracked, config, trainer, pass, layer, progress);
+    refined = refine_layer(tracked, config, trainer, pass, layer, progress);
     compare_views();
+    // The training begins with the draft, of which nearly all is right.
+    constexpr float kRate = 0.3F;
+    trainer.rays -= refined->draft_rays;
+    trainer.learning_rates.table *= kRate;
+    trainer.learning_rates.nets *= kRate;
   }
   fields::TrainingReport training;
   progress.stage("training " + layer.name, trainer.rays);
   layer.field = pass.times.measure("train " + layer.name, [&] {
-    return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training);
+    return fields::train_field(pass.pixels, label, layer.motion, config, trainer, progress, &training,
+                               refined ? &refined->draft : nullptr);
   });
   layer.confidence = pass.times.measure("confidence of " + layer.name, [&] {
     return fields::confidence_of_views(pass.pixels, label, layer.motion, layer.field);
@@ -239,7 +253,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                                 {"restarts", training.restarts},
                                 {"stray_cells", training.stray_cells}}}});
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
-    report["layers"].back()["refinement"] = refinement_json(refinement);
+    report["layers"].back()["refinement"] = refinement_json(refined->refinement, refined->draft_rays);
   }
   pass.clip.layers.push_back(std::move(layer));
 }

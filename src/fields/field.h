@@ -17,6 +17,8 @@ namespace kinora::fields {
 struct FieldBox {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< smallest corner, metres
   double side = 1;                                  ///< metres
+
+  bool operator==(const FieldBox& other) const { return origin == other.origin && side == other.side; }
 };
 
 /// Limits that every field keeps: what a file may ask for, and what training may choose.
@@ -73,6 +75,8 @@ struct FieldConfig {
   double density_length() const { return 4 * cell_size(); }
   /// Throws Error(kCorruptInput), naming `source`, if any number is outside FieldLimits or not finite.
   void validate(const std::string& source) const;
+
+  bool operator==(const FieldConfig&) const = default;
 };
 
 /// One bit for each cell of the box, x fastest. Outside is empty.

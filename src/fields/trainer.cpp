@@ -44,15 +44,15 @@ void initialise(Field& field, std::uint64_t seed) {
   fill(field.color_net.data() + kColorThird, kC * FieldConfig::kColorOutputs, glorot(kC, 3));
 }
 
-LearningRates scheduled(const TrainerConfig& config, double progress, float restart_factor) {
+LearningRates scheduled(const TrainerConfig& config, double progress, float rate) {
   const double falling = std::clamp(2 * progress - 1, 0.0, 1.0);
   const double share = 1 - (1 - config.final_learning_rate) * falling;
-  const float factor = static_cast<float>(share) * restart_factor;
+  const float factor = static_cast<float>(share) * rate;
   return {config.learning_rates.table * factor, config.learning_rates.nets * factor};
 }
 
 // Small steps learn the coarse shape with few rays, large ones the detail with little noise: a quarter of the rays of a
-// step in the first quarter of the training, half in the second.
+// step in the first quarter of the training, half in the second. A warm start knows the shape.
 std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
   const auto all = static_cast<std::size_t>(config.rays_per_step / TrainerConfig::kRaysPerChunk);
   return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
@@ -134,8 +134,9 @@ std::size_t bytes_of(const Field& field) { return 4 * sizeof(float) * field.para
 /// A field on its way: how far its training has come, and how it goes on.
 class Run {
 public:
-  Run(const RaySampler& sampler, const TrainerConfig& trainer, Field field)
-      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))) {
+  /// `warm`: the field has parameters already; otherwise they are random numbers.
+  Run(const RaySampler& sampler, const TrainerConfig& trainer, Field field, bool warm)
+      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))), warm_(warm) {
     start();
   }
 
@@ -153,18 +154,18 @@ public:
   /// `cooling`: progress of a training within this one, which ends with small steps, too.
   StepResult step(Progress& progress, TrainingReport& report, double cooling = 0) {
     const double share = share_done();
-    rays_ += chunks_of_step(*trainer_, share) * TrainerConfig::kRaysPerChunk;
+    rays_ += chunks_of_step(*trainer_, maturity()) * TrainerConfig::kRaysPerChunk;
     ++steps_;
-    const StepResult taken =
-        optimizer_->step(scheduled(*trainer_, std::max(share, cooling), restart_factor_), next_rays());
+    const StepResult taken = optimizer_->step(scheduled(*trainer_, std::max(share, cooling), rate_), next_rays());
     report.samples += taken.samples;
     report.rays += taken.rays;
     ++report.steps;
     report.final_loss = taken.loss;
     if (pulse_.is_dead(taken) && restarts_ < kMaxRestarts) {
       progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", steps_));
-      restart_factor_ *= kRestartFactor;
+      rate_ *= kRestartRate;
       report.restarts = ++restarts_;
+      warm_ = false;
       start();
     }
     return taken;
@@ -188,19 +189,19 @@ public:
   Field take_field() { return std::move(*field_); }
 
 private:
-  static constexpr float kRestartFactor = 0.3F;
+  static constexpr float kRestartRate = 0.3F; // of the learning rates before
   static constexpr std::size_t kMaxRestarts = 3;
 
   Run(const Run& before, std::unique_ptr<Field> field)
       : sampler_(before.sampler_), trainer_(before.trainer_), field_(std::move(field)),
         optimizer_(std::make_unique<FieldOptimizer>(*field_, *before.optimizer_)), rays_(before.rays_),
-        steps_(before.steps_), restarts_(before.restarts_), restart_factor_(before.restart_factor_),
+        steps_(before.steps_), restarts_(before.restarts_), warm_(before.warm_), rate_(before.rate_),
         pulse_(before.pulse_) {}
 
   void start() {
     rays_ = steps_ = 0;
     pulse_ = {};
-    initialise(*field_, trainer_->seed + restarts_);
+    if (!warm_) initialise(*field_, trainer_->seed + restarts_);
     optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->negligible_gradient);
     draw();
   }
@@ -209,10 +210,12 @@ private:
   double share_done() const {
     return static_cast<double>(rays_) / static_cast<double>(std::max<std::size_t>(trainer_->rays, 1));
   }
+  /// What a training from nothing would have done by now to know the shape as well.
+  double maturity() const { return warm_ ? std::max(0.5, share_done()) : share_done(); }
   StepRays next_rays() const {
-    const bool fused = share_done() >= kFused;
+    const bool fused = maturity() >= kFused;
     const bool closely = fused && trainer_->exact_depth;
-    const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, share_done()) : 0;
+    const std::size_t chunks = share_done() < 1 ? chunks_of_step(*trainer_, maturity()) : 0;
     return {chunks,
             [this, step = steps_, chunks, closely](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
@@ -229,7 +232,8 @@ private:
   std::size_t rays_ = 0; // since the last start
   std::size_t steps_ = 0;
   std::size_t restarts_ = 0;
-  float restart_factor_ = 1;
+  bool warm_ = false;
+  float rate_ = 1;
   Pulse pulse_;
 };
 
@@ -283,17 +287,20 @@ bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, Trai
 } // namespace
 
 Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                  const TrainerConfig& trainer, Progress& progress, TrainingReport* report) {
+                  const TrainerConfig& trainer, Progress& progress, TrainingReport* report, const Field* begin_with) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
   RaySampler sampler(pixels, label, motion, config, trainer.sampling, trainer.loss.noise);
-  Field untrained(config);
+  Field untrained = begin_with != nullptr ? *begin_with : Field(config);
+  if (!(untrained.config == config)) {
+    throw Error(ErrorCode::kUsage, "a training can only begin with a field of its own configuration");
+  }
   untrained.occupancy = sampler.occupancy();
   if (sampler.own_ray_count() == 0) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }
   TrainingReport result;
-  Run run(sampler, trainer, std::move(untrained));
+  Run run(sampler, trainer, std::move(untrained), begin_with != nullptr);
   bool growing = true;
   std::size_t next_trial = trainer.rays / 4;
   for (std::size_t step = 1; run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
