@@ -11,4 +11,7 @@ struct Calibration {
 /// Takes about half a second; on the calling thread.
 Calibration calibrate();
 
+/// Calibrates, and prints the line that benches begin with: what was found, and with which instructions.
+void print_calibration();
+
 } // namespace kinora::bench

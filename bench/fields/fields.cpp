@@ -19,7 +19,6 @@
 #include "core/parallel.h"
 #include "fields/analytic_scene.h"
 #include "fields/calibration.h"
-#include "fields/kernels.h"
 #include "fields/renderer.h"
 #include "fields/trainer.h"
 #include "fields/view_agreement.h"
@@ -137,9 +136,7 @@ int main(int argc, char** argv) {
                    argv[i]);
       return 2;
     }
-    const bench::Calibration machine = bench::calibrate();
-    std::printf("# one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s\n", machine.fma_gflops,
-                machine.lines_per_us, fields::kernels::instruction_set());
+    bench::print_calibration();
     for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
     std::printf("hidden,color_hidden,seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,"
                 "depth_mm,drawing_ms\n");
