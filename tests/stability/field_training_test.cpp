@@ -99,7 +99,7 @@ Change scaled(double factor) {
 TEST(DisturbedTraining, CleanSceneIsLearntAsIfUndisturbed) {
   const Outcome clean = learn_ball({});
   EXPECT_EQ(clean.psnr, kAlike);
-  EXPECT_LT(clean.depth_error, 0.0035);
+  EXPECT_LT(clean.depth_error, 0.004);
   EXPECT_TRUE(clean.report.restarts.empty());
 }
 
@@ -198,16 +198,24 @@ TEST(DisturbedTraining, KeepsAStructureOfOnePixel) {
 TEST(DisturbedTraining, LearnsFromASinglePixel) {
   ingest::Frame frame = Scene{}.frame(0, 0);
   std::fill(frame.labels.values().begin(), frame.labels.values().end(), std::uint8_t{0});
-  frame.labels.at(40, 30) = kBall;
+  constexpr int kU = 40;
+  constexpr int kV = 30;
+  frame.labels.at(kU, kV) = kBall;
   PixelStore store(100'000, 1);
   store.add(frame, 0);
   const auto still = tracking::Motion::still();
   TrainerConfig trainer = short_training();
   trainer.rays = 50'000;
   Progress progress;
-  const Field field = train_field(store, kBall, still, choose_field_config(store, kBall, still), trainer, progress);
-  EXPECT_TRUE(std::all_of(field.table.begin(), field.table.end(), [](float v) { return std::isfinite(v); }));
-  EXPECT_GT(field.occupancy.count(), 0U);
+  const DrawableField field(
+      train_field(store, kBall, still, choose_field_config(store, kBall, still), trainer, progress));
+  const auto& table = field.field().table;
+  EXPECT_TRUE(std::all_of(table.begin(), table.end(), [](float v) { return std::isfinite(v); }));
+  const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));
+  const Picture picture = render({&posed, 1}, frame.camera);
+  EXPECT_GT(picture.color.at(kU, kV, 3), 240);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(picture.color.at(kU, kV, c), frame.color.at(kU, kV, c), 8) << c;
+  EXPECT_NEAR(picture.depth.at(kU, kV), frame.depth.at(kU, kV), 0.02);
 }
 
 TEST(DisturbedTraining, OfAHallInFineDetailWorksInSixteenMegabytes) {
