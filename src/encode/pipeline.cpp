@@ -184,6 +184,12 @@ RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig
   return refined;
 }
 
+Json reasons_json(const std::vector<fields::Fault>& restarts) {
+  Json reasons = Json::array();
+  for (const fields::Fault fault : restarts) reasons.push_back(name_of(fault));
+  return reasons;
+}
+
 void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, Json& report, Progress& progress) {
   const TrackedLabel& tracked = *job.label;
   const int label = tracked.plan.label;
@@ -250,7 +256,8 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
                                 {"steps", training.steps},
                                 {"bytes", training.bytes},
                                 {"final_loss", training.final_loss},
-                                {"restarts", training.restarts},
+                                {"restarts", training.restarts.size()},
+                                {"restarted_because", reasons_json(training.restarts)},
                                 {"stray_cells", training.stray_cells}}}});
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
     report["layers"].back()["refinement"] = refinement_json(refined->refinement, refined->draft_rays);

@@ -321,6 +321,7 @@ FieldOptimizer::FieldOptimizer(Field& field, const FieldOptimizer& before) {
   s.table.second = with_doubled_rows(old.field.config, old.table.second);
   s.density_net = old.density_net;
   s.color_net = old.color_net;
+  s.sharpness_moments = old.sharpness_moments;
   s.steps = old.steps;
 }
 FieldOptimizer::~FieldOptimizer() = default;

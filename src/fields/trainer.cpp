@@ -58,26 +58,6 @@ std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
   return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
 }
 
-// Notices a field that diverged, that gave up being opaque anywhere, or whose colour is the same everywhere: too large
-// steps leave rectifiers that no gradient reaches any more, and every number finite.
-class Pulse {
-public:
-  bool is_dead(const StepResult& step) {
-    constexpr std::size_t kFirstSteps = 200; // in which nothing can be expected yet
-    constexpr double kMemory = 1.0 / 64;
-    constexpr double kShare = 0.9;       // of the colours' variance that a field at least explains a tenth of
-    constexpr double kNoContrast = 3e-3; // a variance that may be all noise: 8 of 255 in each channel
-    if (!std::isfinite(step.loss)) return true;
-    unexplained_ += kMemory * (step.color_error - kShare * step.color_variance - unexplained_);
-    const bool constant = unexplained_ > 0 && step.color_variance > kNoContrast;
-    return ++steps_ > kFirstSteps && (step.opacity < 0.02 || constant);
-  }
-
-private:
-  std::size_t steps_ = 0;
-  double unexplained_ = 0; // mean of the last steps
-};
-
 // Keeps the cells in which the field absorbs anything worth drawing at one of eight random points. Most do at one of
 // the first two.
 void prune(Field& field) {
@@ -161,10 +141,12 @@ public:
     report.rays += taken.rays;
     ++report.steps;
     report.final_loss = taken.loss;
-    if (pulse_.is_dead(taken) && restarts_ < kMaxRestarts) {
-      progress.warn(fmt::format("training stopped learning at step {}; it starts again with smaller steps", steps_));
+    if (const auto fault = pulse_.fault(taken); fault && restarts_ < kMaxRestarts) {
+      progress.warn(fmt::format("training stopped learning at step {} ({}); it starts again with smaller steps", steps_,
+                                name_of(*fault)));
       rate_ *= kRestartRate;
-      report.restarts = ++restarts_;
+      report.restarts.push_back(*fault);
+      ++restarts_;
       warm_ = false;
       start();
     }
@@ -254,8 +236,8 @@ bool may_grow(Run& run, const RaySampler& sampler, const TrainerConfig& trainer)
 // large steps hide what tables hold. Returns the error over the rays held apart.
 double error_after(std::size_t end, Run& run, Progress& progress, TrainingReport& report) {
   const std::size_t begin = run.rays();
-  const std::size_t restarts = report.restarts;
-  while (run.rays() < end && report.restarts == restarts) {
+  const std::size_t restarts = report.restarts.size();
+  while (run.rays() < end && report.restarts.size() == restarts) {
     progress.check();
     run.step(progress, report, static_cast<double>(run.rays() - begin) / static_cast<double>(end - begin));
   }
@@ -278,7 +260,7 @@ bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, Trai
   trial.error = error_after(end, run, progress, report);
   trial.grown_error = error_after(end, larger, progress, aside);
   trial.price = larger.rays() - trial.begin;
-  trial.kept = aside.restarts == 0 && trial.grown_error < kPays * trial.error;
+  trial.kept = aside.restarts.empty() && trial.grown_error < kPays * trial.error;
   if (trial.kept) run = std::move(larger);
   report.growth.push_back(trial);
   return trial.kept;

@@ -9,6 +9,7 @@
 #include "fields/field.h"
 #include "fields/optimizer.h"
 #include "fields/pixel_store.h"
+#include "fields/pulse.h"
 #include "fields/ray_sampler.h"
 #include "tracking/motion.h"
 
@@ -66,7 +67,7 @@ struct TrainingReport {
   std::size_t bytes = 0; ///< of parameters, their gradients and both moments: what a step works on
   double seconds = 0;    ///< for people; no decision depends on it
   double final_loss = 0;
-  std::size_t restarts = 0;    ///< times a dead or diverged field was begun anew
+  std::vector<Fault> restarts; ///< why the field was begun anew, each time
   std::size_t stray_cells = 0; ///< that were dropped
   std::vector<GrowthTrial> growth;
 };

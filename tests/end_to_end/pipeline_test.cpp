@@ -108,6 +108,27 @@ TEST(Encoder, ThingThatBendsBecomesALayerThatDeforms) {
   EXPECT_NE(kept.at("why").get<std::string>().find("kept rigid"), std::string::npos);
 }
 
+/// The report says how large a layer's field is, why, and what that costs.
+void expect_size(const Json& layer, const fields::Field& field) {
+  const Json& size = layer.at("size");
+  EXPECT_NE(size.at("why").get<std::string>().find("measured points"), std::string::npos) << size;
+  EXPECT_LT(field.config.cell_size(), 1.02 * size.at("pixel_footprint_m").get<double>());
+  EXPECT_GT(size.at("surface_cells").get<double>(), 0);
+  const auto levels = fields::grid_levels(field.config);
+  ASSERT_EQ(size.at("levels").size(), levels.size());
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    const Json& level = size.at("levels")[l];
+    EXPECT_EQ(level.at("cells_per_side"), levels[l].resolution);
+    EXPECT_EQ(level.at("entries"), levels[l].size);
+    EXPECT_EQ(level.at("hashed"), levels[l].hashed);
+    EXPECT_GT(level.at("entries_stored"), 0);
+    EXPECT_LE(level.at("entries_stored"), level.at("entries"));
+  }
+  // Of each parameter also its gradient and both moments.
+  EXPECT_EQ(size.at("training_bytes"), 4 * sizeof(float) * field.parameter_count());
+  EXPECT_TRUE(size.at("growth").is_array());
+}
+
 TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   const TemporaryFolder folder;
   write_box_capture(folder, {});
@@ -124,6 +145,13 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   EXPECT_TRUE(result.report.at("not_modelled").empty());
   EXPECT_EQ(result.report.at("capture").at("frames_held_out"), 2);
   EXPECT_TRUE(listener.warnings.empty());
+  for (std::size_t i = 0; i < result.clip.layers.size(); ++i) {
+    SCOPED_TRACE(result.clip.layers[i].name);
+    const Json& layer = result.report.at("layers")[i];
+    expect_size(layer, result.clip.layers[i].field);
+    EXPECT_EQ(layer.at("training").at("restarts"), 0);
+    EXPECT_TRUE(layer.at("training").at("restarted_because").empty());
+  }
 
   const player::Player player(std::move(result.clip));
   player::EvaluateOptions how;

@@ -5,6 +5,7 @@
 #include "core/random.h"
 #include "fields/analytic_scene.h"
 #include "fields/growth.h"
+#include "fields/random_field.h"
 #include "fields/reference.h"
 #include "fields/renderer.h"
 
@@ -107,6 +108,27 @@ TEST(Growth, KeepsWhatEachVertexHolds) {
       }
     }
   }
+}
+
+// Larger tables draw the same: their first step moves the nets and the sharpness as the step without them would have.
+TEST(Growth, KeepsTheMomentumOfWhatDoesNotGrow) {
+  const auto rays_of = [](std::size_t step) {
+    return StepRays{1, [step](std::size_t, RayBatch& batch) { batch = testing::random_rays(step, 50); }};
+  };
+  Field field = testing::random_field(5, 0.5F, Geometry::kSignedDistance);
+  FieldOptimizer optimizer(field, {});
+  optimizer.draw(rays_of(0));
+  for (std::size_t step = 1; step <= 5; ++step) optimizer.step({}, rays_of(step));
+  Field larger = with_doubled_tables(field);
+  const float sharpness = field.sharpness;
+  FieldOptimizer grown(larger, optimizer);
+  grown.draw(rays_of(5));
+  optimizer.step({}, {});
+  grown.step({}, {});
+  EXPECT_NE(field.sharpness, sharpness);
+  EXPECT_EQ(larger.sharpness, field.sharpness);
+  EXPECT_EQ(larger.density_net, field.density_net);
+  EXPECT_EQ(larger.color_net, field.color_net);
 }
 
 } // namespace

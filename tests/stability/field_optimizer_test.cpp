@@ -22,11 +22,12 @@ void expect_finite(const Field& field) {
   EXPECT_TRUE(all_finite(field.table));
   EXPECT_TRUE(all_finite(field.density_net));
   EXPECT_TRUE(all_finite(field.color_net));
+  EXPECT_TRUE(std::isfinite(field.sharpness));
 }
 
-/// A field whose raw density is `raw` everywhere.
-Field field_of_raw_density(float raw) {
-  Field field = testing::random_field(5, 0.0F);
+/// A field whose raw density, or distance from the surface, is `raw` everywhere.
+Field field_of_raw_density(Geometry geometry, float raw) {
+  Field field = testing::random_field(5, 0.0F, geometry);
   const auto width = static_cast<std::size_t>(field.config.encoding_width());
   constexpr float kEntry = 100;
   for (float& v : field.table) v = kEntry;
@@ -36,10 +37,16 @@ Field field_of_raw_density(float raw) {
   return field;
 }
 
-class RawDensity : public ::testing::TestWithParam<float> {};
+struct RawCase {
+  Geometry geometry;
+  float raw;
+  bool opaque;
+};
+
+class RawDensity : public ::testing::TestWithParam<RawCase> {};
 
 TEST_P(RawDensity, LeavesLossGradientStepAndDrawingFinite) {
-  Field field = field_of_raw_density(GetParam());
+  Field field = field_of_raw_density(GetParam().geometry, GetParam().raw);
   std::fill(field.occupancy.words().begin(), field.occupancy.words().end(), ~std::uint64_t{0});
   FieldOptimizer optimizer(field, {});
   FieldOptimizer::Gradient gradient;
@@ -49,6 +56,7 @@ TEST_P(RawDensity, LeavesLossGradientStepAndDrawingFinite) {
   EXPECT_TRUE(all_finite(gradient.table));
   EXPECT_TRUE(all_finite(gradient.density_net));
   EXPECT_TRUE(all_finite(gradient.color_net));
+  EXPECT_TRUE(std::isfinite(gradient.sharpness));
 
   const DrawableField drawable(field);
   const PosedField posed = pose(drawable, tracking::Warp(SE3::Identity()));
@@ -58,7 +66,7 @@ TEST_P(RawDensity, LeavesLossGradientStepAndDrawingFinite) {
   camera.camera_to_world.translation() = Eigen::Vector3d(0.5, 0.5, -1);
   const Picture picture = render({&posed, 1}, camera);
   EXPECT_TRUE(all_finite(picture.depth.values()));
-  EXPECT_EQ(picture.color.at(16, 12, 3), GetParam() > 0 ? 255 : 0); // all or nothing
+  EXPECT_EQ(picture.color.at(16, 12, 3), GetParam().opaque ? 255 : 0); // all or nothing
 
   optimizer.draw(random_rays_of_step(0));
   for (std::size_t step = 0; step < 3; ++step) {
@@ -67,8 +75,13 @@ TEST_P(RawDensity, LeavesLossGradientStepAndDrawingFinite) {
   expect_finite(field);
 }
 
-INSTANTIATE_TEST_SUITE_P(OfTenThousand, RawDensity, ::testing::Values(1e4F, -1e4F),
-                         [](const auto& raw) { return raw.param > 0 ? "opaque" : "transparent"; });
+INSTANTIATE_TEST_SUITE_P(
+    OfTenThousand, RawDensity,
+    ::testing::Values(RawCase{Geometry::kDensity, 1e4F, true}, RawCase{Geometry::kDensity, -1e4F, false},
+                      RawCase{Geometry::kSignedDistance, 1e4F, false}, RawCase{Geometry::kSignedDistance, -1e4F, true}),
+    [](const auto& raw) {
+      return std::string(name_of(raw.param.geometry)) + (raw.param.opaque ? "_opaque" : "_transparent");
+    });
 
 TEST(FieldSteps, OfOtherLayersRaysAloneOnlyEmptyTheField) {
   Field field = testing::random_field(5);
