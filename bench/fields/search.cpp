@@ -13,7 +13,6 @@
 #include "core/random.h"
 #include "encode/clip_io.h"
 #include "fields/calibration.h"
-#include "fields/kernels.h"
 #include "fields/nearest_of_all.h"
 #include "fields/surface_band.h"
 #include "fields/trainer.h"
@@ -357,9 +356,7 @@ void train(const fields::PixelStore& pixels, const encode::Layer& layer, const f
 }
 
 void run(const char* clip_path, const char* capture_path, double rays_per_pixel) {
-  const bench::Calibration machine = bench::calibrate();
-  std::printf("# one core: %.0f GFLOP/s, %.0f look-ups of 32 bytes in 4 MB per microsecond; %s\n", machine.fma_gflops,
-              machine.lines_per_us, fields::kernels::instruction_set());
+  bench::print_calibration();
   const encode::Clip clip = encode::read_clip(clip_path);
   const auto layer = std::find_if(clip.layers.begin(), clip.layers.end(), [](const encode::Layer& l) {
     return l.motion.kind() == tracking::MotionKind::kDeforming;

@@ -12,7 +12,7 @@ namespace kinora::fields {
 /// Rays with some points on each, in columns.
 struct RayPoints {
   static constexpr std::size_t kMostRays = 64;
-  static constexpr std::size_t kMostPoints = 8; ///< on each ray
+  static constexpr std::size_t kMostPoints = 12; ///< on each ray
   template <class T> using Column = std::array<T, kMostRays>;
 
   std::size_t rays = 0;

@@ -42,9 +42,9 @@ RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Moti
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling), noise_(noise),
       per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
       occupancy_(config.occupancy_resolution) {
-  if (std::max({sampling.surface_samples, sampling.free_samples, sampling.unmeasured_samples,
+  if (std::max({sampling.free_samples + sampling.surface_samples, sampling.unmeasured_samples,
                 sampling.emptiness_samples}) > static_cast<int>(RayPoints::kMostPoints)) {
-    throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples of each kind", RayPoints::kMostPoints));
+    throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples", RayPoints::kMostPoints));
   }
   if (motion.kind() == tracking::MotionKind::kDeforming) {
     warped_own_ = warp_measured_pixels(pixels, label, motion, config, noise);
@@ -137,56 +137,59 @@ RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_st
 }
 
 RaySampler::Draft RaySampler::draft_measured(const WarpedPixel& chosen) const {
-  const float depth = pixels_.pixels()[chosen.pixel].depth;
-  const float band = band_at(std::abs(depth));
-  if (depth < 0) {
-    return {chosen,
-            {std::max(sampling_.near_depth, -depth - 2 * band), -depth + 2 * band},
-            sampling_.surface_samples,
-            true};
-  }
+  const float measured = pixels_.pixels()[chosen.pixel].depth;
+  const float depth = std::abs(measured);
+  const float reach = measured > 0 ? band_at(depth) : 2 * band_at(depth);
+  Draft draft{chosen, {}, true};
   // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
-  if (!warped_own_.empty()) return {chosen, {}, 0, true};
-  return {chosen, {sampling_.near_depth, depth - band}, sampling_.free_samples, true};
+  if (warped_own_.empty()) draft.sought[0] = {{sampling_.near_depth, depth - reach}, sampling_.free_samples};
+  if (measured < 0) {
+    draft.sought[1] = {{std::max(sampling_.near_depth, depth - reach), depth + reach}, sampling_.surface_samples};
+  }
+  return draft;
 }
 
 RaySampler::Draft RaySampler::draft(bool own, std::size_t index) const {
   if (!own) {
     const SeenPiece& empty = space_.empty[index];
-    return {{empty.pixel, empty.ray}, empty.piece, sampling_.emptiness_samples, false};
+    return {{empty.pixel, empty.ray}, {{{empty.piece, sampling_.emptiness_samples}}}, false};
   }
   if (index < measured_count()) return draft_measured(measured(index));
   const UnmeasuredPiece& unmeasured = space_.unmeasured[index - measured_count()];
-  return {
-      {unmeasured.pixel, unmeasured.ray, {}, unmeasured.turn}, unmeasured.piece, sampling_.unmeasured_samples, true};
+  return {{unmeasured.pixel, unmeasured.ray, {}, unmeasured.turn},
+          {{{unmeasured.piece, sampling_.unmeasured_samples}}},
+          true};
 }
 
 // One sample in each of so many equal parts of what lies in the box; those in empty space are left out. Occupied space
 // is thin: a sample stands for no more of it than two cells. Then those in the band about a measured depth.
 void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const {
   RayPoints points;
-  RayPoints::Column<float> lengths{};
+  std::array<RayPoints::Column<float>, RayPoints::kMostPoints> lengths; // of the pieces that the points stand for
   const auto two_cells = static_cast<float>(2 * config_.box.side / occupancy_.resolution());
   for (const Draft& draft : drafts) {
     const FieldRay& ray = draft.chosen.ray;
     const std::size_t r = points.rays;
     points.append(ray);
-    if (draft.samples == 0) continue;
-    const Interval inside = in_box(ray, draft.sought);
-    if (!(inside.begin < inside.end)) continue;
-    const float step = (inside.end - inside.begin) / static_cast<float>(draft.samples);
-    lengths[r] = std::min(step, two_cells / ray.metres_per_depth);
-    points.points[r] = draft.samples;
-    for (int k = 0; k < draft.samples; ++k) {
-      points.depth[static_cast<std::size_t>(k)][r] = inside.begin + step * (static_cast<float>(k) + random.uniform());
+    std::size_t k = 0;
+    for (const Draft::Sought& sought : draft.sought) {
+      if (sought.samples == 0) continue;
+      const Interval inside = in_box(ray, sought.depths);
+      if (!(inside.begin < inside.end)) continue;
+      const float step = (inside.end - inside.begin) / static_cast<float>(sought.samples);
+      for (int i = 0; i < sought.samples; ++i, ++k) {
+        points.depth[k][r] = inside.begin + step * (static_cast<float>(i) + random.uniform());
+        lengths[k][r] = std::min(step, two_cells / ray.metres_per_depth);
+      }
     }
+    points.points[r] = static_cast<std::int32_t>(k);
   }
   occupied_->find(points);
   for (std::size_t r = 0; r < drafts.size(); ++r) {
     const Draft& draft = drafts[r];
     for (std::uint32_t bits = points.occupied[r]; bits != 0; bits &= bits - 1) {
-      const float depth = points.depth[static_cast<std::size_t>(std::countr_zero(bits))][r];
-      batch.samples.push_back(sample_at(draft.chosen.ray, depth, lengths[r]));
+      const auto k = static_cast<std::size_t>(std::countr_zero(bits));
+      batch.samples.push_back(sample_at(draft.chosen.ray, points.depth[k][r], lengths[k][r]));
     }
     RayTarget target;
     target.own = draft.own;

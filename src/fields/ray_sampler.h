@@ -19,7 +19,7 @@
 
 namespace kinora::fields {
 
-/// How many samples a ray has: at most RayPoints::kMostPoints of each kind.
+/// How many samples a ray has: at most RayPoints::kMostPoints, those of surface and free space together.
 struct SamplingConfig {
   int surface_samples =
       4;                ///< stratified within the band around a measured depth; in occupied space near a doubtful one
@@ -68,9 +68,12 @@ private:
   };
 
   struct Draft { // a ray to be drawn
+    struct Sought {
+      Interval depths;
+      int samples = 0;
+    };
     WarpedPixel chosen;
-    Interval sought; // where it has samples in occupied space, besides those about a measured depth
-    int samples;     // so many at most
+    std::array<Sought, 2> sought; // samples in occupied space, besides those about a measured depth
     bool own;
   };
 

@@ -164,7 +164,7 @@ TEST_P(EdgeWithinALayer, LetsLittleColourOver) {
   EXPECT_LT(drawn.beyond, 0.003);
 }
 
-INSTANTIATE_TEST_SUITE_P(DisturbedTraining, EdgeWithinALayer, ::testing::Values(kDisplaced, kTooFarOut, kFlying),
+INSTANTIATE_TEST_SUITE_P(DisturbedTraining, EdgeWithinALayer, ::testing::Values(kExact, kDisplaced, kTooFarOut, kFlying),
                          name_of_case);
 
 } // namespace
