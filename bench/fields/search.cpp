@@ -12,8 +12,8 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "encode/clip_io.h"
+#include "fields/brute_force.h"
 #include "fields/calibration.h"
-#include "fields/nearest_of_all.h"
 #include "fields/surface_band.h"
 #include "fields/trainer.h"
 #include "host/plugin_table.h"
@@ -114,55 +114,36 @@ Places exact_places(const Instant& instant, const std::vector<Ray>& rays) {
   return places;
 }
 
-double weight(const tracking::DeformationGraph& graph, double squared_distance) {
-  return std::exp(-squared_distance / (graph.weight_radius() * graph.weight_radius()));
-}
-
-SE3 blended(const Instant& instant, const bench::NearestOfAll::Found& found, double first_without) {
-  std::array<DualQuaternion, 4> transforms;
-  std::array<double, 4> weights{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    transforms[k] = instant.warp.node_to_world()[static_cast<std::size_t>(std::max(found.nodes[k], 0))];
-    if (found.nodes[k] < 0) continue;
-    weights[k] = std::max(0.0, weight(instant.table->graph(), found.squared_distances[k]) - first_without);
+/// All samples of the rays, carried back by one of BruteForce's ways.
+template <class Carry>
+void by_brute_force(const Instant& instant, const std::vector<Ray>& rays, Places& places, const Carry& carry) {
+  using Point = bench::BruteForce::Point;
+  const bench::BruteForce all(instant.table->graph(), instant.warp);
+  static std::vector<Point> world;
+  static std::vector<Point> canonical;
+  world.clear();
+  for (const Ray& ray : rays) {
+    for (const double t : ray.behind) {
+      const Eigen::Vector3f p = (ray.at(t) - all.world_origin()).cast<float>();
+      world.push_back({p.x(), p.y(), p.z()});
+    }
   }
-  return blend(transforms, weights).to_se3();
+  canonical.resize(world.size());
+  carry(all, world, canonical.data());
+  for (const Point& point : canonical) {
+    const Vector3d place = Eigen::Vector3f(point.data()).cast<double>() + all.canonical_origin();
+    places.push_back(place.allFinite() ? std::optional(place) : std::nullopt);
+  }
 }
 
-/// The nodes that are nearest in the live frame, their blend inverted: Instant-NVR without its table, eq. 4.
 void by_live_nodes(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
-  const bench::NearestOfAll all(instant.warp.node_positions());
-  for (const Ray& ray : rays) {
-    for (const double t : ray.behind) {
-      const Vector3d point = ray.at(t);
-      places.emplace_back(blended(instant, all.find(point), 0).inverse() * point);
-    }
-  }
+  by_brute_force(instant, rays, places,
+                 [](const auto& all, const auto& world, auto* canonical) { all.by_live_nodes(world, canonical); });
 }
 
-/// The same, then Newton's fixed point with the nodes that are nearest in canonical space, each time of all.
 void by_all_nodes(const Instant& instant, const std::vector<Ray>& rays, Places& places) {
-  constexpr double kTolerance = 1e-4;
-  const tracking::DeformationGraph& graph = instant.table->graph();
-  const bench::NearestOfAll live(instant.warp.node_positions());
-  const bench::NearestOfAll canonical(graph.nodes());
-  const double reach = graph.influence_radius() * graph.influence_radius();
-  for (const Ray& ray : rays) {
-    for (const double t : ray.behind) {
-      const Vector3d point = ray.at(t);
-      Vector3d place = blended(instant, live.find(point), 0).inverse() * point;
-      std::optional<Vector3d> found_place;
-      for (int step = 0; step < 12 && !found_place; ++step) {
-        const auto found = canonical.find(place);
-        const SE3 transform =
-            blended(instant, found, weight(graph, std::min<double>(found.squared_distances[4], reach)));
-        const Vector3d miss = point - transform * place;
-        if (miss.norm() < kTolerance) found_place = place;
-        place += transform.linear().transpose() * miss;
-      }
-      places.push_back(found_place);
-    }
-  }
+  by_brute_force(instant, rays, places,
+                 [](const auto& all, const auto& world, auto* canonical) { all.exactly(world, canonical); });
 }
 
 /// The table of the paper: canonical voxels are carried into the live frame; a live voxel keeps the one that lands in
