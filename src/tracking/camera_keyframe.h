@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tracking/camera_marks.h"
+#include "tracking/camera_features.h"
 #include "tracking/camera_view.h"
 #include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
@@ -17,7 +17,7 @@ struct CameraKeyframe {
   BackgroundFrame frame;          ///< its view can be made again
   std::vector<ModelPoint> points; ///< of the background, in the camera
   double distance = 1;            ///< median depth of the points, metres
-  SurfaceMarks marks;             ///< that its place is known again by
+  SurfaceFeatures features;       ///< that its place is known again by
 };
 
 /// Of each cell of 4×4 pixels the point with the strongest texture, and as many again at most, fairly over the

@@ -76,12 +76,12 @@ bool settles(const std::vector<PoseEdge>& loops, std::span<const CameraKeyframe>
 
 } // namespace
 
-std::vector<std::size_t> most_alike(const SurfaceMarks& marks, std::span<const CameraKeyframe> keyframes,
+std::vector<std::size_t> most_alike(const SurfaceFeatures& features, std::span<const CameraKeyframe> keyframes,
                                     std::span<const std::size_t> among, std::size_t count) {
   std::vector<std::pair<std::size_t, std::size_t>> order(among.size());
   parallel_for(among.size(), 4, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      order[i] = {count_alike(keyframes[among[i]].marks, marks), among[i]};
+      order[i] = {count_alike(keyframes[among[i]].features, features), among[i]};
     }
   });
   std::erase_if(order, [](const auto& entry) { return entry.first < kMinAlike; });
@@ -101,8 +101,8 @@ std::vector<PoseEdge> CameraLoops::look_back(std::span<const CameraKeyframe> key
     if (drift_within(ways[k]) > kReach) far.push_back(k);
   }
   bool found = false;
-  for (const std::size_t k : most_alike(keyframes[newest].marks, keyframes, far, kCompared)) {
-    const auto start = place_by_marks(keyframes[k].marks, keyframes[newest].marks);
+  for (const std::size_t k : most_alike(keyframes[newest].features, keyframes, far, kCompared)) {
+    const auto start = place_by_features(keyframes[k].features, keyframes[newest].features);
     if (!start) continue;
     const auto measured = relate(keyframes[k], keyframes[newest], view, *start);
     if (!measured) continue;

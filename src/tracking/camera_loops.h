@@ -13,8 +13,8 @@
 
 namespace kinora::tracking {
 
-/// Of the key frames `among` all the most like, by their marks, the likeliest first; at most `count`.
-std::vector<std::size_t> most_alike(const SurfaceMarks& marks, std::span<const CameraKeyframe> keyframes,
+/// Of the key frames `among` all the most like, by their features, the likeliest first; at most `count`.
+std::vector<std::size_t> most_alike(const SurfaceFeatures& features, std::span<const CameraKeyframe> keyframes,
                                     std::span<const std::size_t> among, std::size_t count);
 
 /// Not thread-safe. Deterministic.

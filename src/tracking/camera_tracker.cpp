@@ -15,7 +15,7 @@ constexpr double kVelocityShare = 0.95; // of it that is expected, and
 constexpr double kFading = 0.8;         // of that after each frame that shows no motion, or not in all directions
 constexpr std::size_t kSearched = 4;    // key frames that a lost camera is looked for at
 constexpr double kDoubtful = 0.01;      // weight of an edge over frames that did not show where the camera was
-constexpr double kMarkShare = 0.15;     // size of a mark over the distance of what the first key frame shows
+constexpr double kFeatureShare = 0.15;  // size of a feature over the distance of what the first key frame shows
 constexpr double kFastestTurn = 4;      // radians per second, and
 constexpr double kFastestWay = 2;       // metres per second, of a hand
 constexpr double kSamePlace = 0.1;      // change of view that places which are one may differ by
@@ -96,8 +96,8 @@ CameraFit CameraTracker::fit_near(const ObjectView& view, const SE3& camera_to_m
   return fit;
 }
 
-SurfaceMarks CameraTracker::marks_of(const ObjectView& view, const SE3& camera_to_map) const {
-  return find_marks(view, camera_to_map.linear(), kMarkShare * keyframes_.front().distance);
+SurfaceFeatures CameraTracker::features_of(const ObjectView& view, const SE3& camera_to_map) const {
+  return find_features(view, camera_to_map.linear(), kFeatureShare * keyframes_.front().distance);
 }
 
 // By a hand, since a frame showed where it was.
@@ -109,14 +109,14 @@ bool CameraTracker::may_have_come_to(const SE3& camera_to_map, double time) cons
 }
 
 // Anywhere in the map, if it looks so there and nowhere else.
-bool CameraTracker::find_by_marks(const ObjectView& view, double time, const SE3& expected, CameraFit& fit,
-                                  Place& found) const {
-  const SurfaceMarks marks = marks_of(view, expected);
+bool CameraTracker::find_by_features(const ObjectView& view, double time, const SE3& expected, CameraFit& fit,
+                                     Place& found) const {
+  const SurfaceFeatures features = features_of(view, expected);
   std::vector<std::size_t> all(keyframes_.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   bool any = false;
-  for (const std::size_t k : most_alike(marks, keyframes_, all, kSearched)) {
-    const auto start = place_by_marks(keyframes_[k].marks, marks);
+  for (const std::size_t k : most_alike(features, keyframes_, all, kSearched)) {
+    const auto start = place_by_features(keyframes_[k].features, features);
     if (!start) continue;
     Place place{};
     CameraFit fit_there = fit_near(view, map_[k] * *start, k, 2, place);
@@ -129,11 +129,11 @@ bool CameraTracker::find_by_marks(const ObjectView& view, double time, const SE3
   return any;
 }
 
-// At the place that is expected, else where it was last; if it has been lost, first where its marks are known from.
+// At the place that is expected, else where it was last; if it has been lost, first where its features are known from.
 CameraFit CameraTracker::search(const ObjectView& view, double time, const SE3& expected, Place& found) {
   CameraFit best;
   if (gap_ > 0) {
-    doubtful_ = !find_by_marks(view, time, expected, best, found);
+    doubtful_ = !find_by_features(view, time, expected, best, found);
     if (!doubtful_) return best;
   }
   best = fit_near(view, expected, reference_, 1, found);
@@ -198,7 +198,7 @@ void CameraTracker::judge_stillness(const ObjectView& view, const SE3& camera_to
 
 void CameraTracker::grow_map(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map) {
   const double change = view_change(places_.back().camera_to_keyframe, keyframes_[reference_].distance);
-  // What was found again without marks hangs on the map loosely, by a key frame of its own.
+  // What was found again without features hangs on the map loosely, by a key frame of its own.
   if ((change < config_.keyframe_change && !doubtful_) || keyframes_.size() >= config_.max_keyframes) return;
   const std::size_t previous = reference_;
   add_keyframe(reduced, view, camera_to_map);
@@ -213,7 +213,7 @@ void CameraTracker::grow_map(const BackgroundFrame& reduced, const ObjectView& v
 void CameraTracker::add_keyframe(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map) {
   reference_ = keyframes_.size();
   keyframes_.push_back(make_keyframe(reduced, view));
-  keyframes_.back().marks = marks_of(view, camera_to_map);
+  keyframes_.back().features = features_of(view, camera_to_map);
   map_.push_back(camera_to_map);
   neighbours_.emplace_back();
 }

@@ -79,8 +79,8 @@ private:
                      Place& found) const;
   CameraFit search(const ObjectView& view, double time, const SE3& expected, Place& found);
   bool may_have_come_to(const SE3& camera_to_map, double time) const;
-  bool find_by_marks(const ObjectView& view, double time, const SE3& expected, CameraFit& fit, Place& found) const;
-  SurfaceMarks marks_of(const ObjectView& view, const SE3& camera_to_map) const;
+  bool find_by_features(const ObjectView& view, double time, const SE3& expected, CameraFit& fit, Place& found) const;
+  SurfaceFeatures features_of(const ObjectView& view, const SE3& camera_to_map) const;
   void judge_stillness(const ObjectView& view, const SE3& camera_to_map);
   void grow_map(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
   void add_keyframe(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
@@ -105,7 +105,7 @@ private:
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
   int gap_ = 0;           ///< frames in a row that do not show where the camera is in all directions
-  bool doubtful_ = false; ///< since the last key frame the camera was lost, and has not been found by marks
+  bool doubtful_ = false; ///< since the last key frame the camera was lost, and has not been found by features
   Place anchor_{};        ///< the last that a frame showed in all directions
   double anchor_time_ = 0;
   int showing_motion_ = 0;

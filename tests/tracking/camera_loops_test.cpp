@@ -14,7 +14,7 @@ using testing::render_room;
 using testing::RoomOptions;
 
 constexpr double kDegrees = 180 / 3.14159265358979;
-constexpr double kMarkSize = 0.3; // metres
+constexpr double kFeatureSize = 0.3; // metres
 
 CameraTracker follow(const LoopScene& scene) {
   CameraTracker tracker;
@@ -39,7 +39,7 @@ CameraKeyframe keyframe_of(const ingest::Frame& frame, const SE3& camera_to_map 
   const BackgroundFrame reduced = reduce_background(frame);
   const ObjectView view = view_background(reduced);
   CameraKeyframe keyframe = make_keyframe(reduced, view);
-  keyframe.marks = find_marks(view, camera_to_map.linear(), kMarkSize);
+  keyframe.features = find_features(view, camera_to_map.linear(), kFeatureSize);
   return keyframe;
 }
 
@@ -89,33 +89,33 @@ TEST(CameraLoops, DoesNotJoinPlacesThatLookAlike) {
   const std::size_t there = scene.size() - 12; // looks the way the camera looked first
   const CameraKeyframe first = keyframe_of(scene.render(0));
   const CameraKeyframe other = keyframe_of(scene.render(there));
-  const auto start = place_by_marks(first.marks, other.marks);
+  const auto start = place_by_features(first.features, other.features);
   ASSERT_TRUE(start);
   ASSERT_TRUE(relate(first, other, view_background(other.frame), *start)) << "they look alike";
   ASSERT_GT((scene.truth[there].translation() - scene.truth[0].translation()).norm(), 0.7) << "and are not one";
   EXPECT_LT(worst_metres(scene, follow(scene).path()), 0.25);
 }
 
-TEST(CameraMarks, TellWhereAViewStandsThoughItsMapHasTurnedByTenDegrees) {
+TEST(CameraFeatures, TellWhereAViewStandsThoughItsMapHasTurnedByTenDegrees) {
   const SE3 b_to_a = pose_at({0.2, 0.05, 0.2}, 4, 12, 30);
   const SE3 drift = pose_at({0.4, 0, 0}, 4, 8, 4);
   const CameraKeyframe a = keyframe_of(render_room(SE3::Identity(), 0));
   const CameraKeyframe b = keyframe_of(render_room(b_to_a, 1), drift * b_to_a);
-  const auto found = place_by_marks(a.marks, b.marks);
+  const auto found = place_by_features(a.features, b.features);
   ASSERT_TRUE(found);
   const SE3 off = found->inverse() * b_to_a;
   EXPECT_LT(off.translation().norm(), 0.05);
   EXPECT_LT(kDegrees * rotation_angle(off), 2);
 }
 
-TEST(CameraMarks, TellNothingOfAnotherPlaceNorOfBareWalls) {
+TEST(CameraFeatures, TellNothingOfAnotherPlaceNorOfBareWalls) {
   const CameraKeyframe a = keyframe_of(render_room(SE3::Identity(), 0));
-  EXPECT_FALSE(place_by_marks(a.marks, keyframe_of(render_room(pose_at({0, 0, 0}, 0, 180), 1)).marks));
+  EXPECT_FALSE(place_by_features(a.features, keyframe_of(render_room(pose_at({0, 0, 0}, 0, 180), 1)).features));
   RoomOptions bare;
   bare.textured = false;
   const CameraKeyframe plain = keyframe_of(render_room(SE3::Identity(), 2, bare));
-  EXPECT_EQ(count_alike(a.marks, plain.marks), 0U);
-  EXPECT_FALSE(place_by_marks(a.marks, plain.marks));
+  EXPECT_EQ(count_alike(a.features, plain.features), 0U);
+  EXPECT_FALSE(place_by_features(a.features, plain.features));
 }
 
 } // namespace

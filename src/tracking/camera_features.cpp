@@ -1,4 +1,4 @@
-#include "tracking/camera_marks.h"
+#include "tracking/camera_features.h"
 
 #include <algorithm>
 #include <array>
@@ -11,19 +11,19 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kMostMarks = 128; // comparing all of two views takes about 0.2 ms
-constexpr int kCell = 8;                // view pixels: one mark in each at most
-constexpr int kWindow = 2;              // view pixels about one that its gradients are summed over
-constexpr float kMinCorner = 0.003F;    // (log luminance per pixel)², mean over the window: above the sensor's noise
-constexpr double kMinFacing = 0.35;     // cosine: what is seen from 70° on is too coarse
-constexpr float kMinContrast = 0.03F;   // of a piece, log luminance
-constexpr double kAlong = 0.8;          // cosine: an axis nearer to the normal does not tell a direction on the surface
-constexpr float kAlike = 0.8F;          // correlation of two looks
-constexpr int kDraws = 400;             // of three pairs
-constexpr double kTolerance = 0.02;     // of the distance, that a mark may lie beside its like
-constexpr std::size_t kMinPairs = 12;   // in agreement; by chance up to ten of fifty are
-constexpr double kMinShare = 0.6;       // of the pairs that the pose lays where the other view has marks
-constexpr double kAmong = 0.05;         // of the distance: so near to a mark is where a view has marks
+constexpr std::size_t kMostFeatures = 128; // comparing all of two views takes about 0.2 ms
+constexpr int kCell = 8;                   // view pixels: one feature in each at most
+constexpr int kWindow = 2;                 // view pixels about one that its gradients are summed over
+constexpr float kMinCorner = 0.003F;  // (log luminance per pixel)², mean over the window: above the sensor's noise
+constexpr double kMinFacing = 0.35;   // cosine: what is seen from 70° on is too coarse
+constexpr float kMinContrast = 0.03F; // of a piece, log luminance
+constexpr double kAlong = 0.8;        // cosine: an axis nearer to the normal does not tell a direction on the surface
+constexpr float kAlike = 0.8F;        // correlation of two descriptors
+constexpr int kDraws = 400;           // of three pairs
+constexpr double kTolerance = 0.02;   // of the distance, that a feature may lie beside its like
+constexpr std::size_t kMinPairs = 12; // in agreement; by chance up to ten of fifty are
+constexpr double kMinShare = 0.6;     // of the pairs that the pose lays where the other view has features
+constexpr double kAmong = 0.05;       // of the distance: so near to a feature is where a view has features
 
 struct Corner {
   float strength;
@@ -84,22 +84,22 @@ Eigen::Vector3d direction_on(const Eigen::Vector3d& normal, const Eigen::Matrix3
   return (axis - normal.dot(axis) * normal).normalized();
 }
 
-using Look = Eigen::Matrix<float, SurfaceMarks::kSide * SurfaceMarks::kSide, 1>;
+using Descriptor = Eigen::Matrix<float, SurfaceFeatures::kSide * SurfaceFeatures::kSide, 1>;
 
 // The texture about a point, on its plane; nothing if it leaves the picture or is plain.
-std::optional<Look> look_at(const ObjectView& view, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
-                            const Eigen::Matrix3d& camera_to_map, double size) {
-  const double step = size / SurfaceMarks::kSide;
+std::optional<Descriptor> describe(const ObjectView& view, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                                   const Eigen::Matrix3d& camera_to_map, double size) {
+  const double step = size / SurfaceFeatures::kSide;
   const Eigen::Vector3d along = step * direction_on(normal, camera_to_map);
   const Eigen::Vector3d across = normal.cross(along);
   const double pixels = view.intrinsics.fx * step / point.z(); // of the view from sample to sample
   int level = 0;
   while (level + 1 < ObjectView::kLevels && view.pyramid[static_cast<std::size_t>(level)].scale * pixels > 1.5) ++level;
-  Look look;
+  Descriptor descriptor;
   Eigen::Index k = 0;
-  for (int j = 0; j < SurfaceMarks::kSide; ++j) {
-    for (int i = 0; i < SurfaceMarks::kSide; ++i) {
-      constexpr double kMiddle = 0.5 * (SurfaceMarks::kSide - 1);
+  for (int j = 0; j < SurfaceFeatures::kSide; ++j) {
+    for (int i = 0; i < SurfaceFeatures::kSide; ++i) {
+      constexpr double kMiddle = 0.5 * (SurfaceFeatures::kSide - 1);
       const Eigen::Vector3d sample = point + (i - kMiddle) * along + (j - kMiddle) * across;
       if (sample.z() < 0.05) return std::nullopt;
       const Eigen::Vector2d pixel = view.intrinsics.project(sample);
@@ -107,13 +107,13 @@ std::optional<Look> look_at(const ObjectView& view, const Eigen::Vector3d& point
             pixel.y() <= view.intrinsics.height - 1)) {
         return std::nullopt;
       }
-      look[k++] = view.sample_texture(level, pixel.x(), pixel.y()).value;
+      descriptor[k++] = view.sample_texture(level, pixel.x(), pixel.y()).value;
     }
   }
-  look.array() -= look.mean();
-  const float length = look.norm();
-  if (length < kMinContrast * SurfaceMarks::kSide) return std::nullopt;
-  return look / length;
+  descriptor.array() -= descriptor.mean();
+  const float length = descriptor.norm();
+  if (length < kMinContrast * SurfaceFeatures::kSide) return std::nullopt;
+  return descriptor / length;
 }
 
 struct Pair {
@@ -121,10 +121,10 @@ struct Pair {
   double tolerance; ///< metres
 };
 
-std::vector<Pair> like_pairs(const SurfaceMarks& a, const SurfaceMarks& b) {
+std::vector<Pair> like_pairs(const SurfaceFeatures& a, const SurfaceFeatures& b) {
   std::vector<Pair> pairs;
   if (a.count() == 0 || b.count() == 0) return pairs;
-  const Eigen::MatrixXf likeness = a.looks.transpose() * b.looks;
+  const Eigen::MatrixXf likeness = a.descriptors.transpose() * b.descriptors;
   std::vector<Eigen::Index> best_of_b(static_cast<std::size_t>(b.count()));
   for (Eigen::Index j = 0; j < b.count(); ++j) likeness.col(j).maxCoeff(&best_of_b[static_cast<std::size_t>(j)]);
   std::vector<Eigen::Index> best_of_a(static_cast<std::size_t>(a.count()), 0);
@@ -178,8 +178,8 @@ std::vector<Pair> agreeing(const std::vector<Pair>& pairs, const SE3& b_to_a) {
   return result;
 }
 
-// Pairs that should be like if b's marks lie there.
-std::size_t count_overlapping(const std::vector<Pair>& pairs, const SurfaceMarks& a, const SE3& b_to_a) {
+// Pairs that should be like if b's features lie there.
+std::size_t count_overlapping(const std::vector<Pair>& pairs, const SurfaceFeatures& a, const SE3& b_to_a) {
   std::size_t count = 0;
   for (const Pair& pair : pairs) {
     const Eigen::Vector3f there = (b_to_a * pair.b).cast<float>();
@@ -191,34 +191,34 @@ std::size_t count_overlapping(const std::vector<Pair>& pairs, const SurfaceMarks
 
 } // namespace
 
-SurfaceMarks find_marks(const ObjectView& view, const Eigen::Matrix3d& camera_to_map, double size) {
-  SurfaceMarks marks;
-  if (view.empty()) return marks;
+SurfaceFeatures find_features(const ObjectView& view, const Eigen::Matrix3d& camera_to_map, double size) {
+  SurfaceFeatures features;
+  if (view.empty()) return features;
   std::vector<Eigen::Vector3f> positions;
-  std::vector<Look> looks;
+  std::vector<Descriptor> descriptors;
   for (const Corner& corner : find_corners(view)) {
-    if (looks.size() == kMostMarks) break;
+    if (descriptors.size() == kMostFeatures) break;
     const Eigen::Vector3d point = view.point(corner.u, corner.v);
     const float* plane = view.planes.planes.pixel(corner.u, corner.v);
     const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
     if (-normal.dot(point) < kMinFacing * point.norm()) continue;
-    const auto look = look_at(view, point, normal, camera_to_map, size);
-    if (!look) continue;
+    const auto descriptor = describe(view, point, normal, camera_to_map, size);
+    if (!descriptor) continue;
     positions.push_back(point.cast<float>());
-    looks.push_back(*look);
+    descriptors.push_back(*descriptor);
   }
-  marks.positions.resize(3, static_cast<Eigen::Index>(looks.size()));
-  marks.looks.resize(Look::RowsAtCompileTime, static_cast<Eigen::Index>(looks.size()));
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    marks.positions.col(static_cast<Eigen::Index>(i)) = positions[i];
-    marks.looks.col(static_cast<Eigen::Index>(i)) = looks[i];
+  features.positions.resize(3, static_cast<Eigen::Index>(descriptors.size()));
+  features.descriptors.resize(Descriptor::RowsAtCompileTime, static_cast<Eigen::Index>(descriptors.size()));
+  for (std::size_t i = 0; i < descriptors.size(); ++i) {
+    features.positions.col(static_cast<Eigen::Index>(i)) = positions[i];
+    features.descriptors.col(static_cast<Eigen::Index>(i)) = descriptors[i];
   }
-  return marks;
+  return features;
 }
 
-std::size_t count_alike(const SurfaceMarks& a, const SurfaceMarks& b) { return like_pairs(a, b).size(); }
+std::size_t count_alike(const SurfaceFeatures& a, const SurfaceFeatures& b) { return like_pairs(a, b).size(); }
 
-std::optional<SE3> place_by_marks(const SurfaceMarks& a, const SurfaceMarks& b) {
+std::optional<SE3> place_by_features(const SurfaceFeatures& a, const SurfaceFeatures& b) {
   const std::vector<Pair> pairs = like_pairs(a, b);
   if (pairs.size() < kMinPairs) return std::nullopt;
   Random random(pairs.size());
