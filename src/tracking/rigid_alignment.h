@@ -19,9 +19,9 @@ struct AlignmentConfig {
   double weak_share = 0.01; ///< a direction is weak if its information is below this share of what the same points
                             ///< would give along their normals
   double texture_tolerance = 0.003; ///< metres; texture that fixes a direction to this supports it, whatever depth says
-  double nearly_weak = 3; ///< times that information, from depth and texture: below, the rim takes part too
-  double rim_tolerance = 0.003; ///< metres; a rim that fixes a direction to this supports it, if it has
-  double rim_weak_share = 0.05; ///< this share of what it would give along its normals
+  double nearly_weak = 3;           ///< times that information, from depth and texture: below, the rim takes part too
+  double rim_tolerance = 0.003;     ///< metres; a rim that fixes a direction to this supports it, if it has
+  double rim_weak_share = 0.05;     ///< this share of what it would give along its normals
   double unseen_cost = 1; ///< of a point where the view shows nothing, to the most that a point can cost: an object's
                           ///< are lost by a wrong pose, a room's come and go with every motion of the camera
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of the texture term

@@ -164,8 +164,8 @@ TEST_P(EdgeWithinALayer, LetsLittleColourOver) {
   EXPECT_LT(drawn.beyond, 0.003);
 }
 
-INSTANTIATE_TEST_SUITE_P(DisturbedTraining, EdgeWithinALayer, ::testing::Values(kExact, kDisplaced, kTooFarOut, kFlying),
-                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(DisturbedTraining, EdgeWithinALayer,
+                         ::testing::Values(kExact, kDisplaced, kTooFarOut, kFlying), name_of_case);
 
 } // namespace
 } // namespace kinora::fields
