@@ -135,6 +135,7 @@ Bleeding learn(const Change& disturb, const std::vector<int>& labels) {
         train_field(store, label, still, choose_field_config(store, label, still), short_training(), progress));
   }
   std::vector<PosedField> posed;
+  posed.reserve(fields.size());
   for (const DrawableField& field : fields) posed.push_back(pose(field, tracking::Warp(SE3::Identity())));
   const ingest::Frame held_out = red_ball(0, 0.125);
   return bleeding(render(posed, held_out.camera), held_out);
