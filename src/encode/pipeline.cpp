@@ -184,9 +184,9 @@ RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig
   return refined;
 }
 
-Json reasons_json(const std::vector<fields::Fault>& restarts) {
+Json reasons_json(const std::vector<fields::Collapse>& restarts) {
   Json reasons = Json::array();
-  for (const fields::Fault fault : restarts) reasons.push_back(name_of(fault));
+  for (const fields::Collapse collapse : restarts) reasons.push_back(name_of(collapse));
   return reasons;
 }
 

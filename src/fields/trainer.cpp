@@ -1,7 +1,6 @@
 #include "fields/trainer.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -10,9 +9,11 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
 #include "fields/field_batch.h"
 #include "fields/growth.h"
 #include "fields/stray_cells.h"
+#include "fields/transparent_cells.h"
 
 namespace kinora::fields {
 namespace {
@@ -58,57 +59,6 @@ std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
   return std::max<std::size_t>(1, progress < 0.25 ? all / 4 : progress < 0.5 ? all / 2 : all);
 }
 
-// Keeps the cells in which the field absorbs anything worth drawing at one of eight random points. Most do at one of
-// the first two.
-void prune(Field& field) {
-  constexpr float kVisible = 0.02F; // opacity of a cell's side
-  const auto r = static_cast<std::size_t>(field.config.occupancy_resolution);
-  const auto cells_per_side = static_cast<float>(r);
-  const auto cell = static_cast<float>(field.config.box.side / field.config.density_length()) / cells_per_side;
-  const std::vector<GridLevel> levels = grid_levels(field.config);
-  std::vector<std::uint64_t>& words = field.occupancy.words();
-  parallel_for(words.size(), 256, [&](const Chunk& chunk) {
-    std::vector<std::size_t> doubtful;
-    for (std::size_t w = chunk.begin; w < chunk.end; ++w) {
-      for (std::uint64_t bits = words[w]; bits != 0; bits &= bits - 1) {
-        doubtful.push_back(w * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
-      }
-      words[w] = 0;
-    }
-    std::vector<float> x, y, z;
-    PointBatch batch;
-    Random random(0x9A11, chunk.index);
-    for (const std::size_t probes : {2, 6}) {
-      for (std::vector<float>* values : {&x, &y, &z}) values->clear();
-      for (const std::size_t index : doubtful) {
-        const std::size_t cell_x = index % r;
-        const std::size_t cell_y = index / r % r;
-        const std::size_t cell_z = index / (r * r);
-        for (std::size_t k = 0; k < probes; ++k) {
-          x.push_back((static_cast<float>(cell_x) + random.uniform()) / cells_per_side);
-          y.push_back((static_cast<float>(cell_y) + random.uniform()) / cells_per_side);
-          z.push_back((static_cast<float>(cell_z) + random.uniform()) / cells_per_side);
-        }
-      }
-      evaluate_points(field, levels, {x.data(), y.data(), z.data(), x.size()}, batch);
-      std::size_t left = 0;
-      for (std::size_t i = 0; i < doubtful.size(); ++i) {
-        float densest = 0;
-        for (std::size_t k = 0; k < probes; ++k) {
-          const float raw = batch.geometry[(i * probes + k) * FieldConfig::kGeometry];
-          densest = std::max(densest, std::exp(std::min(raw, kMaxRawDensity)));
-        }
-        if (1 - std::exp(-densest * cell) < kVisible) {
-          doubtful[left++] = doubtful[i];
-        } else {
-          words[doubtful[i] >> 6] |= std::uint64_t{1} << (doubtful[i] & 63);
-        }
-      }
-      doubtful.resize(left);
-    }
-  });
-}
-
 std::size_t bytes_of(const Field& field) { return 4 * sizeof(float) * field.parameter_count(); }
 
 /// A field on its way: how far its training has come, and how it goes on.
@@ -141,11 +91,11 @@ public:
     report.rays += taken.rays;
     ++report.steps;
     report.final_loss = taken.loss;
-    if (const auto fault = pulse_.fault(taken); fault && restarts_ < kMaxRestarts) {
+    if (const auto collapse = collapse_detector_.collapse(taken); collapse && restarts_ < kMaxRestarts) {
       progress.warn(fmt::format("training stopped learning at step {} ({}); it starts again with smaller steps", steps_,
-                                name_of(*fault)));
+                                name_of(*collapse)));
       rate_ *= kRestartRate;
-      report.restarts.push_back(*fault);
+      report.restarts.push_back(*collapse);
       ++restarts_;
       warm_ = false;
       start();
@@ -178,11 +128,11 @@ private:
       : sampler_(before.sampler_), trainer_(before.trainer_), field_(std::move(field)),
         optimizer_(std::make_unique<FieldOptimizer>(*field_, *before.optimizer_)), rays_(before.rays_),
         steps_(before.steps_), restarts_(before.restarts_), warm_(before.warm_), rate_(before.rate_),
-        pulse_(before.pulse_) {}
+        collapse_detector_(before.collapse_detector_) {}
 
   void start() {
     rays_ = steps_ = 0;
-    pulse_ = {};
+    collapse_detector_ = {};
     if (!warm_) initialise(*field_, trainer_->seed + restarts_);
     optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->negligible_gradient);
     draw();
@@ -216,7 +166,7 @@ private:
   std::size_t restarts_ = 0;
   bool warm_ = false;
   float rate_ = 1;
-  Pulse pulse_;
+  CollapseDetector collapse_detector_;
 };
 
 // Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
@@ -296,7 +246,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   }
   progress.advance(run.rays(), fmt::format("loss {:.4f}", result.final_loss));
   Field field = run.take_field();
-  prune(field);
+  drop_transparent_cells(field);
   if (trainer.drop_stray_cells) result.stray_cells = drop_stray_cells(pixels, label, motion, field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();

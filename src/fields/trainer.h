@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "fields/collapse.h"
 #include "fields/field.h"
 #include "fields/optimizer.h"
 #include "fields/pixel_store.h"
-#include "fields/pulse.h"
 #include "fields/ray_sampler.h"
 #include "tracking/motion.h"
 
@@ -67,17 +67,16 @@ struct TrainingReport {
   std::size_t bytes = 0; ///< of parameters, their gradients and both moments: what a step works on
   double seconds = 0;    ///< for people; no decision depends on it
   double final_loss = 0;
-  std::vector<Fault> restarts; ///< why the field was begun anew, each time
-  std::size_t stray_cells = 0; ///< that were dropped
+  std::vector<Collapse> restarts; ///< why the field was begun anew, each time
+  std::size_t stray_cells = 0;    ///< that were dropped
   std::vector<GrowthTrial> growth;
 };
 
 /// Returns the trained field with its occupancy; its tables may have grown (GrowthTrial). `begin_with`: a field of that
 /// configuration which was trained before, with fewer frames or another motion: it is learnt on from there, and as
 /// sharply at once as a training from nothing does from its middle on (a warm start). Learning rates of 0.3 keep better
-/// what is known, and learn more slowly what is new. Same input, same bits, for any
-/// number of threads. Throws Error(kInterrupted) when cancelled, Error(kUsage) if `begin_with` has another
-/// configuration.
+/// what is known, and learn more slowly what is new. Same input, same bits, for any number of threads. Throws
+/// Error(kInterrupted) when cancelled, Error(kUsage) if `begin_with` has another configuration.
 Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
                   const TrainerConfig& trainer, Progress& progress, TrainingReport* report = nullptr,
                   const Field* begin_with = nullptr);

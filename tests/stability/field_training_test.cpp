@@ -257,7 +257,7 @@ TEST_P(TooLargeSteps, AreNoticedAndTakenSmaller) {
   trial.trainer.learning_rates.nets *= GetParam();
   const Outcome outcome = learn_ball(trial);
   ASSERT_FALSE(outcome.report.restarts.empty());
-  EXPECT_EQ(outcome.report.restarts.front(), Fault::kOneColor) << "every number stays finite";
+  EXPECT_EQ(outcome.report.restarts.front(), Collapse::kOneColor) << "every number stays finite";
   ASSERT_EQ(outcome.warnings.size(), outcome.report.restarts.size());
   EXPECT_NE(outcome.warnings.front().find("everything is of one colour"), std::string::npos)
       << outcome.warnings.front();
