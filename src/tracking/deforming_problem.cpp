@@ -13,7 +13,6 @@ namespace {
 constexpr std::size_t kPointsPerChunk = 512;
 constexpr std::size_t kNodesPerChunk = 16;
 constexpr std::size_t kEdgesPerChunk = 1024;
-constexpr double kNearest = 0.05; // metres before the camera
 
 double huber(double value, double bend) {
   const double size = std::abs(value);
@@ -25,8 +24,8 @@ double huber_weight(double value, double bend) {
   return size <= bend ? 1.0 : bend / size;
 }
 
-bool has_terms(const PointTerms& terms) {
-  return terms.plane_scale != 0 || terms.texture_scale[0] != 0 || terms.texture_scale[1] != 0;
+template <class Items> auto part_of(const Items& items, const Chunk& chunk) {
+  return std::span(items).subspan(chunk.begin, chunk.end - chunk.begin);
 }
 
 // Only blocks right of the diagonal were summed up; the others are their transposes.
@@ -50,9 +49,9 @@ void DeformingProblem::tie_nodes() {
   point_uses_.resize(model_.nodes.size());
   edge_uses_.resize(model_.nodes.size());
   for (std::size_t p = 0; p < model_.points.size(); ++p) {
-    const Influence& influence = model_.points[p].influence;
-    for (std::size_t slot = 0; slot < static_cast<std::size_t>(influence.count); ++slot) {
-      point_uses_[static_cast<std::size_t>(influence.nodes[slot])].push_back(
+    const SkinnedPoint& point = model_.points[p];
+    for (std::size_t slot = 0; slot < point.node_count(); ++slot) {
+      point_uses_[static_cast<std::size_t>(point.nodes[slot])].push_back(
           {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}});
     }
   }
@@ -62,9 +61,9 @@ void DeformingProblem::tie_nodes() {
   for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
     const int node = static_cast<int>(n);
     for (const PointUse& use : point_uses_[n]) {
-      const Influence& influence = model_.points[use.point].influence;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-        const int other = influence.nodes[k];
+      const SkinnedPoint& point = model_.points[use.point];
+      for (std::size_t k = 0; k < point.node_count(); ++k) {
+        const int other = point.nodes[k];
         if (other <= node || std::exchange(last[static_cast<std::size_t>(other)], node) == node) continue;
         pairs.push_back({node, other});
       }
@@ -78,11 +77,11 @@ void DeformingProblem::tie_nodes() {
       place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
     }
     for (PointUse& use : point_uses_[n]) {
-      const Influence& influence = model_.points[use.point].influence;
+      const SkinnedPoint& point = model_.points[use.point];
       for (std::size_t k = 0; k < use.blocks.size(); ++k) {
         // Others are the transposes of some that are summed up there.
-        const bool wanted = k < static_cast<std::size_t>(influence.count) && influence.nodes[k] >= static_cast<int>(n);
-        use.blocks[k] = wanted ? place[static_cast<std::size_t>(influence.nodes[k])] : PointUse::kNone;
+        const bool wanted = k < point.node_count() && point.nodes[k] >= static_cast<int>(n);
+        use.blocks[k] = wanted ? place[static_cast<std::size_t>(point.nodes[k])] : PointUse::kNone;
       }
     }
   }
@@ -95,55 +94,6 @@ void DeformingProblem::tie_nodes() {
   }
 }
 
-DeformingProblem::PointResiduals DeformingProblem::residuals_at(std::size_t point, const Eigen::Vector3d& place) const {
-  PointResiduals residuals;
-  const PointTerms& terms = terms_[point];
-  residuals.plane = terms.plane_scale * (terms.plane_normal.dot(place) + terms.plane_offset);
-  if (place.z() < kNearest ||
-      std::all_of(terms.texture_scale.begin(), terms.texture_scale.end(), [](double scale) { return scale == 0; })) {
-    return residuals;
-  }
-  const double fx = view_.intrinsics.fx / place.z();
-  const double fy = view_.intrinsics.fy / place.z();
-  const TextureSample image =
-      view_.sample_texture(level_, fx * place.x() + view_.intrinsics.cx, fy * place.y() + view_.intrinsics.cy);
-  residuals.slope = Eigen::Vector3d(image.du * fx, image.dv * fy,
-                                    -(image.du * fx * place.x() + image.dv * fy * place.y()) / place.z());
-  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    if (terms.texture_scale[t] == 0) continue;
-    residuals.textures[t] = terms.texture_scale[t] * (image.value - terms.expected[t]);
-  }
-  return residuals;
-}
-
-double DeformingProblem::energy_of(const PointResiduals& residuals) const {
-  double sum = huber(residuals.plane, weights_.huber);
-  for (const double value : residuals.textures) sum += huber(value, weights_.huber);
-  return sum;
-}
-
-std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& residuals,
-                                      std::array<PointRow, kRows>& rows) const {
-  const PointTerms& terms = terms_[point];
-  std::size_t count = 0;
-  if (terms.plane_scale > 0) {
-    const double root = std::sqrt(huber_weight(residuals.plane, weights_.huber));
-    rows[count++] = {root * residuals.plane, root * terms.plane_scale * terms.plane_normal};
-  }
-  double information = 0;
-  double sum = 0;
-  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    const double weighted = huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
-    information += weighted * terms.texture_scale[t];
-    sum += weighted * residuals.textures[t];
-  }
-  if (information > 0 && !residuals.slope.isZero(0)) {
-    const double root = std::sqrt(information);
-    rows[count++] = {sum / root, root * residuals.slope};
-  }
-  return count;
-}
-
 // Where `from` would have its neighbour `to`, less where it is.
 Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStates& states) const {
   const auto i = static_cast<std::size_t>(from);
@@ -153,11 +103,10 @@ Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStat
 }
 
 double DeformingProblem::energy(const LayerPose& pose) const {
+  const TextureImage texture = texture_image(view_, level_);
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      if (has_terms(terms_[p])) parts[chunk.index] += energy_of(residuals_at(p, pose.places[p]));
-    }
+    parts[chunk.index] = energy_of(part_of(pose.points, chunk), part_of(terms_, chunk), texture, weights_.huber);
   });
   return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(pose.nodes);
 }
@@ -188,38 +137,24 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
   for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
+// Renews the points' derivatives; returns their energy.
+double DeformingProblem::jacobians_at(const LayerPose& pose) {
+  if (!jacobians_) jacobians_ = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
+  const std::span<PointJacobians> jacobians(jacobians_.get(), model_.points.size());
+  const TextureImage texture = texture_image(view_, level_);
+  std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
+  parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    parts[chunk.index] =
+        find_jacobians(part_of(model_.points, chunk), pose.rows, part_of(pose.points, chunk), part_of(terms_, chunk),
+                       texture, weights_.huber, jacobians.subspan(chunk.begin, chunk.end - chunk.begin));
+  });
+  return std::accumulate(parts.begin(), parts.end(), 0.0);
+}
+
 BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
   const NodeStates& states = pose.nodes;
   if (point_uses_.empty()) tie_nodes();
-  if (!jacobians_) jacobians_ = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
-  std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
-  parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    std::array<PointRow, kRows> rows;
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      PointJacobians& out = jacobians_[p];
-      out.empty = !has_terms(terms_[p]);
-      if (out.empty) continue;
-      const SkinnedPoint& point = model_.points[p];
-      const Eigen::Vector3d& place = pose.places[p];
-      const PointResiduals residuals = residuals_at(p, place);
-      parts[chunk.index] += energy_of(residuals);
-      const std::size_t count = rows_of(p, residuals, rows);
-      out.empty = count == 0;
-      for (std::size_t r = count; r < kRows; ++r) rows[r] = {0, Eigen::Vector3d::Zero()};
-      for (std::size_t r = 0; r < kRows; ++r) out.residuals[r] = static_cast<float>(rows[r].residual);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
-        const NodePart part(states, point.influence, pose.motions[p], k);
-        for (std::size_t r = 0; r < kRows; ++r) {
-          const Eigen::Vector3d& gradient = rows[r].gradient;
-          PointJacobians::Row& row = out.by_node[k][r];
-          row.fill(0);
-          Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.data()) =
-              part.pulled_back(gradient, place.cross(gradient)).cast<float>();
-        }
-      }
-    }
-  });
-  energy = std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(states);
+  energy = jacobians_at(pose) + energy_beside_points(states);
   BlockSystem system;
   system.blocks.assign(pattern_.block_count(), Block::Zero());
   system.gradient.assign(model_.nodes.size(), Twist::Zero());
@@ -304,18 +239,21 @@ void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vecto
     Block information = Block::Zero();
     Twist gradient = Twist::Zero();
   };
+  const TextureImage texture = texture_image(view_, level_);
   std::vector<Part> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    std::array<PointRow, kRows> rows;
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      if (!has_terms(terms_[p])) continue;
-      const Eigen::Vector3d& place = pose.places[p];
-      const std::size_t count = rows_of(p, residuals_at(p, place), rows);
-      for (std::size_t r = 0; r < count; ++r) {
-        Twist row;
-        row << rows[r].gradient, (place - pivot).cross(rows[r].gradient);
-        parts[chunk.index].information.noalias() += row * row.transpose();
-        parts[chunk.index].gradient += rows[r].residual * row;
+    std::array<PointRows, kPointsPerChunk> rows;
+    const std::span<PointRows> found(rows.data(), chunk.end - chunk.begin);
+    find_rows(part_of(pose.points, chunk), part_of(terms_, chunk), texture, weights_.huber, found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Eigen::Vector3d lever = pose.points[chunk.begin + i].place.cast<double>() - pivot;
+      for (const PointRow& row : found[i]) {
+        if (row.gradient.isZero(0)) continue;
+        const Eigen::Vector3d slope = row.gradient.cast<double>();
+        Twist twist;
+        twist << slope, lever.cross(slope);
+        parts[chunk.index].information.noalias() += twist * twist.transpose();
+        parts[chunk.index].gradient += static_cast<double>(row.residual) * twist;
       }
     }
   });

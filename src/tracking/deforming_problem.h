@@ -13,22 +13,10 @@
 #include "tracking/layer_pose.h"
 #include "tracking/object_view.h"
 #include "tracking/point_products.h"
+#include "tracking/point_terms.h"
 #include "tracking/surface_graph.h"
 
 namespace kinora::tracking {
-
-/// What a point is compared with, fixed while the solver steps. A scale is the root of a term's weight over its
-/// standard deviation; zero: there is no such term.
-struct PointTerms {
-  static constexpr std::size_t kTextures = 2;
-  Eigen::Vector3d plane_normal = Eigen::Vector3d::Zero(); ///< of the measured surface, in the camera
-  double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
-  double plane_scale = 0;
-  bool on_surface = false;                  ///< the plane is of measured surface, no border of a silhouette
-  bool seen_past = false;                   ///< the camera sees what lies behind the point
-  std::array<double, kTextures> expected{}; ///< textures at the point
-  std::array<double, kTextures> texture_scale{};
-};
 
 /// A place that something beside the view would have a node at.
 struct NodePull {
@@ -77,28 +65,13 @@ public:
   void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information, Twist& gradient) const;
 
 private:
-  /// A point's residuals at some place, in standard deviations; zero where there is no such term.
-  struct PointResiduals {
-    double plane = 0;
-    std::array<double, PointTerms::kTextures> textures{};
-    Eigen::Vector3d slope = Eigen::Vector3d::Zero(); ///< of the image's texture, by the point's place
-  };
-  /// A residual and its derivative by the point's place, times the root of its weight. All textures are one row, as
-  /// their derivatives are parallel.
-  struct PointRow {
-    double residual;
-    Eigen::Vector3d gradient;
-  };
-  static constexpr std::size_t kRows = PointJacobians::kRows;
   struct EdgeUse {
     int edge;
     std::uint32_t block;
   };
 
   void tie_nodes();
-  PointResiduals residuals_at(std::size_t point, const Eigen::Vector3d& place) const;
-  double energy_of(const PointResiduals& residuals) const;
-  std::size_t rows_of(std::size_t point, const PointResiduals& residuals, std::array<PointRow, kRows>& rows) const;
+  double jacobians_at(const LayerPose& pose);
   double energy_beside_points(const NodeStates& states) const;
   void add_points(std::size_t node, BlockSystem& system) const;
   void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;

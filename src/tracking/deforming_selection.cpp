@@ -36,9 +36,9 @@ std::array<float, ObjectView::kLevels> texture_at(const ObjectView& view, const 
   return texture;
 }
 
-bool faces_camera(const SurfacePoint& point, const BlendedMotion& motion, const ObjectView& view) {
-  const Eigen::Vector3d place = motion.apply(point.position.cast<double>());
-  if (!(place.z() > 0) || motion.rotate(point.normal.cast<double>()).dot(place) > 0) return false;
+bool faces_camera(const PosedPoint& point, const ObjectView& view) {
+  const Eigen::Vector3d place = point.place.cast<double>();
+  if (!(place.z() > 0) || point.normal.dot(point.place) > 0) return false;
   const Eigen::Vector2d pixel = view.intrinsics.project(place);
   return pixel.x() > 0 && pixel.y() > 0 && pixel.x() < view.intrinsics.width && pixel.y() < view.intrinsics.height;
 }
@@ -46,9 +46,10 @@ bool faces_camera(const SurfacePoint& point, const BlendedMotion& motion, const 
 } // namespace
 
 void DeformingSelection::add_last_view(const ObjectView& view, const NodeStates& states) {
+  const LayerPose pose = pose_layer(points, states);
   parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
-      textures[k].last = texture_at(view, blend_motion(states, points[k].influence).apply(points[k].position));
+      textures[k].last = texture_at(view, pose.points[k].place.cast<double>());
     }
   });
 }
@@ -57,11 +58,18 @@ DeformingSelection select_facing(std::span<const SurfacePoint> surface, std::spa
                                  const ObjectView& view, const NodeStates& states, std::size_t max_points,
                                  const std::function<bool(const Influence&)>& takes_part) {
   std::vector<std::uint8_t> chosen(surface.size(), 0);
+  const std::vector<NodeRow> nodes = rows_of(states);
   parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::size_t> which;
+    std::vector<SkinnedPoint> points;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (skin[i].count == 0 || (takes_part && !takes_part(skin[i]))) continue;
-      chosen[i] = faces_camera(surface[i], blend_motion(states, skin[i]), view) ? 1 : 0;
+      which.push_back(i);
+      points.emplace_back(surface[i].position, surface[i].normal, skin[i]);
     }
+    std::vector<PosedPoint> posed(points.size());
+    pose_points(points, nodes, posed);
+    for (std::size_t k = 0; k < which.size(); ++k) chosen[which[k]] = faces_camera(posed[k], view) ? 1 : 0;
   });
   const std::size_t count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
   const std::size_t wanted = std::min(count, max_points);
@@ -71,7 +79,7 @@ DeformingSelection select_facing(std::span<const SurfacePoint> surface, std::spa
     if (chosen[i] == 0) continue;
     ++seen;
     if (seen * wanted / count == (seen - 1) * wanted / count) continue; // every count/wanted-th of them
-    selection.points.push_back({surface[i].position.cast<double>(), surface[i].normal.cast<double>(), skin[i]});
+    selection.points.emplace_back(surface[i].position, surface[i].normal, skin[i]);
     PointTexture texture;
     texture.fused = surface[i].intensity;
     texture.direction = direction_of(surface[i].normal);
