@@ -61,26 +61,30 @@ float texture_of(const PointTexture& texture, std::size_t which, int level) {
 // Light: the median difference of each direction of the normal. Sigma: what it leaves.
 void set_textures(std::span<const PointTexture> textures, std::span<const float> image, std::size_t which, int level,
                   const DeformingAlignmentConfig& config, std::vector<PointTerms>& terms) {
-  std::array<std::vector<double>, ModelPoint::kDirections> differences;
-  const auto difference = [&](std::size_t p) {
-    return static_cast<double>(image[p]) - static_cast<double>(texture_of(textures[p], which, level));
-  };
+  if (which > 0 && level > 0) return; // there is none
+  std::array<std::vector<float>, ModelPoint::kDirections> differences;
+  const auto difference = [&](std::size_t p) { return image[p] - texture_of(textures[p], which, level); };
+  std::size_t count = 0;
   for (std::size_t p = 0; p < terms.size(); ++p) {
-    if (!std::isnan(difference(p))) differences[textures[p].direction].push_back(difference(p));
+    if (std::isnan(difference(p))) continue;
+    differences[textures[p].direction].push_back(difference(p));
+    ++count;
   }
-  std::array<double, ModelPoint::kDirections> light{};
-  std::vector<double> sizes;
+  if (count == 0) return;
+  std::array<float, ModelPoint::kDirections> light{};
+  std::vector<float> sizes;
+  sizes.reserve(count);
   for (std::size_t d = 0; d < light.size(); ++d) {
     if (differences[d].empty()) continue;
     light[d] = median(differences[d]);
-    for (const double value : differences[d]) sizes.push_back(std::abs(value - light[d]));
+    for (const float value : differences[d]) sizes.push_back(std::abs(value - light[d]));
   }
-  if (sizes.empty()) return;
-  const double sigma = std::max(config.texture_sigma, 1.4826 * median(sizes));
+  const double sigma = std::max(config.texture_sigma, 1.4826 * static_cast<double>(median(sizes)));
+  const float scale = static_cast<float>(std::sqrt(config.photometric_share) / sigma);
   for (std::size_t p = 0; p < terms.size(); ++p) {
     if (std::isnan(difference(p))) continue;
-    terms[p].expected[which] = texture_of(textures[p], which, level) + static_cast<float>(light[textures[p].direction]);
-    terms[p].texture_scale[which] = static_cast<float>(std::sqrt(config.photometric_share) / sigma);
+    terms[p].expected[which] = texture_of(textures[p], which, level) + light[textures[p].direction];
+    terms[p].texture_scale[which] = scale;
   }
 }
 
@@ -220,7 +224,7 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
   problem.set_level(level);
   for (int i = 0; i < iterations; ++i) {
     associate(model, textures, view, pose, level, gate, config, problem.terms());
-    Block information;
+    Matrix6d information;
     Twist gradient;
     const Eigen::Vector3d pivot = mean_place(pose.nodes);
     problem.linearise_rigid(pose, pivot, information, gradient);
@@ -228,7 +232,7 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
     if (!(largest > 0)) break;
     const double before = problem.energy(pose);
     for (double damping = 1e-3; damping < 1e3; damping *= 10) {
-      Block damped = information;
+      Matrix6d damped = information;
       damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
       LayerPose candidate = pose_layer(model.points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
       if (problem.energy(candidate) < before) {

@@ -30,13 +30,13 @@ template <class Items> auto part_of(const Items& items, const Chunk& chunk) {
 
 // Only blocks right of the diagonal were summed up; the others are their transposes.
 void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
-  for (std::size_t row = 0; row < pattern.node_count(); ++row) {
-    for (std::size_t b = pattern.row_begin(row); b < pattern.row_end(row); ++b) {
-      const int column = pattern.column(b);
-      if (column >= static_cast<int>(row)) break;
-      system.blocks[b] = system.blocks[pattern.find(column, static_cast<int>(row))].transpose();
+  parallel_for(pattern.node_count(), 4 * kNodesPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      for (std::size_t b = pattern.row_begin(row); b < pattern.diagonal(row); ++b) {
+        system.blocks[b].matrix() = system.blocks[pattern.transposed(b)].matrix().transpose();
+      }
     }
-  }
+  });
 }
 
 } // namespace
@@ -46,45 +46,61 @@ DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& vi
 
 // Which nodes share a point or an edge, and where in the system that is.
 void DeformingProblem::tie_nodes() {
-  point_uses_.resize(model_.nodes.size());
-  edge_uses_.resize(model_.nodes.size());
+  const std::size_t nodes = model_.nodes.size();
+  point_uses_begin_.assign(nodes + 1, 0);
+  std::vector<std::uint8_t> counts(model_.points.size());
   for (std::size_t p = 0; p < model_.points.size(); ++p) {
     const SkinnedPoint& point = model_.points[p];
-    for (std::size_t slot = 0; slot < point.node_count(); ++slot) {
-      point_uses_[static_cast<std::size_t>(point.nodes[slot])].push_back(
-          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}});
+    counts[p] = static_cast<std::uint8_t>(point.node_count());
+    for (std::size_t slot = 0; slot < counts[p]; ++slot) {
+      ++point_uses_begin_[static_cast<std::size_t>(point.nodes[slot]) + 1];
     }
   }
+  std::partial_sum(point_uses_begin_.begin(), point_uses_begin_.end(), point_uses_begin_.begin());
+  point_uses_.resize(point_uses_begin_.back());
+  std::vector<std::size_t> next(point_uses_begin_.begin(), point_uses_begin_.end() - 1);
+  for (std::size_t p = 0; p < model_.points.size(); ++p) {
+    for (std::size_t slot = 0; slot < counts[p]; ++slot) {
+      point_uses_[next[static_cast<std::size_t>(model_.points[p].nodes[slot])]++] = {
+          static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}};
+    }
+  }
+  std::vector<std::vector<BlockPattern::Pair>> of_chunks(chunk_count(nodes, kNodesPerChunk));
+  parallel_for(nodes, kNodesPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::size_t> last(nodes, nodes); // for each node, the last one that it was paired with
+    for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
+      for (const PointUse& use : uses_of(n)) {
+        const SkinnedPoint& point = model_.points[use.point];
+        for (std::size_t k = 0; k < counts[use.point]; ++k) {
+          const auto other = static_cast<std::size_t>(point.nodes[k]);
+          if (other <= n || std::exchange(last[other], n) == n) continue;
+          of_chunks[chunk.index].push_back({static_cast<int>(n), point.nodes[k]});
+        }
+      }
+    }
+  });
   std::vector<BlockPattern::Pair> pairs;
   for (const GraphEdge& edge : model_.edges) pairs.push_back({edge.a, edge.b});
-  std::vector<int> last(model_.nodes.size(), -1); // for each node, the last one that it was paired with
-  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-    const int node = static_cast<int>(n);
-    for (const PointUse& use : point_uses_[n]) {
-      const SkinnedPoint& point = model_.points[use.point];
-      for (std::size_t k = 0; k < point.node_count(); ++k) {
-        const int other = point.nodes[k];
-        if (other <= node || std::exchange(last[static_cast<std::size_t>(other)], node) == node) continue;
-        pairs.push_back({node, other});
+  for (const auto& some : of_chunks) pairs.insert(pairs.end(), some.begin(), some.end());
+  pattern_ = BlockPattern(nodes, pairs);
+  parallel_for(nodes, kNodesPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::uint32_t> place(nodes); // of each node's block in a row
+    for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
+      const std::size_t first = pattern_.row_begin(n);
+      for (std::size_t b = pattern_.diagonal(n); b < pattern_.row_end(n); ++b) {
+        place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
+      }
+      for (PointUse& use : uses_of(n)) {
+        const SkinnedPoint& point = model_.points[use.point];
+        for (std::size_t k = 0; k < use.blocks.size(); ++k) {
+          // Others are the transposes of some that are summed up there.
+          const bool wanted = k < counts[use.point] && point.nodes[k] >= static_cast<int>(n);
+          use.blocks[k] = wanted ? place[static_cast<std::size_t>(point.nodes[k])] : PointUse::kNone;
+        }
       }
     }
-  }
-  pattern_ = BlockPattern(model_.nodes.size(), pairs);
-  std::vector<std::uint32_t> place(model_.nodes.size()); // of each node's block in a row
-  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-    const std::size_t first = pattern_.row_begin(n);
-    for (std::size_t b = first; b < pattern_.row_end(n); ++b) {
-      place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
-    }
-    for (PointUse& use : point_uses_[n]) {
-      const SkinnedPoint& point = model_.points[use.point];
-      for (std::size_t k = 0; k < use.blocks.size(); ++k) {
-        // Others are the transposes of some that are summed up there.
-        const bool wanted = k < point.node_count() && point.nodes[k] >= static_cast<int>(n);
-        use.blocks[k] = wanted ? place[static_cast<std::size_t>(point.nodes[k])] : PointUse::kNone;
-      }
-    }
-  }
+  });
+  edge_uses_.resize(nodes);
   for (std::size_t e = 0; e < model_.edges.size(); ++e) {
     const GraphEdge& edge = model_.edges[e];
     edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
@@ -153,10 +169,10 @@ double DeformingProblem::jacobians_at(const LayerPose& pose) {
 
 BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
   const NodeStates& states = pose.nodes;
-  if (point_uses_.empty()) tie_nodes();
+  if (point_uses_begin_.empty()) tie_nodes();
   energy = jacobians_at(pose) + energy_beside_points(states);
   BlockSystem system;
-  system.blocks.assign(pattern_.block_count(), Block::Zero());
+  system.blocks.resize(pattern_.block_count());
   system.gradient.assign(model_.nodes.size(), Twist::Zero());
   parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -173,22 +189,17 @@ BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
 // In single precision: a node has few hundred points.
 void DeformingProblem::add_points(std::size_t node, BlockSystem& system) const {
   const std::size_t first = pattern_.row_begin(node);
-  std::vector<PaddedBlock> sums(pattern_.row_end(node) - first);
+  const std::size_t count = pattern_.row_end(node) - first;
   PointJacobians::Row gradient{};
-  add_point_products(point_uses_[node], {jacobians_.get(), model_.points.size()}, sums, gradient);
+  add_point_products(uses_of(node), {jacobians_.get(), model_.points.size()},
+                     std::span(system.blocks).subspan(first, count), gradient);
   system.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
-  for (std::size_t b = 0; b < sums.size(); ++b) {
-    for (std::size_t c = 0; c < sums[b].size(); ++c) {
-      system.blocks[first + b].col(static_cast<Eigen::Index>(c)) +=
-          Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums[b][c].data()).cast<double>();
-    }
-  }
 }
 
 // An edge (i, j) has two residuals: T_i x_j − c_j, with derivatives (1, −[T_i x_j − c_i]×) by i and −1 by j; and the
 // same the other way round.
 void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const {
-  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
+  Block::Matrix own_block = system.blocks[pattern_.diagonal(node)].matrix();
   const double information = 1 / (weights_.rigidity_sigma * weights_.rigidity_sigma);
   for (const EdgeUse& use : edge_uses_[node]) {
     const GraphEdge& edge = model_.edges[static_cast<std::size_t>(use.edge)];
@@ -201,20 +212,20 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
       const double weight = information * huber_weight(residual.norm() / weights_.rigidity_sigma, weights_.huber);
       const Eigen::Vector3d lever =
           residual + states.positions[static_cast<std::size_t>(to)] - states.positions[static_cast<std::size_t>(from)];
-      const Eigen::Matrix3d turn = weight * skew(lever);
-      Block& own_block = system.blocks[diagonal];
-      own_block.diagonal().head<3>().array() += weight;
+      const Eigen::Matrix3f turn = (weight * skew(lever)).cast<float>();
+      const auto on_diagonal = static_cast<float>(weight);
+      own_block.diagonal().head<3>().array() += on_diagonal;
       system.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
       if (outward) {
         own_block.topRightCorner<3, 3>() -= turn;
         own_block.bottomLeftCorner<3, 3>() += turn;
-        own_block.bottomRightCorner<3, 3>() -= weight * lever * lever.transpose();
-        own_block.diagonal().tail<3>().array() += weight * lever.squaredNorm();
+        own_block.bottomRightCorner<3, 3>() -= (weight * lever * lever.transpose()).cast<float>();
+        own_block.diagonal().tail<3>().array() += static_cast<float>(weight * lever.squaredNorm());
         system.gradient[node].tail<3>() += weight * lever.cross(residual);
       }
       if (other < own) continue;
-      Block& between = system.blocks[use.block];
-      between.diagonal().head<3>().array() -= weight;
+      Block::Matrix between = system.blocks[use.block].matrix();
+      between.diagonal().head<3>().array() -= on_diagonal;
       if (outward) {
         between.bottomLeftCorner<3, 3>() -= turn;
       } else {
@@ -228,15 +239,15 @@ void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const No
                                 BlockSystem& system) const {
   const Eigen::Vector3d off = states.positions[node] - pull.place;
   const double weight = huber_weight(pull.scale * off.norm(), weights_.huber) * pull.scale * pull.scale;
-  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
-  system.blocks[diagonal].diagonal().head<3>().array() += weight;
+  Block::Matrix own_block = system.blocks[pattern_.diagonal(node)].matrix();
+  own_block.diagonal().head<3>().array() += static_cast<float>(weight);
   system.gradient[node].head<3>() += weight * off;
 }
 
-void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information,
+void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,
                                        Twist& gradient) const {
   struct Part {
-    Block information = Block::Zero();
+    Matrix6d information = Matrix6d::Zero();
     Twist gradient = Twist::Zero();
   };
   const TextureImage texture = texture_image(view_, level_);

@@ -62,7 +62,8 @@ public:
   /// number of threads.
   BlockSystem linearise(const LayerPose& pose, double& energy);
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
-  void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information, Twist& gradient) const;
+  void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,
+                       Twist& gradient) const;
 
 private:
   struct EdgeUse {
@@ -71,6 +72,14 @@ private:
   };
 
   void tie_nodes();
+  std::span<const PointUse> uses_of(std::size_t node) const {
+    return std::span(point_uses_)
+        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  }
+  std::span<PointUse> uses_of(std::size_t node) {
+    return std::span(point_uses_)
+        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  }
   double jacobians_at(const LayerPose& pose);
   double energy_beside_points(const NodeStates& states) const;
   void add_points(std::size_t node, BlockSystem& system) const;
@@ -88,7 +97,8 @@ private:
   std::vector<NodePull> prior_;
   std::vector<NodePull> binding_;
   std::unique_ptr<PointJacobians[]> jacobians_; ///< one for each point, as of the last linearise()
-  std::vector<std::vector<PointUse>> point_uses_;
+  std::vector<PointUse> point_uses_;            ///< of each node, one after the other
+  std::vector<std::size_t> point_uses_begin_;   ///< for each node, and one more at the end
   std::vector<std::vector<EdgeUse>> edge_uses_;
 };
 

@@ -10,10 +10,10 @@ HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kPadded = PointJacobians::kPadded;
+constexpr std::size_t kPadded = std::tuple_size_v<PaddedTwist>;
 using Numbers = hn::CappedTag<float, kPadded>;
 
-void add_products(std::span<const PointUse> uses, const PointJacobians* points, PaddedBlock* blocks, float* gradient) {
+void add_products(std::span<const PointUse> uses, const PointJacobians* points, Block* blocks, float* gradient) {
   const Numbers d;
   for (const PointUse& use : uses) {
     const PointJacobians& point = points[use.point];
@@ -27,9 +27,9 @@ void add_products(std::span<const PointUse> uses, const PointJacobians* points, 
       for (std::size_t k = 0; k < use.blocks.size(); ++k) {
         if (use.blocks[k] == PointUse::kNone) continue;
         const auto& other = point.by_node[k];
-        PaddedBlock& block = blocks[use.blocks[k]];
-        for (std::size_t c = 0; c < block.size(); ++c) {
-          float* column = block[c].data() + part;
+        Block& block = blocks[use.blocks[k]];
+        for (std::size_t c = 0; c < block.columns.size(); ++c) {
+          float* column = block.columns[c].data() + part;
           const auto product = hn::MulAdd(first, hn::Set(d, other[0][c]), hn::LoadU(d, column));
           hn::StoreU(hn::MulAdd(second, hn::Set(d, other[1][c]), product), d, column);
         }
@@ -46,8 +46,8 @@ namespace kinora::tracking {
 
 HWY_EXPORT(add_products);
 
-void add_point_products(std::span<const PointUse> uses, std::span<const PointJacobians> points,
-                        std::span<PaddedBlock> blocks, PointJacobians::Row& gradient) {
+void add_point_products(std::span<const PointUse> uses, std::span<const PointJacobians> points, std::span<Block> blocks,
+                        PointJacobians::Row& gradient) {
   HWY_DYNAMIC_DISPATCH(add_products)(uses, points.data(), blocks.data(), gradient.data());
 }
 

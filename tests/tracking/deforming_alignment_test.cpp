@@ -155,7 +155,7 @@ TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
   DeformingAlignmentConfig config;
   config.photometric_share = 0;
   associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, config, problem.terms());
-  Block information;
+  Matrix6d information;
   Twist gradient;
   const Eigen::Vector3d pivot(0, 0, 1);
   problem.linearise_rigid(pose_layer(scene.points, scene.start), pivot, information, gradient);
