@@ -104,7 +104,7 @@ public:
     constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;
     double before = 0;
-    const BlockSystem system = problem.linearise(pose, before);
+    const BlockSystem& system = problem.linearise(pose, before);
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
       const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
@@ -199,6 +199,65 @@ NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> t
                        config.rigid_iterations, config);
 }
 
+/// What judge_deformation() sums over the points.
+struct Judgement {
+  DeformingQuality counts;
+  double textured = 0; ///< points
+  std::array<double, 5> sums{};
+
+  void add(const Judgement& other) {
+    counts.on_label += other.counts.on_label;
+    counts.inliers += other.counts.inliers;
+    counts.in_empty += other.counts.in_empty;
+    textured += other.textured;
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
+  }
+
+  DeformingQuality quality() const {
+    DeformingQuality quality = counts;
+    if (textured < 20) return quality;
+    const auto covariance = [&](double product, double a, double b) {
+      return product / textured - a * b / (textured * textured);
+    };
+    const double variance_model = covariance(sums[2], sums[0], sums[0]);
+    const double variance_image = covariance(sums[3], sums[1], sums[1]);
+    const double floor = 0.03 * 0.03; // of the log luminance: less is no texture
+    if (variance_model < floor || variance_image < floor) return quality;
+    quality.texture_correlation = covariance(sums[4], sums[0], sums[1]) / std::sqrt(variance_model * variance_image);
+    return quality;
+  }
+};
+
+void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
+  if (seen.pixel_u < 0) return;
+  const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
+  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
+    ++sum.counts.in_empty;
+  }
+  if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
+  const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
+  const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
+  const double distance = seen.normal.dot(seen.place - measured);
+  // Behind what is measured it may be hidden by another part of the layer.
+  if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) return;
+  ++sum.counts.on_label;
+  const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
+  if (std::abs(distance) > tolerance ||
+      seen.normal.dot(Eigen::Vector3d(plane[0], plane[1], plane[2])) < kNormalCosine) {
+    return;
+  }
+  ++sum.counts.inliers;
+  const double expected = texture.fused;
+  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) return;
+  const double image = view.sample_texture(0, seen.u, seen.v).value;
+  sum.sums[0] += expected;
+  sum.sums[1] += image;
+  sum.sums[2] += expected * expected;
+  sum.sums[3] += image * image;
+  sum.sums[4] += expected * image;
+  sum.textured += 1;
+}
+
 } // namespace
 
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
@@ -275,48 +334,16 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
 
 DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& states) {
-  DeformingQuality quality;
-  double sums[5] = {};
-  double count = 0;
   const LayerPose pose = pose_layer(model.points, states);
-  for (std::size_t p = 0; p < model.points.size(); ++p) {
-    const Seen seen = look(pose.points[p], view);
-    if (seen.pixel_u < 0) continue;
-    const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
-    if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
-      ++quality.in_empty;
+  std::vector<Judgement> parts(chunk_count(model.points.size(), kPointsPerChunk));
+  parallel_for(model.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      judge(look(pose.points[p], view), textures[p], view, parts[chunk.index]);
     }
-    if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) continue;
-    const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
-    const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
-    const double distance = seen.normal.dot(seen.place - measured);
-    // Behind what is measured it may be hidden by another part of the layer.
-    if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) continue;
-    ++quality.on_label;
-    const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
-    if (std::abs(distance) > tolerance ||
-        seen.normal.dot(Eigen::Vector3d(plane[0], plane[1], plane[2])) < kNormalCosine) {
-      continue;
-    }
-    ++quality.inliers;
-    const double expected = textures[p].fused;
-    if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) continue;
-    const double image = view.sample_texture(0, seen.u, seen.v).value;
-    sums[0] += expected;
-    sums[1] += image;
-    sums[2] += expected * expected;
-    sums[3] += image * image;
-    sums[4] += expected * image;
-    count += 1;
-  }
-  if (count < 20) return quality;
-  const double variance_model = sums[2] / count - sums[0] * sums[0] / (count * count);
-  const double variance_image = sums[3] / count - sums[1] * sums[1] / (count * count);
-  const double floor = 0.03 * 0.03; // of the log luminance: less is no texture
-  if (variance_model < floor || variance_image < floor) return quality;
-  quality.texture_correlation =
-      (sums[4] / count - sums[0] * sums[1] / (count * count)) / std::sqrt(variance_model * variance_image);
-  return quality;
+  });
+  Judgement all;
+  for (const Judgement& part : parts) all.add(part);
+  return all.quality();
 }
 
 } // namespace kinora::tracking

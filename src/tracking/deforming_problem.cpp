@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t kPointsPerChunk = 512;
 constexpr std::size_t kNodesPerChunk = 16;
-constexpr std::size_t kEdgesPerChunk = 1024;
 
 double huber(double value, double bend) {
   const double size = std::abs(value);
@@ -42,7 +41,8 @@ void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
 } // namespace
 
 DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights)
-    : model_(model), view_(view), weights_(weights), terms_(model.points.size()) {}
+    : model_(model), view_(view), weights_(weights), terms_(model.points.size()),
+      edges_(rows_of(model.edges, model.nodes)) {}
 
 // Which nodes share a point or an edge, and where in the system that is.
 void DeformingProblem::tie_nodes() {
@@ -110,34 +110,18 @@ void DeformingProblem::tie_nodes() {
   }
 }
 
-// Where `from` would have its neighbour `to`, less where it is.
-Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStates& states) const {
-  const auto i = static_cast<std::size_t>(from);
-  const auto j = static_cast<std::size_t>(to);
-  return states.positions[i] + states.transforms[i].real._transformVector(model_.nodes[j] - model_.nodes[i]) -
-         states.positions[j];
-}
-
 double DeformingProblem::energy(const LayerPose& pose) const {
   const TextureImage texture = texture_image(view_, level_);
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     parts[chunk.index] = energy_of(part_of(pose.points, chunk), part_of(terms_, chunk), texture, weights_.huber);
   });
-  return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(pose.nodes);
+  return std::accumulate(parts.begin(), parts.end(), 0.0) + pulls_energy(pose.nodes) +
+         energy_of(edges_, pose.rows, weights_.rigidity_sigma, weights_.huber);
 }
 
-double DeformingProblem::energy_beside_points(const NodeStates& states) const {
-  std::vector<double> parts(chunk_count(model_.edges.size(), kEdgesPerChunk));
-  parallel_for(model_.edges.size(), kEdgesPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
-      const auto [a, b] = model_.edges[e];
-      for (const Eigen::Vector3d& residual : {edge_residual(a, b, states), edge_residual(b, a, states)}) {
-        parts[chunk.index] += huber(residual.norm() / weights_.rigidity_sigma, weights_.huber);
-      }
-    }
-  });
-  return std::accumulate(parts.begin(), parts.end(), 0.0) + pull_energy(prior_, states) + pull_energy(binding_, states);
+double DeformingProblem::pulls_energy(const NodeStates& states) const {
+  return pull_energy(prior_, states) + pull_energy(binding_, states);
 }
 
 double DeformingProblem::pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const {
@@ -167,64 +151,67 @@ double DeformingProblem::jacobians_at(const LayerPose& pose) {
   return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
-BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
+const BlockSystem& DeformingProblem::linearise(const LayerPose& pose, double& energy) {
   const NodeStates& states = pose.nodes;
   if (point_uses_begin_.empty()) tie_nodes();
-  energy = jacobians_at(pose) + energy_beside_points(states);
-  BlockSystem system;
-  system.blocks.resize(pattern_.block_count());
-  system.gradient.assign(model_.nodes.size(), Twist::Zero());
+  edge_residuals_.resize(edges_.size());
+  energy = jacobians_at(pose) + pulls_energy(states) +
+           energy_of(edges_, pose.rows, weights_.rigidity_sigma, weights_.huber, edge_residuals_);
+  system_.blocks.resize(pattern_.block_count());
+  system_.gradient.assign(model_.nodes.size(), Twist::Zero());
   parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      add_points(i, system);
-      add_edges(i, states, system);
-      if (!prior_.empty()) add_pull(i, prior_[i], states, system);
-      if (!binding_.empty()) add_pull(i, binding_[i], states, system);
+      add_points(i);
+      add_edges(i, states);
+      if (!prior_.empty()) add_pull(i, prior_[i], states);
+      if (!binding_.empty()) add_pull(i, binding_[i], states);
     }
   });
-  mirror_upper(pattern_, system);
-  return system;
+  mirror_upper(pattern_, system_);
+  return system_;
 }
 
 // In single precision: a node has few hundred points.
-void DeformingProblem::add_points(std::size_t node, BlockSystem& system) const {
+void DeformingProblem::add_points(std::size_t node) {
   const std::size_t first = pattern_.row_begin(node);
   const std::size_t count = pattern_.row_end(node) - first;
+  const std::span<Block> row = std::span(system_.blocks).subspan(first, count);
+  std::fill(row.begin(), row.end(), Block());
   PointJacobians::Row gradient{};
-  add_point_products(uses_of(node), {jacobians_.get(), model_.points.size()},
-                     std::span(system.blocks).subspan(first, count), gradient);
-  system.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
+  add_point_products(uses_of(node), {jacobians_.get(), model_.points.size()}, row, gradient);
+  system_.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
 }
 
 // An edge (i, j) has two residuals: T_i x_j − c_j, with derivatives (1, −[T_i x_j − c_i]×) by i and −1 by j; and the
 // same the other way round.
-void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const {
-  Block::Matrix own_block = system.blocks[pattern_.diagonal(node)].matrix();
-  const double information = 1 / (weights_.rigidity_sigma * weights_.rigidity_sigma);
+void DeformingProblem::add_edges(std::size_t node, const NodeStates& states) {
+  Block::Matrix own_block = system_.blocks[pattern_.diagonal(node)].matrix();
   for (const EdgeUse& use : edge_uses_[node]) {
-    const GraphEdge& edge = model_.edges[static_cast<std::size_t>(use.edge)];
+    const auto e = static_cast<std::size_t>(use.edge);
     const int own = static_cast<int>(node);
-    const int other = edge.a == own ? edge.b : edge.a;
+    const bool is_first = edges_[e].a == own;
+    const int other = is_first ? edges_[e].b : edges_[e].a;
     for (const bool outward : {true, false}) {
       const int from = outward ? own : other;
       const int to = outward ? other : own;
-      const Eigen::Vector3d residual = edge_residual(from, to, states);
-      const double weight = information * huber_weight(residual.norm() / weights_.rigidity_sigma, weights_.huber);
+      const EdgeResidual& found = edge_residuals_[e][is_first == outward ? 0 : 1];
+      const Eigen::Vector3d residual = found.value.cast<double>();
+      const float on_diagonal = found.weight;
+      const auto weight = static_cast<double>(found.weight);
       const Eigen::Vector3d lever =
           residual + states.positions[static_cast<std::size_t>(to)] - states.positions[static_cast<std::size_t>(from)];
       const Eigen::Matrix3f turn = (weight * skew(lever)).cast<float>();
-      const auto on_diagonal = static_cast<float>(weight);
       own_block.diagonal().head<3>().array() += on_diagonal;
-      system.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
+      system_.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
       if (outward) {
         own_block.topRightCorner<3, 3>() -= turn;
         own_block.bottomLeftCorner<3, 3>() += turn;
         own_block.bottomRightCorner<3, 3>() -= (weight * lever * lever.transpose()).cast<float>();
         own_block.diagonal().tail<3>().array() += static_cast<float>(weight * lever.squaredNorm());
-        system.gradient[node].tail<3>() += weight * lever.cross(residual);
+        system_.gradient[node].tail<3>() += weight * lever.cross(residual);
       }
       if (other < own) continue;
-      Block::Matrix between = system.blocks[use.block].matrix();
+      Block::Matrix between = system_.blocks[use.block].matrix();
       between.diagonal().head<3>().array() -= on_diagonal;
       if (outward) {
         between.bottomLeftCorner<3, 3>() -= turn;
@@ -235,13 +222,12 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
   }
 }
 
-void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states,
-                                BlockSystem& system) const {
+void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states) {
   const Eigen::Vector3d off = states.positions[node] - pull.place;
   const double weight = huber_weight(pull.scale * off.norm(), weights_.huber) * pull.scale * pull.scale;
-  Block::Matrix own_block = system.blocks[pattern_.diagonal(node)].matrix();
+  Block::Matrix own_block = system_.blocks[pattern_.diagonal(node)].matrix();
   own_block.diagonal().head<3>().array() += static_cast<float>(weight);
-  system.gradient[node].head<3>() += weight * off;
+  system_.gradient[node].head<3>() += weight * off;
 }
 
 void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tracking/block_system.h"
+#include "tracking/edge_terms.h"
 #include "tracking/layer_pose.h"
 #include "tracking/object_view.h"
 #include "tracking/point_products.h"
@@ -59,8 +60,8 @@ public:
   /// `pose`, here and below: the model's points under some states of its nodes.
   double energy(const LayerPose& pose) const;
   /// Gauss–Newton system about `pose`, weights as Huber has them there; and the energy there. Same bits for any
-  /// number of threads.
-  BlockSystem linearise(const LayerPose& pose, double& energy);
+  /// number of threads. It stays until the next one.
+  const BlockSystem& linearise(const LayerPose& pose, double& energy);
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
   void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,
                        Twist& gradient) const;
@@ -81,12 +82,11 @@ private:
         .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
   }
   double jacobians_at(const LayerPose& pose);
-  double energy_beside_points(const NodeStates& states) const;
-  void add_points(std::size_t node, BlockSystem& system) const;
-  void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
-  void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states, BlockSystem& system) const;
+  double pulls_energy(const NodeStates& states) const;
+  void add_points(std::size_t node);
+  void add_edges(std::size_t node, const NodeStates& states);
+  void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states);
   double pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const;
-  Eigen::Vector3d edge_residual(int from, int to, const NodeStates& states) const;
 
   LayerModel model_;
   const ObjectView& view_;
@@ -96,9 +96,12 @@ private:
   std::vector<PointTerms> terms_;
   std::vector<NodePull> prior_;
   std::vector<NodePull> binding_;
+  BlockSystem system_;
   std::unique_ptr<PointJacobians[]> jacobians_; ///< one for each point, as of the last linearise()
   std::vector<PointUse> point_uses_;            ///< of each node, one after the other
   std::vector<std::size_t> point_uses_begin_;   ///< for each node, and one more at the end
+  std::vector<EdgeRow> edges_;
+  std::vector<EdgeResiduals> edge_residuals_; ///< one for each edge, as of the last linearise()
   std::vector<std::vector<EdgeUse>> edge_uses_;
 };
 

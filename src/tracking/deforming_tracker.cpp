@@ -127,7 +127,7 @@ SE3 DeformingTracker::relative_to_origin(const ingest::Frame& frame) const {
 NodeStates DeformingTracker::states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const {
   NodeStates states;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    states.push_back(DualQuaternion::from(world_to_camera * nodes[i]), nodes_[i]);
+    states.push_back(SE3(world_to_camera * nodes[i]), nodes_[i]);
   }
   return states;
 }

@@ -11,12 +11,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 
-Vec3 rotated(const Quat& by, const Vec3& v) {
-  const Vec3 half = cross(by.v, v);
-  const Vec3 twice = add(half, half);
-  return add(mul_add(by.w, twice, v), cross(by.v, twice));
-}
-
 void pose_points_in_lanes(const SkinnedPoint* points, std::size_t count, const NodeRow* nodes, PosedPoint* posed) {
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(Floats()));

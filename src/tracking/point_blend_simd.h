@@ -20,6 +20,13 @@ HWY_INLINE std::size_t item_of(std::size_t lane, std::size_t count) { return lan
 
 HWY_INLINE Quat mul(F s, const Quat& q) { return {mul(s, q.v), hn::Mul(s, q.w)}; }
 
+/// `by`: of unit length.
+HWY_INLINE Vec3 rotated(const Quat& by, const Vec3& v) {
+  const Vec3 half = cross(by.v, v);
+  const Vec3 twice = add(half, half);
+  return add(mul_add(by.w, twice, v), cross(by.v, twice));
+}
+
 /// The transforms of the nodes that carry each lane's point, weighed, and their normalised sum.
 struct Blend {
   Quat real[Influence::kMost], dual[Influence::kMost]; ///< times the weight, in the hemisphere of the heaviest
@@ -31,7 +38,6 @@ struct Blend {
 
 /// `points`: at least `count` > 0 of them.
 HWY_INLINE Blend blend(const SkinnedPoint* points, std::size_t count, const NodeRow* nodes) {
-  const Floats df;
   Blend b;
   const Quat weights = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].weights.data(); });
   const F of_node[Influence::kMost] = {weights.v.x, weights.v.y, weights.v.z, weights.w};
@@ -60,7 +66,6 @@ HWY_INLINE Blend blend(const SkinnedPoint* points, std::size_t count, const Node
   const Quat normal = mul(b.inverse_norm, mul_add(hn::Neg(b.dual_norm), unit, b.sum_dual));
   b.sum_real = pick(unit, heaviest);
   b.sum_dual = pick(normal, heaviest_dual);
-  (void)df;
   return b;
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "tracking/body/body_fit.h"
+#include "tracking/body/body_match.h"
 
 namespace kinora::tracking {
 namespace {
@@ -198,9 +199,11 @@ double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyStat
   const double least = config_.energy.cutoff * config_.energy.cutoff;
   double total = 0;
   double explained = 0;
-  for (const MeasuredPoint& point : evidence.points) {
-    total += point.weight;
-    if (body.match(point, config_.energy.normal_length, least).part >= 0) explained += point.weight;
+  std::vector<int> parts(evidence.points.size());
+  match_points(body, evidence.points, config_.energy.normal_length, least, parts);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    total += evidence.points[i].weight;
+    if (parts[i] >= 0) explained += evidence.points[i].weight;
   }
   return total > 0 ? explained / total : 0.0;
 }
