@@ -195,24 +195,26 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states) {
       const int from = outward ? own : other;
       const int to = outward ? other : own;
       const EdgeResidual& found = edge_residuals_[e][is_first == outward ? 0 : 1];
-      const Eigen::Vector3d residual = found.value.cast<double>();
-      const float on_diagonal = found.weight;
-      const auto weight = static_cast<double>(found.weight);
-      const Eigen::Vector3d lever =
-          residual + states.positions[static_cast<std::size_t>(to)] - states.positions[static_cast<std::size_t>(from)];
-      const Eigen::Matrix3f turn = (weight * skew(lever)).cast<float>();
-      own_block.diagonal().head<3>().array() += on_diagonal;
-      system_.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
+      const float weight = found.weight;
+      const Eigen::Vector3f lever = found.value + (states.positions[static_cast<std::size_t>(to)] -
+                                                   states.positions[static_cast<std::size_t>(from)])
+                                                      .cast<float>();
+      const Eigen::Vector3f pull = weight * found.value;
+      Eigen::Matrix3f turn;
+      turn << 0, -lever.z(), lever.y(), lever.z(), 0, -lever.x(), -lever.y(), lever.x(), 0;
+      turn *= weight;
+      own_block.diagonal().head<3>().array() += weight;
+      system_.gradient[node].head<3>() += (outward ? pull : Eigen::Vector3f(-pull)).cast<double>();
       if (outward) {
         own_block.topRightCorner<3, 3>() -= turn;
         own_block.bottomLeftCorner<3, 3>() += turn;
-        own_block.bottomRightCorner<3, 3>() -= (weight * lever * lever.transpose()).cast<float>();
-        own_block.diagonal().tail<3>().array() += static_cast<float>(weight * lever.squaredNorm());
-        system_.gradient[node].tail<3>() += weight * lever.cross(residual);
+        own_block.bottomRightCorner<3, 3>() -= (weight * lever) * lever.transpose();
+        own_block.diagonal().tail<3>().array() += weight * lever.squaredNorm();
+        system_.gradient[node].tail<3>() += lever.cross(pull).cast<double>();
       }
       if (other < own) continue;
       Block::Matrix between = system_.blocks[use.block].matrix();
-      between.diagonal().head<3>().array() -= on_diagonal;
+      between.diagonal().head<3>().array() -= weight;
       if (outward) {
         between.bottomLeftCorner<3, 3>() -= turn;
       } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "core/parallel.h"
@@ -129,9 +130,17 @@ std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeSt
       matches[n] = match(last, then.positions[n], now, expected.positions[n]);
     }
   });
+  // Most nodes are where they are expected, and all about them are.
+  std::vector<std::uint8_t> stirred(count, 0);
+  const auto moves = [&](std::size_t n) { return matches[n] && !matches[n]->isZero(0); };
+  for (std::size_t n = 0; n < count; ++n) stirred[n] = moves(n) ? 1 : 0;
+  for (const GraphEdge& edge : edges) {
+    if (moves(static_cast<std::size_t>(edge.a))) stirred[static_cast<std::size_t>(edge.b)] = 1;
+    if (moves(static_cast<std::size_t>(edge.b))) stirred[static_cast<std::size_t>(edge.a)] = 1;
+  }
   std::vector<std::array<std::vector<double>, 3>> around(count);
   const auto tell = [&](std::size_t from, std::size_t to) {
-    for (std::size_t axis = 0; matches[from] && axis < 3; ++axis) {
+    for (std::size_t axis = 0; matches[from] && stirred[to] != 0 && axis < 3; ++axis) {
       around[to][axis].push_back((*matches[from])[static_cast<Eigen::Index>(axis)]);
     }
   };

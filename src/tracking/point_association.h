@@ -2,6 +2,7 @@
 // processor; tests/tracking/point_association_test.cpp keeps it equal to a plain loop.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "tracking/point_terms.h"
@@ -20,5 +21,9 @@ struct AssociationGates {
 /// Serial.
 void associate_points(std::span<const PosedPoint> points, const ObjectView& view, int level,
                       const AssociationGates& gates, std::span<PointTerms> terms, std::span<float> image);
+
+/// What each level of the view's texture shows where a point is; NaN where the layer is not measured there. Serial.
+void show_textures(std::span<const PosedPoint> points, const ObjectView& view,
+                   std::span<std::array<float, ObjectView::kLevels>> shown);
 
 } // namespace kinora::tracking

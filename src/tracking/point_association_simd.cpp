@@ -194,6 +194,61 @@ private:
   Mask shown_; ///< the texture is that of the point
 };
 
+/// What the levels show of some points.
+HWY_INLINE void show_in_lanes(const PosedPoint* points, std::size_t count, const ViewImages& view,
+                              const std::array<TextureImage, ObjectView::kLevels>& levels,
+                              std::array<float, ObjectView::kLevels>* shown) {
+  const Floats df;
+  const Ints di;
+  const TextureImage& camera = levels[0];
+  const F one = constant(1);
+  const Vec3 place = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].place.data(); }).v;
+  Mask inside = hn::Gt(place.z, zero());
+  const F inverse_depth = hn::Div(one, hn::IfThenElse(inside, place.z, one));
+  F u = hn::MulAdd(hn::Mul(constant(camera.fx), place.x), inverse_depth, constant(camera.cx));
+  F v = hn::MulAdd(hn::Mul(constant(camera.fy), place.y), inverse_depth, constant(camera.cy));
+  const auto within = [&](F at, std::int32_t size) {
+    return hn::And(hn::Ge(at, zero()), hn::Lt(at, constant(static_cast<float>(size - 1))));
+  };
+  inside = hn::And(inside, hn::And(within(u, view.width), within(v, view.height)));
+  HWY_ALIGN float values[ObjectView::kLevels][hn::MaxLanes(df)];
+  for (auto& level : values) hn::Store(hn::NaN(df), df, level);
+  if (!hn::AllFalse(df, inside)) {
+    u = hn::IfThenElseZero(inside, u);
+    v = hn::IfThenElseZero(inside, v);
+    const I column = hn::ConvertTo(di, hn::Add(u, constant(0.5F)));
+    const I row = hn::ConvertTo(di, hn::Add(v, constant(0.5F)));
+    const I pixel = hn::Add(hn::Mul(row, hn::Set(di, view.width)), column);
+    HWY_ALIGN std::int32_t pixels[hn::MaxLanes(df)];
+    HWY_ALIGN float labels[hn::MaxLanes(df)];
+    hn::Store(pixel, di, pixels);
+    for (std::size_t lane = 0; lane < hn::Lanes(df); ++lane) labels[lane] = static_cast<float>(view.mask[pixels[lane]]);
+    const Mask on_label = hn::And(inside, hn::Eq(hn::Load(df, labels), constant(2)));
+    const Mask measured = hn::And(on_label, hn::Gt(hn::GatherIndex(df, view.weights, pixel), zero()));
+    const Quat plane = gather4(view.planes, hn::ShiftLeft<2>(pixel));
+    const Vec3 ray{hn::Mul(hn::Sub(hn::ConvertTo(df, column), constant(camera.cx)), constant(1 / camera.fx)),
+                   hn::Mul(hn::Sub(hn::ConvertTo(df, row), constant(camera.cy)), constant(1 / camera.fy)), one};
+    const F depth = hn::Neg(hn::Div(plane.w, hn::IfThenElse(measured, dot(plane.v, ray), one)));
+    const F tolerance = hn::Max(constant(0.015F), hn::Mul(constant(3), depth_sigma(place.z)));
+    const Mask there = hn::And(measured, hn::Le(hn::Abs(hn::Sub(depth, place.z)), tolerance));
+    for (std::size_t level = 0; level < levels.size() && !hn::AllFalse(df, there); ++level) {
+      const F value = TextureLanes(levels[level], u, v).sample(0);
+      hn::Store(hn::IfThenElse(there, value, hn::NaN(df)), df, values[level]);
+    }
+  }
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    for (std::size_t level = 0; level < levels.size(); ++level) shown[lane][level] = values[level][lane];
+  }
+}
+
+void show_all_in_lanes(const PosedPoint* points, std::size_t count, const ViewImages& view,
+                       const std::array<TextureImage, ObjectView::kLevels>& levels,
+                       std::array<float, ObjectView::kLevels>* shown) {
+  for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
+    show_in_lanes(points + begin, HWY_MIN(count - begin, hn::Lanes(Floats())), view, levels, shown + begin);
+  }
+}
+
 void associate_in_lanes(const PosedPoint* points, std::size_t count, const ViewImages& view,
                         const TextureImage& texture, const FloatGates& gates, PointTerms* terms, float* image) {
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
@@ -209,21 +264,37 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kinora::tracking {
 
+namespace {
+
 HWY_EXPORT(associate_in_lanes);
+HWY_EXPORT(show_all_in_lanes);
+
+ViewImages images_of(const ObjectView& view) {
+  return {view.depth.data(),
+          view.planes.weights.data(),
+          view.planes.planes.data(),
+          view.mask.data(),
+          view.to_silhouette.empty() ? nullptr : view.to_silhouette.data(),
+          view.intrinsics.width,
+          view.intrinsics.height};
+}
+
+} // namespace
 
 void associate_points(std::span<const PosedPoint> points, const ObjectView& view, int level,
                       const AssociationGates& gates, std::span<PointTerms> terms, std::span<float> image) {
-  const ViewImages images{view.depth.data(),
-                          view.planes.weights.data(),
-                          view.planes.planes.data(),
-                          view.mask.data(),
-                          view.to_silhouette.empty() ? nullptr : view.to_silhouette.data(),
-                          view.intrinsics.width,
-                          view.intrinsics.height};
   const FloatGates floats{static_cast<float>(gates.plane), static_cast<float>(gates.rim),
                           static_cast<float>(std::sqrt(gates.silhouette_share))};
   HWY_DYNAMIC_DISPATCH(associate_in_lanes)
-  (points.data(), points.size(), images, texture_image(view, level), floats, terms.data(), image.data());
+  (points.data(), points.size(), images_of(view), texture_image(view, level), floats, terms.data(), image.data());
+}
+
+void show_textures(std::span<const PosedPoint> points, const ObjectView& view,
+                   std::span<std::array<float, ObjectView::kLevels>> shown) {
+  std::array<TextureImage, ObjectView::kLevels> levels;
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    levels[level] = texture_image(view, static_cast<int>(level));
+  HWY_DYNAMIC_DISPATCH(show_all_in_lanes)(points.data(), points.size(), images_of(view), levels, shown.data());
 }
 
 } // namespace kinora::tracking

@@ -145,6 +145,41 @@ TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
   }
 }
 
+TEST_P(PointAssociationTest, TexturesAreThoseOfAPlainLoop) {
+  Random random(8);
+  const ObjectView view = disc_view(random);
+  std::vector<PosedPoint> points(1003);
+  for (PosedPoint& point : points) {
+    point.place =
+        view.intrinsics
+            .unproject(80 * random.uniform_double() - 8, 60 * random.uniform_double() - 6, 2 + 0.03 * random.normal())
+            .cast<float>();
+  }
+  points[5].place.z() = -2;
+  std::vector<std::array<float, ObjectView::kLevels>> shown(points.size());
+  show_textures(points, view, shown);
+  int seen = 0;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Eigen::Vector3d place = points[p].place.cast<double>();
+    const Eigen::Vector2d pixel = view.intrinsics.project(place);
+    const int u = static_cast<int>(std::lround(pixel.x()));
+    const int v = static_cast<int>(std::lround(pixel.y()));
+    const bool inside = place.z() > 0 && pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
+                        pixel.y() < view.intrinsics.height - 1;
+    const bool there =
+        inside && view.mask.at(u, v) == 2 && view.planes.weights.at(u, v) > 0 &&
+        std::abs(view.point(u, v).z() - place.z()) <= std::max(0.015, 3 * ingest::depth_sigma(place.z()));
+    for (std::size_t level = 0; level < shown[p].size(); ++level) {
+      ASSERT_EQ(std::isnan(shown[p][level]), !there) << p;
+      if (there) {
+        EXPECT_NEAR(shown[p][level], view.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value, 1e-4);
+      }
+    }
+    seen += there ? 1 : 0;
+  }
+  EXPECT_GT(seen, 50);
+}
+
 TEST_P(PointAssociationTest, FindsNothingInAnEmptyView) {
   const ObjectView view;
   const std::vector<PosedPoint> points(5, {{0, 0, 1}, 0, {0, 0, -1}, 0});

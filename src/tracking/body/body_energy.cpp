@@ -133,14 +133,14 @@ Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, con
   std::vector<Accumulator> sums(chunk_count(points + samples.size(), kChunk));
   parallel_for(points + samples.size(), kChunk, [&](const Chunk& chunk) {
     Accumulator& sum = sums[chunk.index];
-    std::array<int, kChunk> parts;
+    std::array<PartMatch, kChunk> matches;
     const std::size_t end = std::min(chunk.end, points);
     if (chunk.begin < end) {
       match_points(body, std::span(evidence.points).subspan(chunk.begin, end - chunk.begin), config.normal_length,
-                   kAnyCost, parts);
+                   kAnyCost, matches);
     }
     for (std::size_t i = chunk.begin; i < end; ++i) {
-      add_point(body, evidence.points[i], parts[i - chunk.begin], config, sum);
+      add_point(body, evidence.points[i], matches[i - chunk.begin].part, config, sum);
     }
     for (std::size_t i = std::max(chunk.begin, points); i < chunk.end; ++i) {
       add_sample(body, samples[i - points], *evidence.view, config, sum);

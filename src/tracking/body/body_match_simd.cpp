@@ -70,12 +70,13 @@ HWY_INLINE void match_part(const FloatPart& part, std::int32_t number, F normal_
 }
 
 void match_in_lanes(const FloatPart* body, const MeasuredPoint* points, std::size_t count, float normal_cost,
-                    float most, int* parts) {
+                    float most, const std::array<bool, kBodyParts>& takes_part, PartMatch* matches) {
   const Floats df;
   const Ints di;
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(df)) {
     HWY_ALIGN float values[6][hn::MaxLanes(df)];
     HWY_ALIGN std::int32_t found[hn::MaxLanes(df)];
+    HWY_ALIGN float costs[hn::MaxLanes(df)];
     for (std::size_t lane = 0; lane < hn::Lanes(df); ++lane) {
       const MeasuredPoint& point = points[HWY_MIN(begin + lane, count - 1)];
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -88,10 +89,13 @@ void match_in_lanes(const FloatPart* body, const MeasuredPoint* points, std::siz
     };
     BestParts best{load(0), load(3), constant(most), hn::Set(di, -1)};
     for (std::size_t part = 0; part < kBodyParts; ++part) {
-      match_part(body[part], static_cast<std::int32_t>(part), constant(normal_cost), best);
+      if (takes_part[part]) match_part(body[part], static_cast<std::int32_t>(part), constant(normal_cost), best);
     }
     hn::Store(best.part, di, found);
-    for (std::size_t lane = 0; lane < HWY_MIN(count - begin, hn::Lanes(df)); ++lane) parts[begin + lane] = found[lane];
+    hn::Store(best.cost, df, costs);
+    for (std::size_t lane = 0; lane < HWY_MIN(count - begin, hn::Lanes(df)); ++lane) {
+      matches[begin + lane] = {found[lane], costs[lane]};
+    }
   }
 }
 
@@ -104,7 +108,14 @@ namespace kinora::tracking {
 HWY_EXPORT(match_in_lanes);
 
 void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
-                  std::span<int> parts) {
+                  std::span<PartMatch> matches) {
+  std::array<bool, kBodyParts> all;
+  all.fill(true);
+  match_points(body, points, normal_length, most, all, matches);
+}
+
+void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
+                  const std::array<bool, kBodyParts>& takes_part, std::span<PartMatch> matches) {
   std::array<FloatPart, kBodyParts> floats;
   for (std::size_t i = 0; i < kBodyParts; ++i) {
     const PartShape& part = body.body().parts[i];
@@ -123,7 +134,7 @@ void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> point
   }
   HWY_DYNAMIC_DISPATCH(match_in_lanes)
   (floats.data(), points.data(), points.size(), static_cast<float>(normal_length * normal_length),
-   static_cast<float>(most), parts.data());
+   static_cast<float>(most), takes_part, matches.data());
 }
 
 } // namespace kinora::tracking
