@@ -15,7 +15,7 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kPointsPerChunk = 512;
+constexpr std::size_t kPointsPerChunk = 1024;
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kNearest = 0.05;      // metres

@@ -10,7 +10,7 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kPointsPerChunk = 512;
+constexpr std::size_t kPointsPerChunk = 1024;
 constexpr std::size_t kNodesPerChunk = 16;
 
 double huber(double value, double bend) {

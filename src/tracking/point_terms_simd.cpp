@@ -184,6 +184,7 @@ double jacobians_in_lanes(const SkinnedPoint* skinned, const NodeRow* nodes, con
       out[lane].empty = used[lane] == 0;
       out[lane].residuals = {residuals[0][lane], residuals[1][lane]};
     }
+    if (hn::AllTrue(df, hn::Eq(hn::Load(df, used), zero()))) continue;
     const Blend b = blend(skinned + begin, here, nodes);
     const Vec3 moments[] = {cross(r.place, row[0].gradient), cross(r.place, row[1].gradient)};
     for (std::size_t k = 0; k < Influence::kMost; ++k) {

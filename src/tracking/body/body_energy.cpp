@@ -127,7 +127,7 @@ void merge(const Accumulator& from, Accumulator& to) {
 }
 
 Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, const BodyEnergyConfig& config) {
-  constexpr std::size_t kChunk = 256;
+  constexpr std::size_t kChunk = 512;
   const std::span<const BodySample> samples = body_samples();
   const std::size_t points = evidence.points.size();
   std::vector<Accumulator> sums(chunk_count(points + samples.size(), kChunk));
