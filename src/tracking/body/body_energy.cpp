@@ -237,6 +237,10 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
     BodyState next = state;
     next.pose = moved(state.pose, step.head<kPoseFreedoms>());
     if (with_shape) next.shape += step.tail<kMeasures>();
+    if (step.cwiseAbs().maxCoeff() < kSmallStep) {
+      state = next;
+      break;
+    }
     const BodyEquations tried = evaluate(evidence, next, prior, config);
     if (!(tried.energy < (1 + kSlack) * equations.energy)) {
       damping *= 10;
@@ -246,7 +250,6 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
     state = next;
     equations = tried;
     damping = std::max(1e-4, damping / 5);
-    if (step.cwiseAbs().maxCoeff() < kSmallStep) break;
   }
   return equations.energy;
 }
