@@ -5,11 +5,12 @@
 namespace kinora {
 
 DualQuaternion DualQuaternion::from(const SE3& transform) {
-  DualQuaternion result;
-  result.real = Eigen::Quaterniond(transform.linear()).normalized();
-  const Eigen::Vector3d half = 0.5 * transform.translation();
-  result.dual = Eigen::Quaterniond(0, half.x(), half.y(), half.z()) * result.real;
-  return result;
+  return from(Eigen::Quaterniond(transform.linear()).normalized(), transform.translation());
+}
+
+DualQuaternion DualQuaternion::from(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation) {
+  const Eigen::Vector3d half = 0.5 * translation;
+  return {rotation, Eigen::Quaterniond(0, half.x(), half.y(), half.z()) * rotation};
 }
 
 SE3 DualQuaternion::to_se3() const {
@@ -17,6 +18,17 @@ SE3 DualQuaternion::to_se3() const {
   transform.linear() = real.toRotationMatrix();
   transform.translation() = 2.0 * (dual * real.conjugate()).vec();
   return transform;
+}
+
+DualQuaternion operator*(const DualQuaternion& second, const DualQuaternion& first) {
+  DualQuaternion result;
+  result.real = second.real * first.real;
+  result.dual.coeffs() = (second.real * first.dual).coeffs() + (second.dual * first.real).coeffs();
+  const double norm = result.real.norm();
+  result.real.coeffs() /= norm;
+  result.dual.coeffs() /= norm;
+  result.dual.coeffs() -= result.real.coeffs() * result.real.coeffs().dot(result.dual.coeffs());
+  return result;
 }
 
 DualQuaternion blend(std::span<const DualQuaternion> transforms, std::span<const double> weights) {

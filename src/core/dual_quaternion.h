@@ -14,8 +14,13 @@ struct DualQuaternion {
   Eigen::Quaterniond dual = Eigen::Quaterniond(0, 0, 0, 0);
 
   static DualQuaternion from(const SE3& transform);
+  /// `rotation`: of unit length.
+  static DualQuaternion from(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation);
   SE3 to_se3() const;
 };
+
+/// `first`, then `second`; normalised.
+DualQuaternion operator*(const DualQuaternion& second, const DualQuaternion& first);
 
 /// Weighted blend (DLB). Every quaternion is flipped to the hemisphere of the heaviest one; the result is
 /// normalised; if the weights, or the blended rotation, vanish, the heaviest transform is returned alone.

@@ -97,6 +97,29 @@ template <class RowOf> HWY_INLINE Quat load_rows(const RowOf& row_of) {
 }
 #endif
 
+/// Stores x, y, z, w of the first `count` lanes at row_of(lane).
+template <class RowOf> HWY_INLINE void store_rows(const Quat& q, std::size_t count, const RowOf& row_of) {
+  const Floats df;
+#if HWY_TARGET == HWY_SCALAR
+  HWY_ALIGN float rows[1][4] = {{hn::GetLane(q.v.x), hn::GetLane(q.v.y), hn::GetLane(q.v.z), hn::GetLane(q.w)}};
+  (void)df;
+#else
+  const hn::RepartitionToWide<Floats> pairs;
+  HWY_ALIGN float rows[4][hn::MaxLanes(Floats())]; // each with the lanes that are so many beyond a multiple of four
+  const auto xy_first = hn::BitCast(pairs, hn::InterleaveLower(df, q.v.x, q.v.y));
+  const auto xy_second = hn::BitCast(pairs, hn::InterleaveUpper(df, q.v.x, q.v.y));
+  const auto zw_first = hn::BitCast(pairs, hn::InterleaveLower(df, q.v.z, q.w));
+  const auto zw_second = hn::BitCast(pairs, hn::InterleaveUpper(df, q.v.z, q.w));
+  hn::Store(hn::BitCast(df, hn::InterleaveLower(pairs, xy_first, zw_first)), df, rows[0]);
+  hn::Store(hn::BitCast(df, hn::InterleaveUpper(pairs, xy_first, zw_first)), df, rows[1]);
+  hn::Store(hn::BitCast(df, hn::InterleaveLower(pairs, xy_second, zw_second)), df, rows[2]);
+  hn::Store(hn::BitCast(df, hn::InterleaveUpper(pairs, xy_second, zw_second)), df, rows[3]);
+#endif
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    __builtin_memcpy(row_of(lane), rows[lane % 4] + (lane & ~std::size_t{3}), 4 * sizeof(float));
+  }
+}
+
 /// `index` counts floats.
 HWY_INLINE Quat gather4(const float* base, I index) {
   HWY_ALIGN std::int32_t rows[hn::MaxLanes(Floats())];

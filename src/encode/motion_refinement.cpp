@@ -248,10 +248,10 @@ private:
         const double length = gradient.norm();
         if (!residual || !(length > 1e-6)) continue;
         tracking::PointTerms term;
-        term.plane_normal = gradient / length;
-        term.plane_offset = *residual / length - term.plane_normal.dot(place);
-        term.plane_scale = length * weight_of(view, i, v, color_sigma);
-        points.push_back({view.place(i), Eigen::Vector3d::UnitZ(), influence});
+        term.plane_normal = (gradient / length).cast<float>();
+        term.plane_offset = static_cast<float>((*residual - gradient.dot(place)) / length);
+        term.plane_scale = static_cast<float>(length * weight_of(view, i, v, color_sigma));
+        points.emplace_back(view.place(i).cast<float>(), Eigen::Vector3f::UnitZ(), influence);
         terms.push_back(term);
       }
     }

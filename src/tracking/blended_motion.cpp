@@ -1,21 +1,37 @@
 #include "tracking/blended_motion.h"
 
+#include <cmath>
+
 namespace kinora::tracking {
+namespace {
+
+// The rotation about an axis by its length, radians.
+Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  const double share = angle > 1e-6 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48;
+  const Eigen::Vector3d axis = share * turn;
+  return {std::cos(0.5 * angle), axis.x(), axis.y(), axis.z()};
+}
+
+} // namespace
 
 void NodeStates::push_back(const DualQuaternion& transform, const Eigen::Vector3d& canonical_node) {
   transforms.push_back(transform);
   positions.emplace_back(transform.to_se3() * canonical_node);
 }
 
+void NodeStates::push_back(const SE3& transform, const Eigen::Vector3d& canonical_node) {
+  transforms.push_back(DualQuaternion::from(transform));
+  positions.emplace_back(transform * canonical_node);
+}
+
 NodeStates stepped(const NodeStates& states, std::span<const Twist> step) {
   NodeStates result = states;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    Twist rotation = Twist::Zero();
-    rotation.tail<3>() = step[i].tail<3>();
-    SE3 motion = exp_se3(rotation);
     const Eigen::Vector3d& centre = states.positions[i];
-    motion.translation() = centre + step[i].head<3>() - motion.linear() * centre;
-    result.transforms[i] = DualQuaternion::from(motion * states.transforms[i].to_se3());
+    const Eigen::Quaterniond rotation = exp_rotation(step[i].tail<3>());
+    const Eigen::Vector3d translation = centre + step[i].head<3>() - rotation * centre;
+    result.transforms[i] = DualQuaternion::from(rotation, translation) * states.transforms[i];
     result.positions[i] = centre + step[i].head<3>();
   }
   return result;
@@ -23,8 +39,9 @@ NodeStates stepped(const NodeStates& states, std::span<const Twist> step) {
 
 NodeStates moved(const NodeStates& states, const SE3& motion) {
   NodeStates result = states;
+  const DualQuaternion first = DualQuaternion::from(motion);
   for (std::size_t i = 0; i < states.size(); ++i) {
-    result.transforms[i] = DualQuaternion::from(motion * states.transforms[i].to_se3());
+    result.transforms[i] = first * states.transforms[i];
     result.positions[i] = motion * states.positions[i];
   }
   return result;

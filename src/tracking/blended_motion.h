@@ -20,6 +20,7 @@ struct NodeStates {
 
   std::size_t size() const { return transforms.size(); }
   void push_back(const DualQuaternion& transform, const Eigen::Vector3d& canonical_node);
+  void push_back(const SE3& transform, const Eigen::Vector3d& canonical_node);
 };
 
 /// States after a step of every node.

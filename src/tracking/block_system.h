@@ -1,7 +1,10 @@
-// Sparse normal equations of many rigid bodies: one block of 6×6 for each pair of nodes that some residual ties.
+// Sparse normal equations of many rigid bodies: one block of 6×6 for each pair of nodes that some residual ties. Blocks
+// are in single precision; products with them are vectorised with Highway and chosen at run time for the processor.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,7 +12,20 @@
 
 namespace kinora::tracking {
 
-using Block = Eigen::Matrix<double, 6, 6>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Six numbers and zeros, as lanes read them.
+using PaddedTwist = std::array<float, 8>;
+
+/// 6×6 numbers, column by column.
+struct Block {
+  using Matrix = Eigen::Map<Eigen::Matrix<float, 6, 6>, 0, Eigen::OuterStride<8>>;
+  using ConstMatrix = Eigen::Map<const Eigen::Matrix<float, 6, 6>, 0, Eigen::OuterStride<8>>;
+  std::array<PaddedTwist, 6> columns{};
+
+  Matrix matrix() { return Matrix(columns[0].data()); }
+  ConstMatrix matrix() const { return ConstMatrix(columns[0].data()); }
+};
 
 /// Which pairs of nodes have a block. Symmetric, with the diagonal; columns of a row ascend.
 class BlockPattern {
@@ -26,12 +42,20 @@ public:
   std::size_t row_begin(std::size_t row) const { return begin_[row]; }
   std::size_t row_end(std::size_t row) const { return begin_[row + 1]; }
   int column(std::size_t block) const { return columns_[block]; }
+  std::size_t diagonal(std::size_t row) const { return diagonals_[row]; }
+  /// The block of the same two nodes the other way round.
+  std::size_t transposed(std::size_t block) const { return transposed_[block]; }
+  /// Columns of all rows' blocks, row after row.
+  std::span<const int> columns() const { return columns_; }
+  std::span<const std::size_t> row_begins() const { return begin_; }
   /// Position of a block that exists.
   std::size_t find(int row, int column) const;
 
 private:
   std::vector<std::size_t> begin_;
   std::vector<int> columns_;
+  std::vector<std::size_t> diagonals_;
+  std::vector<std::size_t> transposed_;
 };
 
 /// Hessian · step = −gradient. Blocks lie as the pattern says; plain data.
@@ -48,8 +72,9 @@ struct PcgResult {
 /// Diagonal that damping adds to each node: damping · diag(H), and at least `floor` of that node's largest entry.
 std::vector<Twist> damping_of(const BlockPattern& pattern, const BlockSystem& system, double damping, double floor);
 
-/// Solves (H + diag(added)) · step = −gradient by conjugate gradients with block-Jacobi preconditioning, down to
-/// `tolerance` of the gradient's preconditioned norm. Finite for finite input: stops where curvature vanishes.
+/// Solves (H + diag(added)) · step = −gradient by conjugate gradients in single precision with block-Jacobi
+/// preconditioning, down to `tolerance` of the gradient's preconditioned norm. Finite for finite input: stops where
+/// curvature vanishes. Same bits for any number of threads.
 PcgResult solve_pcg(const BlockPattern& pattern, const BlockSystem& system, std::span<const Twist> added,
                     int max_iterations, double tolerance);
 

@@ -8,18 +8,17 @@
 
 #include "core/parallel.h"
 #include "ingest/sensor_noise.h"
+#include "tracking/point_association.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
 
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kPointsPerChunk = 512;
+constexpr std::size_t kPointsPerChunk = 1024;
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
-constexpr double kMinIncidence = 0.3;
-constexpr double kNearest = 0.05; // metres
-constexpr double kRim = 1;        // pixels that a silhouette may be wrong by
+constexpr double kNearest = 0.05;      // metres
 
 struct Stage {
   int level;
@@ -37,11 +36,10 @@ struct Seen {
   int pixel_v = -1;
 };
 
-Seen look(const SkinnedPoint& point, const BlendedMotion& motion, const Eigen::Vector3d& place,
-          const ObjectView& view) {
+Seen look(const PosedPoint& point, const ObjectView& view) {
   Seen seen;
-  seen.place = place;
-  seen.normal = motion.rotate(point.normal);
+  seen.place = point.place.cast<double>();
+  seen.normal = point.normal.cast<double>();
   if (!(seen.place.z() > kNearest) || seen.normal.dot(seen.place) > -kFacingCosine * seen.place.norm()) return seen;
   const Eigen::Vector2d pixel = view.intrinsics.project(seen.place);
   seen.u = pixel.x();
@@ -55,45 +53,6 @@ Seen look(const SkinnedPoint& point, const BlendedMotion& motion, const Eigen::V
   return seen;
 }
 
-bool is_covered(const Seen& seen, const ObjectView& view) {
-  const float front = view.depth.at(seen.pixel_u, seen.pixel_v);
-  return front > 0 && front < seen.place.z() - std::max(0.03, 3 * ingest::depth_sigma(seen.place.z()));
-}
-
-void set_plane(const Seen& seen, const ObjectView& view, double gate, PointTerms& terms) {
-  if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
-  const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
-  if ((seen.place - measured).squaredNorm() > gate * gate) return;
-  const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
-  const Eigen::Vector3d normal(plane[0], plane[1], plane[2]);
-  if (seen.normal.dot(normal) < kNormalCosine) return;
-  terms.plane_normal = normal;
-  terms.plane_offset = -normal.dot(measured);
-  terms.on_surface = true;
-  terms.plane_scale = 1 / (ingest::depth_sigma(measured.z()) *
-                           std::max(kMinIncidence, std::abs(normal.dot(measured)) / measured.norm()));
-}
-
-// A point where the camera sees past it: onto the plane through the camera and the rim of the silhouette.
-void set_rim(const Seen& seen, const ObjectView& view, double gate, double share, PointTerms& terms) {
-  const std::int16_t* offset = view.to_silhouette.pixel(seen.pixel_u, seen.pixel_v);
-  const Eigen::Vector2d inwards(offset[0], offset[1]);
-  const double length = inwards.norm();
-  if (length < kRim || is_covered(seen, view)) return;
-  terms.seen_past = true;
-  const Intrinsics& camera = view.intrinsics;
-  const Eigen::Vector2d outwards = -inwards / length;
-  const Eigen::Vector2d rim =
-      Eigen::Vector2d(seen.pixel_u - camera.cx, seen.pixel_v - camera.cy) + inwards + kRim * outwards;
-  const Eigen::Vector3d normal =
-      Eigen::Vector3d(outwards.x() * camera.fx, outwards.y() * camera.fy, -outwards.dot(rim)).normalized();
-  const double distance = normal.dot(seen.place);
-  if (!(distance > 0) || distance > gate) return;
-  terms.plane_normal = normal;
-  terms.plane_offset = 0;
-  terms.plane_scale = std::sqrt(share) * camera.fx / seen.place.z();
-}
-
 float texture_of(const PointTexture& texture, std::size_t which, int level) {
   if (which == 0) return texture.last[static_cast<std::size_t>(level)];
   return level == 0 ? texture.fused : std::numeric_limits<float>::quiet_NaN();
@@ -102,27 +61,30 @@ float texture_of(const PointTexture& texture, std::size_t which, int level) {
 // Light: the median difference of each direction of the normal. Sigma: what it leaves.
 void set_textures(std::span<const PointTexture> textures, std::span<const float> image, std::size_t which, int level,
                   const DeformingAlignmentConfig& config, std::vector<PointTerms>& terms) {
-  std::array<std::vector<double>, ModelPoint::kDirections> differences;
-  const auto difference = [&](std::size_t p) {
-    return static_cast<double>(image[p]) - static_cast<double>(texture_of(textures[p], which, level));
-  };
+  if (which > 0 && level > 0) return; // there is none
+  std::array<std::vector<float>, ModelPoint::kDirections> differences;
+  const auto difference = [&](std::size_t p) { return image[p] - texture_of(textures[p], which, level); };
+  std::size_t count = 0;
   for (std::size_t p = 0; p < terms.size(); ++p) {
-    if (!std::isnan(difference(p))) differences[textures[p].direction].push_back(difference(p));
+    if (std::isnan(difference(p))) continue;
+    differences[textures[p].direction].push_back(difference(p));
+    ++count;
   }
-  std::array<double, ModelPoint::kDirections> light{};
-  std::vector<double> sizes;
+  if (count == 0) return;
+  std::array<float, ModelPoint::kDirections> light{};
+  std::vector<float> sizes;
+  sizes.reserve(count);
   for (std::size_t d = 0; d < light.size(); ++d) {
     if (differences[d].empty()) continue;
     light[d] = median(differences[d]);
-    for (const double value : differences[d]) sizes.push_back(std::abs(value - light[d]));
+    for (const float value : differences[d]) sizes.push_back(std::abs(value - light[d]));
   }
-  if (sizes.empty()) return;
-  const double sigma = std::max(config.texture_sigma, 1.4826 * median(sizes));
+  const double sigma = std::max(config.texture_sigma, 1.4826 * static_cast<double>(median(sizes)));
+  const float scale = static_cast<float>(std::sqrt(config.photometric_share) / sigma);
   for (std::size_t p = 0; p < terms.size(); ++p) {
     if (std::isnan(difference(p))) continue;
-    terms[p].expected[which] =
-        static_cast<double>(texture_of(textures[p], which, level)) + light[textures[p].direction];
-    terms[p].texture_scale[which] = std::sqrt(config.photometric_share) / sigma;
+    terms[p].expected[which] = texture_of(textures[p], which, level) + light[textures[p].direction];
+    terms[p].texture_scale[which] = scale;
   }
 }
 
@@ -142,7 +104,7 @@ public:
     constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;
     double before = 0;
-    const BlockSystem system = problem.linearise(pose, before);
+    const BlockSystem& system = problem.linearise(pose, before);
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
       const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
@@ -170,23 +132,36 @@ private:
   double growth_ = 2;
 };
 
-// The share of each node's points of which it holds. A node that carries less than one point counts as if it did not
-// hold of the rest of that.
-template <class Holds>
-std::vector<double> shares(const LayerModel& model, std::span<const PointTerms> terms, const Holds& holds) {
-  std::vector<double> seen(model.nodes.size(), 0);
-  std::vector<double> carried(model.nodes.size(), 0);
-  for (std::size_t p = 0; p < model.points.size(); ++p) {
-    const Influence& influence = model.points[p].influence;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-      const auto node = static_cast<std::size_t>(influence.nodes[k]);
-      carried[node] += influence.weights[k];
-      if (holds(terms[p])) seen[node] += influence.weights[k];
-    }
+/// The share of each node's points of which something holds. A node that carries less than one point counts as if it
+/// did not hold of the rest of that.
+class NodeShares {
+public:
+  explicit NodeShares(const LayerModel& model) : model_(model) {
+    carried_ = sums([](std::size_t) { return true; });
   }
-  for (std::size_t n = 0; n < seen.size(); ++n) seen[n] /= std::max(1.0, carried[n]);
-  return seen;
-}
+  /// `holds`: of a point's number.
+  template <class Holds> std::vector<double> of(const Holds& holds) const {
+    std::vector<double> shares = sums(holds);
+    for (std::size_t n = 0; n < shares.size(); ++n) shares[n] /= std::max(1.0, carried_[n]);
+    return shares;
+  }
+
+private:
+  template <class Holds> std::vector<double> sums(const Holds& holds) const {
+    std::vector<double> sums(model_.nodes.size(), 0);
+    for (std::size_t p = 0; p < model_.points.size(); ++p) {
+      const SkinnedPoint& point = model_.points[p];
+      if (!holds(p)) continue;
+      for (std::size_t k = 0; k < point.nodes.size(); ++k) {
+        sums[static_cast<std::size_t>(point.nodes[k])] += static_cast<double>(point.weights[k]);
+      }
+    }
+    return sums;
+  }
+
+  const LayerModel& model_;
+  std::vector<double> carried_;
+};
 
 // Measurements go before bones, also those that see past a node: bones are wrong there.
 std::vector<NodePull> bowed(std::span<const NodePull> binding, std::span<const double> looked_at) {
@@ -224,30 +199,77 @@ NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> t
                        config.rigid_iterations, config);
 }
 
+/// What judge_deformation() sums over the points.
+struct Judgement {
+  DeformingQuality counts;
+  double textured = 0; ///< points
+  std::array<double, 5> sums{};
+
+  void add(const Judgement& other) {
+    counts.on_label += other.counts.on_label;
+    counts.inliers += other.counts.inliers;
+    counts.in_empty += other.counts.in_empty;
+    textured += other.textured;
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
+  }
+
+  DeformingQuality quality() const {
+    DeformingQuality quality = counts;
+    if (textured < 20) return quality;
+    const auto covariance = [&](double product, double a, double b) {
+      return product / textured - a * b / (textured * textured);
+    };
+    const double variance_model = covariance(sums[2], sums[0], sums[0]);
+    const double variance_image = covariance(sums[3], sums[1], sums[1]);
+    const double floor = 0.03 * 0.03; // of the log luminance: less is no texture
+    if (variance_model < floor || variance_image < floor) return quality;
+    quality.texture_correlation = covariance(sums[4], sums[0], sums[1]) / std::sqrt(variance_model * variance_image);
+    return quality;
+  }
+};
+
+void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
+  if (seen.pixel_u < 0) return;
+  const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
+  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
+    ++sum.counts.in_empty;
+  }
+  if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
+  const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
+  const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
+  const double distance = seen.normal.dot(seen.place - measured);
+  // Behind what is measured it may be hidden by another part of the layer.
+  if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) return;
+  ++sum.counts.on_label;
+  const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
+  if (std::abs(distance) > tolerance ||
+      seen.normal.dot(Eigen::Vector3d(plane[0], plane[1], plane[2])) < kNormalCosine) {
+    return;
+  }
+  ++sum.counts.inliers;
+  const double expected = texture.fused;
+  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) return;
+  const double image = view.sample_texture(0, seen.u, seen.v).value;
+  sum.sums[0] += expected;
+  sum.sums[1] += image;
+  sum.sums[2] += expected * expected;
+  sum.sums[3] += image * image;
+  sum.sums[4] += expected * image;
+  sum.textured += 1;
+}
+
 } // namespace
 
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
                const LayerPose& pose, int level, double gate, const DeformingAlignmentConfig& config,
                std::vector<PointTerms>& terms) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  terms.assign(model.points.size(), PointTerms());
-  std::vector<float> image(model.points.size(), kNone);
+  const AssociationGates gates{std::min(gate, config.plane_gate), gate, config.silhouette_share};
+  terms.resize(model.points.size());
+  std::vector<float> image(model.points.size());
   parallel_for(model.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      const Seen seen = look(model.points[p], pose.motions[p], pose.places[p], view);
-      if (seen.pixel_u < 0) continue;
-      if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0) {
-        set_rim(seen, view, gate, config.silhouette_share, terms[p]);
-        continue;
-      }
-      set_plane(seen, view, std::min(gate, config.plane_gate), terms[p]);
-      // A surface that is measured elsewhere along the ray shows another point's texture.
-      const bool contradicted = view.planes.weights.at(seen.pixel_u, seen.pixel_v) > 0 && terms[p].plane_scale == 0;
-      const bool covered = is_covered(seen, view);
-      terms[p].seen_past = contradicted && !covered;
-      if (contradicted || view.mask.at(seen.pixel_u, seen.pixel_v) != 2 || covered) continue;
-      image[p] = view.sample_texture(level, seen.u, seen.v).value;
-    }
+    const std::size_t count = chunk.end - chunk.begin;
+    associate_points(std::span(pose.points).subspan(chunk.begin, count), view, level, gates,
+                     std::span(terms).subspan(chunk.begin, count), std::span(image).subspan(chunk.begin, count));
   });
   parallel_for(PointTerms::kTextures, 1,
                [&](const Chunk& which) { set_textures(textures, image, which.begin, level, config, terms); });
@@ -261,7 +283,7 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
   problem.set_level(level);
   for (int i = 0; i < iterations; ++i) {
     associate(model, textures, view, pose, level, gate, config, problem.terms());
-    Block information;
+    Matrix6d information;
     Twist gradient;
     const Eigen::Vector3d pivot = mean_place(pose.nodes);
     problem.linearise_rigid(pose, pivot, information, gradient);
@@ -269,7 +291,7 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
     if (!(largest > 0)) break;
     const double before = problem.energy(pose);
     for (double damping = 1e-3; damping < 1e3; damping *= 10) {
-      Block damped = information;
+      Matrix6d damped = information;
       damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
       LayerPose candidate = pose_layer(model.points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
       if (problem.energy(candidate) < before) {
@@ -291,14 +313,15 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
   LayerPose pose = pose_layer(model.points,
                               config.rigid_iterations > 0 ? moved_as_one(model, textures, view, start, config) : start);
   Damped damped;
+  const NodeShares shares(model);
   for (std::size_t s = 0; s < kStages.size(); ++s) {
     const Stage& stage = kStages[s];
     problem.set_level(stage.level);
     for (int i = 0; i < config.iterations[s]; ++i) {
       associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
-      result.seen = shares(model, terms, [](const PointTerms& t) { return t.on_surface; });
-      const auto looked_at = shares(model, terms, [](const PointTerms& t) { return t.on_surface || t.seen_past; });
+      result.seen = shares.of([&](std::size_t p) { return terms[p].on_surface; });
+      const auto looked_at = shares.of([&](std::size_t p) { return terms[p].on_surface || terms[p].seen_past; });
       problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, pose, result.energies)) break;
       const std::size_t tries = result.energies.size();
@@ -311,48 +334,16 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
 
 DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
                                    const ObjectView& view, const NodeStates& states) {
-  DeformingQuality quality;
-  double sums[5] = {};
-  double count = 0;
   const LayerPose pose = pose_layer(model.points, states);
-  for (std::size_t p = 0; p < model.points.size(); ++p) {
-    const Seen seen = look(model.points[p], pose.motions[p], pose.places[p], view);
-    if (seen.pixel_u < 0) continue;
-    const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
-    if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
-      ++quality.in_empty;
+  std::vector<Judgement> parts(chunk_count(model.points.size(), kPointsPerChunk));
+  parallel_for(model.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
+      judge(look(pose.points[p], view), textures[p], view, parts[chunk.index]);
     }
-    if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) continue;
-    const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
-    const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
-    const double distance = seen.normal.dot(seen.place - measured);
-    // Behind what is measured it may be hidden by another part of the layer.
-    if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) continue;
-    ++quality.on_label;
-    const float* plane = view.planes.planes.pixel(seen.pixel_u, seen.pixel_v);
-    if (std::abs(distance) > tolerance ||
-        seen.normal.dot(Eigen::Vector3d(plane[0], plane[1], plane[2])) < kNormalCosine) {
-      continue;
-    }
-    ++quality.inliers;
-    const double expected = textures[p].fused;
-    if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) continue;
-    const double image = view.sample_texture(0, seen.u, seen.v).value;
-    sums[0] += expected;
-    sums[1] += image;
-    sums[2] += expected * expected;
-    sums[3] += image * image;
-    sums[4] += expected * image;
-    count += 1;
-  }
-  if (count < 20) return quality;
-  const double variance_model = sums[2] / count - sums[0] * sums[0] / (count * count);
-  const double variance_image = sums[3] / count - sums[1] * sums[1] / (count * count);
-  const double floor = 0.03 * 0.03; // of the log luminance: less is no texture
-  if (variance_model < floor || variance_image < floor) return quality;
-  quality.texture_correlation =
-      (sums[4] / count - sums[0] * sums[1] / (count * count)) / std::sqrt(variance_model * variance_image);
-  return quality;
+  });
+  Judgement all;
+  for (const Judgement& part : parts) all.add(part);
+  return all.quality();
 }
 
 } // namespace kinora::tracking

@@ -10,10 +10,8 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kPointsPerChunk = 512;
+constexpr std::size_t kPointsPerChunk = 1024;
 constexpr std::size_t kNodesPerChunk = 16;
-constexpr std::size_t kEdgesPerChunk = 1024;
-constexpr double kNearest = 0.05; // metres before the camera
 
 double huber(double value, double bend) {
   const double size = std::abs(value);
@@ -25,67 +23,84 @@ double huber_weight(double value, double bend) {
   return size <= bend ? 1.0 : bend / size;
 }
 
-bool has_terms(const PointTerms& terms) {
-  return terms.plane_scale != 0 || terms.texture_scale[0] != 0 || terms.texture_scale[1] != 0;
+template <class Items> auto part_of(const Items& items, const Chunk& chunk) {
+  return std::span(items).subspan(chunk.begin, chunk.end - chunk.begin);
 }
 
 // Only blocks right of the diagonal were summed up; the others are their transposes.
 void mirror_upper(const BlockPattern& pattern, BlockSystem& system) {
-  for (std::size_t row = 0; row < pattern.node_count(); ++row) {
-    for (std::size_t b = pattern.row_begin(row); b < pattern.row_end(row); ++b) {
-      const int column = pattern.column(b);
-      if (column >= static_cast<int>(row)) break;
-      system.blocks[b] = system.blocks[pattern.find(column, static_cast<int>(row))].transpose();
+  parallel_for(pattern.node_count(), 4 * kNodesPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) {
+      for (std::size_t b = pattern.row_begin(row); b < pattern.diagonal(row); ++b) {
+        system.blocks[b].matrix() = system.blocks[pattern.transposed(b)].matrix().transpose();
+      }
     }
-  }
+  });
 }
 
 } // namespace
 
 DeformingProblem::DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights)
-    : model_(model), view_(view), weights_(weights), terms_(model.points.size()) {}
+    : model_(model), view_(view), weights_(weights), terms_(model.points.size()),
+      edges_(rows_of(model.edges, model.nodes)) {}
 
 // Which nodes share a point or an edge, and where in the system that is.
 void DeformingProblem::tie_nodes() {
-  point_uses_.resize(model_.nodes.size());
-  edge_uses_.resize(model_.nodes.size());
+  const std::size_t nodes = model_.nodes.size();
+  point_uses_begin_.assign(nodes + 1, 0);
+  std::vector<std::uint8_t> counts(model_.points.size());
   for (std::size_t p = 0; p < model_.points.size(); ++p) {
-    const Influence& influence = model_.points[p].influence;
-    for (std::size_t slot = 0; slot < static_cast<std::size_t>(influence.count); ++slot) {
-      point_uses_[static_cast<std::size_t>(influence.nodes[slot])].push_back(
-          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}});
+    const SkinnedPoint& point = model_.points[p];
+    counts[p] = static_cast<std::uint8_t>(point.node_count());
+    for (std::size_t slot = 0; slot < counts[p]; ++slot) {
+      ++point_uses_begin_[static_cast<std::size_t>(point.nodes[slot]) + 1];
     }
   }
+  std::partial_sum(point_uses_begin_.begin(), point_uses_begin_.end(), point_uses_begin_.begin());
+  point_uses_.resize(point_uses_begin_.back());
+  std::vector<std::size_t> next(point_uses_begin_.begin(), point_uses_begin_.end() - 1);
+  for (std::size_t p = 0; p < model_.points.size(); ++p) {
+    for (std::size_t slot = 0; slot < counts[p]; ++slot) {
+      point_uses_[next[static_cast<std::size_t>(model_.points[p].nodes[slot])]++] = {
+          static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(slot), {}};
+    }
+  }
+  std::vector<std::vector<BlockPattern::Pair>> of_chunks(chunk_count(nodes, kNodesPerChunk));
+  parallel_for(nodes, kNodesPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::size_t> last(nodes, nodes); // for each node, the last one that it was paired with
+    for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
+      for (const PointUse& use : uses_of(n)) {
+        const SkinnedPoint& point = model_.points[use.point];
+        for (std::size_t k = 0; k < counts[use.point]; ++k) {
+          const auto other = static_cast<std::size_t>(point.nodes[k]);
+          if (other <= n || std::exchange(last[other], n) == n) continue;
+          of_chunks[chunk.index].push_back({static_cast<int>(n), point.nodes[k]});
+        }
+      }
+    }
+  });
   std::vector<BlockPattern::Pair> pairs;
   for (const GraphEdge& edge : model_.edges) pairs.push_back({edge.a, edge.b});
-  std::vector<int> last(model_.nodes.size(), -1); // for each node, the last one that it was paired with
-  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-    const int node = static_cast<int>(n);
-    for (const PointUse& use : point_uses_[n]) {
-      const Influence& influence = model_.points[use.point].influence;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-        const int other = influence.nodes[k];
-        if (other <= node || std::exchange(last[static_cast<std::size_t>(other)], node) == node) continue;
-        pairs.push_back({node, other});
+  for (const auto& some : of_chunks) pairs.insert(pairs.end(), some.begin(), some.end());
+  pattern_ = BlockPattern(nodes, pairs);
+  parallel_for(nodes, kNodesPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::uint32_t> place(nodes); // of each node's block in a row
+    for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
+      const std::size_t first = pattern_.row_begin(n);
+      for (std::size_t b = pattern_.diagonal(n); b < pattern_.row_end(n); ++b) {
+        place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
+      }
+      for (PointUse& use : uses_of(n)) {
+        const SkinnedPoint& point = model_.points[use.point];
+        for (std::size_t k = 0; k < use.blocks.size(); ++k) {
+          // Others are the transposes of some that are summed up there.
+          const bool wanted = k < counts[use.point] && point.nodes[k] >= static_cast<int>(n);
+          use.blocks[k] = wanted ? place[static_cast<std::size_t>(point.nodes[k])] : PointUse::kNone;
+        }
       }
     }
-  }
-  pattern_ = BlockPattern(model_.nodes.size(), pairs);
-  std::vector<std::uint32_t> place(model_.nodes.size()); // of each node's block in a row
-  for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-    const std::size_t first = pattern_.row_begin(n);
-    for (std::size_t b = first; b < pattern_.row_end(n); ++b) {
-      place[static_cast<std::size_t>(pattern_.column(b))] = static_cast<std::uint32_t>(b - first);
-    }
-    for (PointUse& use : point_uses_[n]) {
-      const Influence& influence = model_.points[use.point].influence;
-      for (std::size_t k = 0; k < use.blocks.size(); ++k) {
-        // Others are the transposes of some that are summed up there.
-        const bool wanted = k < static_cast<std::size_t>(influence.count) && influence.nodes[k] >= static_cast<int>(n);
-        use.blocks[k] = wanted ? place[static_cast<std::size_t>(influence.nodes[k])] : PointUse::kNone;
-      }
-    }
-  }
+  });
+  edge_uses_.resize(nodes);
   for (std::size_t e = 0; e < model_.edges.size(); ++e) {
     const GraphEdge& edge = model_.edges[e];
     edge_uses_[static_cast<std::size_t>(edge.a)].push_back(
@@ -95,84 +110,18 @@ void DeformingProblem::tie_nodes() {
   }
 }
 
-DeformingProblem::PointResiduals DeformingProblem::residuals_at(std::size_t point, const Eigen::Vector3d& place) const {
-  PointResiduals residuals;
-  const PointTerms& terms = terms_[point];
-  residuals.plane = terms.plane_scale * (terms.plane_normal.dot(place) + terms.plane_offset);
-  if (place.z() < kNearest ||
-      std::all_of(terms.texture_scale.begin(), terms.texture_scale.end(), [](double scale) { return scale == 0; })) {
-    return residuals;
-  }
-  const double fx = view_.intrinsics.fx / place.z();
-  const double fy = view_.intrinsics.fy / place.z();
-  const TextureSample image =
-      view_.sample_texture(level_, fx * place.x() + view_.intrinsics.cx, fy * place.y() + view_.intrinsics.cy);
-  residuals.slope = Eigen::Vector3d(image.du * fx, image.dv * fy,
-                                    -(image.du * fx * place.x() + image.dv * fy * place.y()) / place.z());
-  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    if (terms.texture_scale[t] == 0) continue;
-    residuals.textures[t] = terms.texture_scale[t] * (image.value - terms.expected[t]);
-  }
-  return residuals;
-}
-
-double DeformingProblem::energy_of(const PointResiduals& residuals) const {
-  double sum = huber(residuals.plane, weights_.huber);
-  for (const double value : residuals.textures) sum += huber(value, weights_.huber);
-  return sum;
-}
-
-std::size_t DeformingProblem::rows_of(std::size_t point, const PointResiduals& residuals,
-                                      std::array<PointRow, kRows>& rows) const {
-  const PointTerms& terms = terms_[point];
-  std::size_t count = 0;
-  if (terms.plane_scale > 0) {
-    const double root = std::sqrt(huber_weight(residuals.plane, weights_.huber));
-    rows[count++] = {root * residuals.plane, root * terms.plane_scale * terms.plane_normal};
-  }
-  double information = 0;
-  double sum = 0;
-  for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    const double weighted = huber_weight(residuals.textures[t], weights_.huber) * terms.texture_scale[t];
-    information += weighted * terms.texture_scale[t];
-    sum += weighted * residuals.textures[t];
-  }
-  if (information > 0 && !residuals.slope.isZero(0)) {
-    const double root = std::sqrt(information);
-    rows[count++] = {sum / root, root * residuals.slope};
-  }
-  return count;
-}
-
-// Where `from` would have its neighbour `to`, less where it is.
-Eigen::Vector3d DeformingProblem::edge_residual(int from, int to, const NodeStates& states) const {
-  const auto i = static_cast<std::size_t>(from);
-  const auto j = static_cast<std::size_t>(to);
-  return states.positions[i] + states.transforms[i].real._transformVector(model_.nodes[j] - model_.nodes[i]) -
-         states.positions[j];
-}
-
 double DeformingProblem::energy(const LayerPose& pose) const {
+  const TextureImage texture = texture_image(view_, level_);
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      if (has_terms(terms_[p])) parts[chunk.index] += energy_of(residuals_at(p, pose.places[p]));
-    }
+    parts[chunk.index] = energy_of(part_of(pose.points, chunk), part_of(terms_, chunk), texture, weights_.huber);
   });
-  return std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(pose.nodes);
+  return std::accumulate(parts.begin(), parts.end(), 0.0) + pulls_energy(pose.nodes) +
+         energy_of(edges_, pose.rows, weights_.rigidity_sigma, weights_.huber);
 }
 
-double DeformingProblem::energy_beside_points(const NodeStates& states) const {
-  std::vector<double> parts(chunk_count(model_.edges.size(), kEdgesPerChunk));
-  parallel_for(model_.edges.size(), kEdgesPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
-      const auto [a, b] = model_.edges[e];
-      for (const Eigen::Vector3d& residual : {edge_residual(a, b, states), edge_residual(b, a, states)}) {
-        parts[chunk.index] += huber(residual.norm() / weights_.rigidity_sigma, weights_.huber);
-      }
-    }
-  });
-  return std::accumulate(parts.begin(), parts.end(), 0.0) + pull_energy(prior_, states) + pull_energy(binding_, states);
+double DeformingProblem::pulls_energy(const NodeStates& states) const {
+  return pull_energy(prior_, states) + pull_energy(binding_, states);
 }
 
 double DeformingProblem::pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const {
@@ -188,97 +137,83 @@ void DeformingProblem::set_prior(const NodeStates& prior) {
   for (const Eigen::Vector3d& place : prior.positions) prior_.push_back({place, 1 / weights_.prior_sigma});
 }
 
-BlockSystem DeformingProblem::linearise(const LayerPose& pose, double& energy) {
-  const NodeStates& states = pose.nodes;
-  if (point_uses_.empty()) tie_nodes();
+// Renews the points' derivatives; returns their energy.
+double DeformingProblem::jacobians_at(const LayerPose& pose) {
   if (!jacobians_) jacobians_ = std::make_unique_for_overwrite<PointJacobians[]>(model_.points.size());
+  const std::span<PointJacobians> jacobians(jacobians_.get(), model_.points.size());
+  const TextureImage texture = texture_image(view_, level_);
   std::vector<double> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    std::array<PointRow, kRows> rows;
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      PointJacobians& out = jacobians_[p];
-      out.empty = !has_terms(terms_[p]);
-      if (out.empty) continue;
-      const SkinnedPoint& point = model_.points[p];
-      const Eigen::Vector3d& place = pose.places[p];
-      const PointResiduals residuals = residuals_at(p, place);
-      parts[chunk.index] += energy_of(residuals);
-      const std::size_t count = rows_of(p, residuals, rows);
-      out.empty = count == 0;
-      for (std::size_t r = count; r < kRows; ++r) rows[r] = {0, Eigen::Vector3d::Zero()};
-      for (std::size_t r = 0; r < kRows; ++r) out.residuals[r] = static_cast<float>(rows[r].residual);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(point.influence.count); ++k) {
-        const NodePart part(states, point.influence, pose.motions[p], k);
-        for (std::size_t r = 0; r < kRows; ++r) {
-          const Eigen::Vector3d& gradient = rows[r].gradient;
-          PointJacobians::Row& row = out.by_node[k][r];
-          row.fill(0);
-          Eigen::Map<Eigen::Matrix<float, 6, 1>>(row.data()) =
-              part.pulled_back(gradient, place.cross(gradient)).cast<float>();
-        }
-      }
-    }
+    parts[chunk.index] =
+        find_jacobians(part_of(model_.points, chunk), pose.rows, part_of(pose.points, chunk), part_of(terms_, chunk),
+                       texture, weights_.huber, jacobians.subspan(chunk.begin, chunk.end - chunk.begin));
   });
-  energy = std::accumulate(parts.begin(), parts.end(), 0.0) + energy_beside_points(states);
-  BlockSystem system;
-  system.blocks.assign(pattern_.block_count(), Block::Zero());
-  system.gradient.assign(model_.nodes.size(), Twist::Zero());
+  return std::accumulate(parts.begin(), parts.end(), 0.0);
+}
+
+const BlockSystem& DeformingProblem::linearise(const LayerPose& pose, double& energy) {
+  const NodeStates& states = pose.nodes;
+  if (point_uses_begin_.empty()) tie_nodes();
+  edge_residuals_.resize(edges_.size());
+  energy = jacobians_at(pose) + pulls_energy(states) +
+           energy_of(edges_, pose.rows, weights_.rigidity_sigma, weights_.huber, edge_residuals_);
+  system_.blocks.resize(pattern_.block_count());
+  system_.gradient.assign(model_.nodes.size(), Twist::Zero());
   parallel_for(model_.nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      add_points(i, system);
-      add_edges(i, states, system);
-      if (!prior_.empty()) add_pull(i, prior_[i], states, system);
-      if (!binding_.empty()) add_pull(i, binding_[i], states, system);
+      add_points(i);
+      add_edges(i, states);
+      if (!prior_.empty()) add_pull(i, prior_[i], states);
+      if (!binding_.empty()) add_pull(i, binding_[i], states);
     }
   });
-  mirror_upper(pattern_, system);
-  return system;
+  mirror_upper(pattern_, system_);
+  return system_;
 }
 
 // In single precision: a node has few hundred points.
-void DeformingProblem::add_points(std::size_t node, BlockSystem& system) const {
+void DeformingProblem::add_points(std::size_t node) {
   const std::size_t first = pattern_.row_begin(node);
-  std::vector<PaddedBlock> sums(pattern_.row_end(node) - first);
+  const std::size_t count = pattern_.row_end(node) - first;
+  const std::span<Block> row = std::span(system_.blocks).subspan(first, count);
+  std::fill(row.begin(), row.end(), Block());
   PointJacobians::Row gradient{};
-  add_point_products(point_uses_[node], {jacobians_.get(), model_.points.size()}, sums, gradient);
-  system.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
-  for (std::size_t b = 0; b < sums.size(); ++b) {
-    for (std::size_t c = 0; c < sums[b].size(); ++c) {
-      system.blocks[first + b].col(static_cast<Eigen::Index>(c)) +=
-          Eigen::Map<const Eigen::Matrix<float, 6, 1>>(sums[b][c].data()).cast<double>();
-    }
-  }
+  add_point_products(uses_of(node), {jacobians_.get(), model_.points.size()}, row, gradient);
+  system_.gradient[node] += Eigen::Map<const Eigen::Matrix<float, 6, 1>>(gradient.data()).cast<double>();
 }
 
 // An edge (i, j) has two residuals: T_i x_j − c_j, with derivatives (1, −[T_i x_j − c_i]×) by i and −1 by j; and the
 // same the other way round.
-void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const {
-  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
-  const double information = 1 / (weights_.rigidity_sigma * weights_.rigidity_sigma);
+void DeformingProblem::add_edges(std::size_t node, const NodeStates& states) {
+  Block::Matrix own_block = system_.blocks[pattern_.diagonal(node)].matrix();
   for (const EdgeUse& use : edge_uses_[node]) {
-    const GraphEdge& edge = model_.edges[static_cast<std::size_t>(use.edge)];
+    const auto e = static_cast<std::size_t>(use.edge);
     const int own = static_cast<int>(node);
-    const int other = edge.a == own ? edge.b : edge.a;
+    const bool is_first = edges_[e].a == own;
+    const int other = is_first ? edges_[e].b : edges_[e].a;
     for (const bool outward : {true, false}) {
       const int from = outward ? own : other;
       const int to = outward ? other : own;
-      const Eigen::Vector3d residual = edge_residual(from, to, states);
-      const double weight = information * huber_weight(residual.norm() / weights_.rigidity_sigma, weights_.huber);
-      const Eigen::Vector3d lever =
-          residual + states.positions[static_cast<std::size_t>(to)] - states.positions[static_cast<std::size_t>(from)];
-      const Eigen::Matrix3d turn = weight * skew(lever);
-      Block& own_block = system.blocks[diagonal];
+      const EdgeResidual& found = edge_residuals_[e][is_first == outward ? 0 : 1];
+      const float weight = found.weight;
+      const Eigen::Vector3f lever = found.value + (states.positions[static_cast<std::size_t>(to)] -
+                                                   states.positions[static_cast<std::size_t>(from)])
+                                                      .cast<float>();
+      const Eigen::Vector3f pull = weight * found.value;
+      Eigen::Matrix3f turn;
+      turn << 0, -lever.z(), lever.y(), lever.z(), 0, -lever.x(), -lever.y(), lever.x(), 0;
+      turn *= weight;
       own_block.diagonal().head<3>().array() += weight;
-      system.gradient[node].head<3>() += (outward ? weight : -weight) * residual;
+      system_.gradient[node].head<3>() += (outward ? pull : Eigen::Vector3f(-pull)).cast<double>();
       if (outward) {
         own_block.topRightCorner<3, 3>() -= turn;
         own_block.bottomLeftCorner<3, 3>() += turn;
-        own_block.bottomRightCorner<3, 3>() -= weight * lever * lever.transpose();
+        own_block.bottomRightCorner<3, 3>() -= (weight * lever) * lever.transpose();
         own_block.diagonal().tail<3>().array() += weight * lever.squaredNorm();
-        system.gradient[node].tail<3>() += weight * lever.cross(residual);
+        system_.gradient[node].tail<3>() += lever.cross(pull).cast<double>();
       }
       if (other < own) continue;
-      Block& between = system.blocks[use.block];
+      Block::Matrix between = system_.blocks[use.block].matrix();
       between.diagonal().head<3>().array() -= weight;
       if (outward) {
         between.bottomLeftCorner<3, 3>() -= turn;
@@ -289,33 +224,35 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states, Blo
   }
 }
 
-void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states,
-                                BlockSystem& system) const {
+void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states) {
   const Eigen::Vector3d off = states.positions[node] - pull.place;
   const double weight = huber_weight(pull.scale * off.norm(), weights_.huber) * pull.scale * pull.scale;
-  const std::size_t diagonal = pattern_.find(static_cast<int>(node), static_cast<int>(node));
-  system.blocks[diagonal].diagonal().head<3>().array() += weight;
-  system.gradient[node].head<3>() += weight * off;
+  Block::Matrix own_block = system_.blocks[pattern_.diagonal(node)].matrix();
+  own_block.diagonal().head<3>().array() += static_cast<float>(weight);
+  system_.gradient[node].head<3>() += weight * off;
 }
 
-void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information,
+void DeformingProblem::linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,
                                        Twist& gradient) const {
   struct Part {
-    Block information = Block::Zero();
+    Matrix6d information = Matrix6d::Zero();
     Twist gradient = Twist::Zero();
   };
+  const TextureImage texture = texture_image(view_, level_);
   std::vector<Part> parts(chunk_count(model_.points.size(), kPointsPerChunk));
   parallel_for(model_.points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    std::array<PointRow, kRows> rows;
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      if (!has_terms(terms_[p])) continue;
-      const Eigen::Vector3d& place = pose.places[p];
-      const std::size_t count = rows_of(p, residuals_at(p, place), rows);
-      for (std::size_t r = 0; r < count; ++r) {
-        Twist row;
-        row << rows[r].gradient, (place - pivot).cross(rows[r].gradient);
-        parts[chunk.index].information.noalias() += row * row.transpose();
-        parts[chunk.index].gradient += rows[r].residual * row;
+    std::array<PointRows, kPointsPerChunk> rows;
+    const std::span<PointRows> found(rows.data(), chunk.end - chunk.begin);
+    find_rows(part_of(pose.points, chunk), part_of(terms_, chunk), texture, weights_.huber, found);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const Eigen::Vector3d lever = pose.points[chunk.begin + i].place.cast<double>() - pivot;
+      for (const PointRow& row : found[i]) {
+        if (row.gradient.isZero(0)) continue;
+        const Eigen::Vector3d slope = row.gradient.cast<double>();
+        Twist twist;
+        twist << slope, lever.cross(slope);
+        parts[chunk.index].information.noalias() += twist * twist.transpose();
+        parts[chunk.index].gradient += static_cast<double>(row.residual) * twist;
       }
     }
   });

@@ -10,25 +10,14 @@
 #include <vector>
 
 #include "tracking/block_system.h"
+#include "tracking/edge_terms.h"
 #include "tracking/layer_pose.h"
 #include "tracking/object_view.h"
 #include "tracking/point_products.h"
+#include "tracking/point_terms.h"
 #include "tracking/surface_graph.h"
 
 namespace kinora::tracking {
-
-/// What a point is compared with, fixed while the solver steps. A scale is the root of a term's weight over its
-/// standard deviation; zero: there is no such term.
-struct PointTerms {
-  static constexpr std::size_t kTextures = 2;
-  Eigen::Vector3d plane_normal = Eigen::Vector3d::Zero(); ///< of the measured surface, in the camera
-  double plane_offset = 0;                                ///< plane_normal · x + offset = 0 on it
-  double plane_scale = 0;
-  bool on_surface = false;                  ///< the plane is of measured surface, no border of a silhouette
-  bool seen_past = false;                   ///< the camera sees what lies behind the point
-  std::array<double, kTextures> expected{}; ///< textures at the point
-  std::array<double, kTextures> texture_scale{};
-};
 
 /// A place that something beside the view would have a node at.
 struct NodePull {
@@ -71,40 +60,33 @@ public:
   /// `pose`, here and below: the model's points under some states of its nodes.
   double energy(const LayerPose& pose) const;
   /// Gauss–Newton system about `pose`, weights as Huber has them there; and the energy there. Same bits for any
-  /// number of threads.
-  BlockSystem linearise(const LayerPose& pose, double& energy);
+  /// number of threads. It stays until the next one.
+  const BlockSystem& linearise(const LayerPose& pose, double& energy);
   /// The system of one twist for all nodes, about `pivot`, of the points' terms alone.
-  void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Block& information, Twist& gradient) const;
+  void linearise_rigid(const LayerPose& pose, const Eigen::Vector3d& pivot, Matrix6d& information,
+                       Twist& gradient) const;
 
 private:
-  /// A point's residuals at some place, in standard deviations; zero where there is no such term.
-  struct PointResiduals {
-    double plane = 0;
-    std::array<double, PointTerms::kTextures> textures{};
-    Eigen::Vector3d slope = Eigen::Vector3d::Zero(); ///< of the image's texture, by the point's place
-  };
-  /// A residual and its derivative by the point's place, times the root of its weight. All textures are one row, as
-  /// their derivatives are parallel.
-  struct PointRow {
-    double residual;
-    Eigen::Vector3d gradient;
-  };
-  static constexpr std::size_t kRows = PointJacobians::kRows;
   struct EdgeUse {
     int edge;
     std::uint32_t block;
   };
 
   void tie_nodes();
-  PointResiduals residuals_at(std::size_t point, const Eigen::Vector3d& place) const;
-  double energy_of(const PointResiduals& residuals) const;
-  std::size_t rows_of(std::size_t point, const PointResiduals& residuals, std::array<PointRow, kRows>& rows) const;
-  double energy_beside_points(const NodeStates& states) const;
-  void add_points(std::size_t node, BlockSystem& system) const;
-  void add_edges(std::size_t node, const NodeStates& states, BlockSystem& system) const;
-  void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states, BlockSystem& system) const;
+  std::span<const PointUse> uses_of(std::size_t node) const {
+    return std::span(point_uses_)
+        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  }
+  std::span<PointUse> uses_of(std::size_t node) {
+    return std::span(point_uses_)
+        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  }
+  double jacobians_at(const LayerPose& pose);
+  double pulls_energy(const NodeStates& states) const;
+  void add_points(std::size_t node);
+  void add_edges(std::size_t node, const NodeStates& states);
+  void add_pull(std::size_t node, const NodePull& pull, const NodeStates& states);
   double pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const;
-  Eigen::Vector3d edge_residual(int from, int to, const NodeStates& states) const;
 
   LayerModel model_;
   const ObjectView& view_;
@@ -114,8 +96,12 @@ private:
   std::vector<PointTerms> terms_;
   std::vector<NodePull> prior_;
   std::vector<NodePull> binding_;
+  BlockSystem system_;
   std::unique_ptr<PointJacobians[]> jacobians_; ///< one for each point, as of the last linearise()
-  std::vector<std::vector<PointUse>> point_uses_;
+  std::vector<PointUse> point_uses_;            ///< of each node, one after the other
+  std::vector<std::size_t> point_uses_begin_;   ///< for each node, and one more at the end
+  std::vector<EdgeRow> edges_;
+  std::vector<EdgeResiduals> edge_residuals_; ///< one for each edge, as of the last linearise()
   std::vector<std::vector<EdgeUse>> edge_uses_;
 };
 

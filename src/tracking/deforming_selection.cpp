@@ -1,11 +1,11 @@
 #include "tracking/deforming_selection.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
 
 #include "core/parallel.h"
-#include "ingest/sensor_noise.h"
+#include "tracking/point_association.h"
 #include "tracking/residuals.h"
 
 namespace kinora::tracking {
@@ -13,43 +13,26 @@ namespace {
 
 constexpr std::size_t kPointsPerChunk = 512;
 
-// What a view shows at a place of the camera's space, on all levels; NaN unless the layer is measured there.
-std::array<float, ObjectView::kLevels> texture_at(const ObjectView& view, const Eigen::Vector3d& place) {
-  std::array<float, ObjectView::kLevels> texture{};
-  texture.fill(std::numeric_limits<float>::quiet_NaN());
-  if (!(place.z() > 0)) return texture;
-  const Eigen::Vector2d pixel = view.intrinsics.project(place);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
-        pixel.y() < view.intrinsics.height - 1)) {
-    return texture;
-  }
-  const int u = static_cast<int>(std::lround(pixel.x()));
-  const int v = static_cast<int>(std::lround(pixel.y()));
-  const double tolerance = std::max(0.015, 3 * ingest::depth_sigma(place.z()));
-  if (view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0 ||
-      std::abs(view.point(u, v).z() - place.z()) > tolerance) {
-    return texture;
-  }
-  for (std::size_t level = 0; level < texture.size(); ++level) {
-    texture[level] = view.sample_texture(static_cast<int>(level), pixel.x(), pixel.y()).value;
-  }
-  return texture;
-}
-
-bool faces_camera(const SurfacePoint& point, const BlendedMotion& motion, const ObjectView& view) {
-  const Eigen::Vector3d place = motion.apply(point.position.cast<double>());
-  if (!(place.z() > 0) || motion.rotate(point.normal.cast<double>()).dot(place) > 0) return false;
-  const Eigen::Vector2d pixel = view.intrinsics.project(place);
-  return pixel.x() > 0 && pixel.y() > 0 && pixel.x() < view.intrinsics.width && pixel.y() < view.intrinsics.height;
+bool faces_camera(const PosedPoint& point, const Intrinsics& camera) {
+  const Eigen::Vector3f& place = point.place;
+  if (!(place.z() > 0) || point.normal.dot(place) > 0) return false;
+  const float u = static_cast<float>(camera.fx) * place.x() + static_cast<float>(camera.cx) * place.z(); // times z
+  const float v = static_cast<float>(camera.fy) * place.y() + static_cast<float>(camera.cy) * place.z();
+  return u > 0 && v > 0 && u < static_cast<float>(camera.width) * place.z() &&
+         v < static_cast<float>(camera.height) * place.z();
 }
 
 } // namespace
 
 void DeformingSelection::add_last_view(const ObjectView& view, const NodeStates& states) {
+  const std::vector<NodeRow> nodes = rows_of(states);
   parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t k = chunk.begin; k < chunk.end; ++k) {
-      textures[k].last = texture_at(view, blend_motion(states, points[k].influence).apply(points[k].position));
-    }
+    const std::size_t count = chunk.end - chunk.begin;
+    std::array<PosedPoint, kPointsPerChunk> posed;
+    std::array<std::array<float, ObjectView::kLevels>, kPointsPerChunk> shown;
+    pose_points(std::span(points).subspan(chunk.begin, count), nodes, posed);
+    show_textures(std::span(posed).first(count), view, shown);
+    for (std::size_t k = 0; k < count; ++k) textures[chunk.begin + k].last = shown[k];
   });
 }
 
@@ -57,21 +40,32 @@ DeformingSelection select_facing(std::span<const SurfacePoint> surface, std::spa
                                  const ObjectView& view, const NodeStates& states, std::size_t max_points,
                                  const std::function<bool(const Influence&)>& takes_part) {
   std::vector<std::uint8_t> chosen(surface.size(), 0);
+  const std::vector<NodeRow> nodes = rows_of(states);
   parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
+    std::vector<std::size_t> which;
+    std::vector<SkinnedPoint> points;
+    which.reserve(kPointsPerChunk);
+    points.reserve(kPointsPerChunk);
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (skin[i].count == 0 || (takes_part && !takes_part(skin[i]))) continue;
-      chosen[i] = faces_camera(surface[i], blend_motion(states, skin[i]), view) ? 1 : 0;
+      which.push_back(i);
+      points.emplace_back(surface[i].position, surface[i].normal, skin[i]);
     }
+    std::vector<PosedPoint> posed(points.size());
+    pose_points(points, nodes, posed);
+    for (std::size_t k = 0; k < which.size(); ++k) chosen[which[k]] = faces_camera(posed[k], view.intrinsics) ? 1 : 0;
   });
   const std::size_t count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), 1));
   const std::size_t wanted = std::min(count, max_points);
   DeformingSelection selection;
+  selection.points.reserve(wanted);
+  selection.textures.reserve(wanted);
   std::size_t seen = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (chosen[i] == 0) continue;
     ++seen;
     if (seen * wanted / count == (seen - 1) * wanted / count) continue; // every count/wanted-th of them
-    selection.points.push_back({surface[i].position.cast<double>(), surface[i].normal.cast<double>(), skin[i]});
+    selection.points.emplace_back(surface[i].position, surface[i].normal, skin[i]);
     PointTexture texture;
     texture.fused = surface[i].intensity;
     texture.direction = direction_of(surface[i].normal);

@@ -1,20 +1,53 @@
 #include "tracking/layer_pose.h"
 
+#include <algorithm>
+
 #include "core/parallel.h"
 
 namespace kinora::tracking {
 
+SkinnedPoint::SkinnedPoint(const Eigen::Vector3f& at, const Eigen::Vector3f& outwards, const Influence& influence)
+    : position(at), normal(outwards) {
+  nodes.fill(influence.nodes[0]);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+    nodes[k] = influence.nodes[k];
+    weights[k] = static_cast<float>(influence.weights[k]);
+  }
+}
+
+std::size_t SkinnedPoint::node_count() const {
+  return static_cast<std::size_t>(std::find(weights.begin(), weights.end(), 0.0F) - weights.begin());
+}
+
+Influence SkinnedPoint::influence() const {
+  Influence result;
+  result.count = static_cast<int>(node_count());
+  for (std::size_t k = 0; k < node_count(); ++k) {
+    result.nodes[k] = nodes[k];
+    result.weights[k] = static_cast<double>(weights[k]);
+  }
+  return result;
+}
+
+std::vector<NodeRow> rows_of(const NodeStates& nodes) {
+  std::vector<NodeRow> rows(nodes.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    Eigen::Map<Eigen::Vector4f>(rows[n].real.data()) = nodes.transforms[n].real.coeffs().cast<float>();
+    Eigen::Map<Eigen::Vector4f>(rows[n].dual.data()) = nodes.transforms[n].dual.coeffs().cast<float>();
+    Eigen::Map<Eigen::Vector3f>(rows[n].position.data()) = nodes.positions[n].cast<float>();
+  }
+  return rows;
+}
+
 LayerPose pose_layer(std::span<const SkinnedPoint> points, NodeStates nodes) {
-  constexpr std::size_t kPointsPerChunk = 512;
+  constexpr std::size_t kPointsPerChunk = 1024;
   LayerPose pose;
+  pose.rows = rows_of(nodes);
   pose.nodes = std::move(nodes);
-  pose.motions.resize(points.size());
-  pose.places.resize(points.size());
+  pose.points.resize(points.size());
   parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t p = chunk.begin; p < chunk.end; ++p) {
-      pose.motions[p] = blend_motion(pose.nodes, points[p].influence);
-      pose.places[p] = pose.motions[p].apply(points[p].position);
-    }
+    const std::size_t count = chunk.end - chunk.begin;
+    pose_points(points.subspan(chunk.begin, count), pose.rows, std::span(pose.points).subspan(chunk.begin, count));
   });
   return pose;
 }

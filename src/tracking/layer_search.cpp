@@ -24,8 +24,8 @@ std::vector<Probe> probes_of(const LayerModel& model, std::span<const PointTextu
   const std::size_t stride = std::max<std::size_t>(1, model.points.size() / std::max<std::size_t>(1, most));
   for (std::size_t p = 0; p < model.points.size(); p += stride) {
     const SkinnedPoint& point = model.points[p];
-    probes.push_back(
-        {blend_motion(states, point.influence).apply(point.position), static_cast<double>(textures[p].fused)});
+    probes.push_back({blend_motion(states, point.influence()).apply(point.position.cast<double>()),
+                      static_cast<double>(textures[p].fused)});
   }
   return probes;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "core/parallel.h"
@@ -23,8 +24,8 @@ constexpr std::size_t kLeastMatches = 3;
 constexpr double kLeastStep = 0.008; // metres: the solver finds less by itself
 constexpr std::size_t kNodesPerChunk = 16;
 
-constexpr std::size_t kPatch = static_cast<std::size_t>(2 * kRadius + 1) * (2 * kRadius + 1);
-using Patch = std::array<float, kPatch>;
+constexpr int kPatch = (2 * kRadius + 1) * (2 * kRadius + 1);
+using Patch = Eigen::Array<float, kPatch, 1>;
 
 struct Pixel {
   int u, v;
@@ -35,34 +36,42 @@ Pixel pixel_of(const TextureLevel& level, const Eigen::Vector2d& at) {
           static_cast<int>(std::lround((at.y() + 0.5) * level.scale - 0.5))};
 }
 
-// The texture about a pixel with mean zero and length one; nothing at the border or without contrast.
-std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {
+// The texture about a pixel; nothing at the border.
+std::optional<Patch> values_at(const TextureLevel& level, const Pixel& at) {
   if (at.u < kRadius || at.v < kRadius || at.u + kRadius >= level.values.width() ||
       at.v + kRadius >= level.values.height()) {
     return std::nullopt;
   }
   Patch patch;
-  float sum = 0;
-  std::size_t i = 0;
+  Eigen::Index i = 0;
   for (int v = at.v - kRadius; v <= at.v + kRadius; ++v) {
-    for (int u = at.u - kRadius; u <= at.u + kRadius; ++u) sum += patch[i++] = level.values.at(u, v, 0);
+    const float* row = level.values.pixel(at.u - kRadius, v);
+    for (int u = 0; u <= 2 * kRadius; ++u) patch[i++] = row[3 * u];
   }
-  float squares = 0;
-  for (float& value : patch) {
-    value -= sum / static_cast<float>(kPatch);
-    squares += value * value;
-  }
-  if (squares < kLeastContrast * kLeastContrast * kPatch) return std::nullopt;
-  for (float& value : patch) value /= std::sqrt(squares);
   return patch;
 }
 
+bool has_contrast(float squares) { return squares >= kLeastContrast * kLeastContrast * kPatch; }
+
+// The same with mean zero and length one; nothing without contrast.
+std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {
+  auto patch = values_at(level, at);
+  if (!patch) return std::nullopt;
+  *patch -= patch->mean();
+  const float squares = patch->matrix().squaredNorm();
+  if (!has_contrast(squares)) return std::nullopt;
+  *patch /= std::sqrt(squares);
+  return patch;
+}
+
+// `a`: of mean zero and length one.
 double correlation(const Patch& a, const TextureLevel& level, const Pixel& at) {
-  const auto b = patch_at(level, at);
+  auto b = values_at(level, at);
   if (!b) return 0;
-  float sum = 0;
-  for (std::size_t i = 0; i < kPatch; ++i) sum += a[i] * (*b)[i];
-  return sum;
+  *b -= b->mean();
+  const float squares = b->matrix().squaredNorm();
+  if (!has_contrast(squares)) return 0;
+  return static_cast<double>(a.matrix().dot(b->matrix()) / std::sqrt(squares));
 }
 
 // The measured surface at a pixel of the view, well inside the layer.
@@ -121,9 +130,17 @@ std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeSt
       matches[n] = match(last, then.positions[n], now, expected.positions[n]);
     }
   });
+  // Most nodes are where they are expected, and all about them are.
+  std::vector<std::uint8_t> stirred(count, 0);
+  const auto moves = [&](std::size_t n) { return matches[n] && !matches[n]->isZero(0); };
+  for (std::size_t n = 0; n < count; ++n) stirred[n] = moves(n) ? 1 : 0;
+  for (const GraphEdge& edge : edges) {
+    if (moves(static_cast<std::size_t>(edge.a))) stirred[static_cast<std::size_t>(edge.b)] = 1;
+    if (moves(static_cast<std::size_t>(edge.b))) stirred[static_cast<std::size_t>(edge.a)] = 1;
+  }
   std::vector<std::array<std::vector<double>, 3>> around(count);
   const auto tell = [&](std::size_t from, std::size_t to) {
-    for (std::size_t axis = 0; matches[from] && axis < 3; ++axis) {
+    for (std::size_t axis = 0; matches[from] && stirred[to] != 0 && axis < 3; ++axis) {
       around[to][axis].push_back((*matches[from])[static_cast<Eigen::Index>(axis)]);
     }
   };

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "tracking/block_system.h"
 #include "tracking/deformation_graph.h"
 
 namespace kinora::tracking {
@@ -14,8 +15,7 @@ namespace kinora::tracking {
 /// A point's residuals, times the root of their weights, and their derivatives by the twists of its nodes.
 struct PointJacobians {
   static constexpr std::size_t kRows = 2;
-  static constexpr std::size_t kPadded = 8; ///< a twist's six numbers and zeros
-  using Row = std::array<float, kPadded>;
+  using Row = PaddedTwist;
   bool empty = true;
   std::array<float, kRows> residuals;
   std::array<std::array<Row, kRows>, Influence::kMost> by_node;
@@ -31,12 +31,9 @@ struct PointUse {
   std::array<std::uint32_t, Influence::kMost> blocks;
 };
 
-/// Six columns of a block of the normal equations; each a twist's six numbers and zeros.
-using PaddedBlock = std::array<PointJacobians::Row, 6>;
-
 /// Adds JᵀJ of one node with each that shares a point with it, in the order of `uses`: column c, row r of a block is
 /// the derivative by number c of the other's twist times that by number r of the node's own.
-void add_point_products(std::span<const PointUse> uses, std::span<const PointJacobians> points,
-                        std::span<PaddedBlock> blocks, PointJacobians::Row& gradient);
+void add_point_products(std::span<const PointUse> uses, std::span<const PointJacobians> points, std::span<Block> blocks,
+                        PointJacobians::Row& gradient);
 
 } // namespace kinora::tracking

@@ -8,7 +8,7 @@
 namespace kinora::tracking {
 
 /// The middle value (the upper of two); reorders `values`, which must not be empty.
-inline double median(std::vector<double>& values) {
+template <class Number> Number median(std::vector<Number>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;

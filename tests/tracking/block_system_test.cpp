@@ -1,11 +1,12 @@
 #include "tracking/block_system.h"
 
-#include <gtest/gtest.h>
-
 #include "core/random.h"
+#include "tracking/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
+
+class BlockSystemTest : public testing::OnEveryInstructionSet {};
 
 Twist random_twist(Random& random) {
   Twist twist;
@@ -16,7 +17,7 @@ Twist random_twist(Random& random) {
 /// Sums of squares of rows that each tie two nodes: positive semidefinite, as the solver meets them.
 BlockSystem random_system(const BlockPattern& pattern, std::size_t rows, Random& random) {
   BlockSystem system;
-  system.blocks.assign(pattern.block_count(), Block::Zero());
+  system.blocks.resize(pattern.block_count());
   system.gradient.assign(pattern.node_count(), Twist::Zero());
   for (std::size_t r = 0; r < rows; ++r) {
     const int a = static_cast<int>(random.below(static_cast<std::uint32_t>(pattern.node_count())));
@@ -27,11 +28,14 @@ BlockSystem random_system(const BlockPattern& pattern, std::size_t rows, Random&
     const Twist ja = random_twist(random);
     const Twist jb = a == b ? Twist(Twist::Zero()) : random_twist(random);
     const double residual = random.normal();
-    system.blocks[pattern.find(a, a)] += ja * ja.transpose();
-    system.blocks[pattern.find(b, b)] += jb * jb.transpose();
+    const auto add = [&](int row, int column, const Twist& left, const Twist& right) {
+      system.blocks[pattern.find(row, column)].matrix() += (left * right.transpose()).cast<float>();
+    };
+    add(a, a, ja, ja);
+    add(b, b, jb, jb);
     if (a != b) {
-      system.blocks[pattern.find(a, b)] += ja * jb.transpose();
-      system.blocks[pattern.find(b, a)] += jb * ja.transpose();
+      add(a, b, ja, jb);
+      add(b, a, jb, ja);
     }
     system.gradient[static_cast<std::size_t>(a)] += residual * ja;
     system.gradient[static_cast<std::size_t>(b)] += residual * jb;
@@ -48,17 +52,18 @@ BlockPattern ring(std::size_t nodes) {
   return {nodes, pairs};
 }
 
-TEST(BlockSystem, ConjugateGradientsAgreeWithTheDenseSolution) {
+TEST_P(BlockSystemTest, ConjugateGradientsAgreeWithTheDenseSolution) {
   Random random(7);
   const BlockPattern pattern = ring(30);
   const BlockSystem system = random_system(pattern, 900, random);
   const std::vector<Twist> added = damping_of(pattern, system, 1e-3, 1e-6);
   const std::vector<Twist> exact = solve_dense(pattern, system, added);
-  const PcgResult found = solve_pcg(pattern, system, added, 2000, 1e-12);
-  for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_LT((exact[i] - found.step[i]).norm(), 1e-7) << "node " << i;
+  const PcgResult found = solve_pcg(pattern, system, added, 2000, 1e-7);
+  for (std::size_t i = 0; i < exact.size(); ++i)
+    EXPECT_LT((exact[i] - found.step[i]).norm(), 1e-5 * (1 + exact[i].norm())) << "node " << i;
 }
 
-TEST(BlockSystem, APartialSolutionAlreadyLowersTheModel) {
+TEST_P(BlockSystemTest, APartialSolutionAlreadyLowersTheModel) {
   Random random(8);
   const BlockPattern pattern = ring(40);
   const BlockSystem system = random_system(pattern, 600, random);
@@ -71,14 +76,14 @@ TEST(BlockSystem, APartialSolutionAlreadyLowersTheModel) {
   }
 }
 
-TEST(BlockSystem, NodesThatNothingHoldsStayWhereTheyAre) {
+TEST_P(BlockSystemTest, NodesThatNothingHoldsStayWhereTheyAre) {
   const BlockPattern pattern = ring(5);
   BlockSystem system;
-  system.blocks.assign(pattern.block_count(), Block::Zero());
+  system.blocks.resize(pattern.block_count());
   system.gradient.assign(5, Twist::Zero());
   const PcgResult empty = solve_pcg(pattern, system, damping_of(pattern, system, 1e-3, 1e-6), 50, 1e-6);
   for (const Twist& step : empty.step) EXPECT_EQ(step, Twist::Zero());
-  system.blocks[pattern.find(2, 2)] = Block::Identity();
+  system.blocks[pattern.find(2, 2)].matrix().setIdentity();
   system.gradient[2] = Twist::Constant(1);
   const PcgResult one = solve_pcg(pattern, system, damping_of(pattern, system, 1e-3, 1e-6), 50, 1e-6);
   EXPECT_LT((one.step[2] + Twist::Constant(1 / 1.001)).norm(), 1e-6);
@@ -92,6 +97,18 @@ TEST(BlockPattern, KeepsEachPairOnceInBothRows) {
   EXPECT_EQ(pattern.column(pattern.find(0, 2)), 2);
   EXPECT_EQ(pattern.column(pattern.find(2, 0)), 0);
 }
+
+TEST(BlockPattern, KnowsDiagonalsAndTransposes) {
+  const BlockPattern pattern = ring(12);
+  for (std::size_t row = 0; row < 12; ++row) {
+    EXPECT_EQ(pattern.diagonal(row), pattern.find(static_cast<int>(row), static_cast<int>(row)));
+    for (std::size_t b = pattern.row_begin(row); b < pattern.row_end(row); ++b) {
+      EXPECT_EQ(pattern.transposed(b), pattern.find(pattern.column(b), static_cast<int>(row)));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sets, BlockSystemTest, testing::every_instruction_set(), testing::name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

@@ -44,7 +44,7 @@ struct Scene {
     for (int y = -18; y <= 18; ++y) {
       for (int x = -23; x <= 23 && points.size() < most_points; ++x) {
         const Eigen::Vector3d position(0.01 * x, 0.01 * y, 0);
-        points.push_back({position, {0, 0, -1}, graph.influence(position)});
+        points.emplace_back(position.cast<float>(), -Eigen::Vector3f::UnitZ(), graph.influence(position));
         const Eigen::Vector2d pixel = flat.intrinsics.project(plate.to_world * position);
         PointTexture texture;
         texture.direction = 4;
@@ -66,9 +66,8 @@ double mean_error(const Scene& scene, const NodeStates& states, double curvature
   plate.curvature = curvature;
   double sum = 0;
   for (const SkinnedPoint& point : scene.points) {
-    sum += (blend_motion(states, point.influence).apply(point.position) -
-            plate.place(point.position.x(), point.position.y()))
-               .norm();
+    const Eigen::Vector3d position = point.position.cast<double>();
+    sum += (blend_motion(states, point.influence()).apply(position) - plate.place(position.x(), position.y())).norm();
   }
   return sum / static_cast<double>(scene.points.size());
 }
@@ -88,7 +87,7 @@ void expect_gradient(DeformingProblem& problem, const NodeStates& states, double
   double energy_there = 0;
   const LayerPose pose = pose_layer(points, states);
   const BlockSystem system = problem.linearise(pose, energy_there);
-  EXPECT_NEAR(energy_there, problem.energy(pose), 1e-9 * energy_there);
+  EXPECT_NEAR(energy_there, problem.energy(pose), 1e-6 * energy_there);
   for (const std::size_t node : {0U, 20U, 31U, 40U, 62U}) {
     for (int i = 0; i < 6; ++i) {
       const auto energy = [&](double step) {
@@ -111,7 +110,8 @@ TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
   config.photometric_share = 0;
   associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, config, problem.terms());
   problem.set_prior(scene.start);
-  expect_gradient(problem, disturbed(scene, 0.02, 4), 1e-6, 1e-4);
+  // Steps are large against the rounding of floats.
+  expect_gradient(problem, disturbed(scene, 0.02, 4), 1e-4, 5e-3);
 }
 
 TEST(DeformingProblem, GradientOfTheBindingAgreesWithDifferences) {
@@ -125,7 +125,7 @@ TEST(DeformingProblem, GradientOfTheBindingAgreesWithDifferences) {
   }
   problem.set_binding(binding);
   problem.set_rigidity_sigma(1);
-  expect_gradient(problem, disturbed(scene, 0.02, 6), 1e-6, 1e-4);
+  expect_gradient(problem, disturbed(scene, 0.02, 6), 1e-4, 2e-3);
 }
 
 TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
@@ -144,9 +144,8 @@ TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
   DeformingProblem problem(model, scene.view, {});
   associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, {}, problem.terms());
   for (PointTerms& terms : problem.terms()) terms.plane_scale = 0;
-  // Steps are large against the rounding of the image's floats.
   problem.set_rigidity_sigma(1);
-  expect_gradient(problem, disturbed(scene, 0.005, 5), 1e-4, 0.01);
+  expect_gradient(problem, disturbed(scene, 0.005, 5), 1e-3, 0.01);
 }
 
 TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
@@ -156,19 +155,19 @@ TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
   DeformingAlignmentConfig config;
   config.photometric_share = 0;
   associate(model, scene.textures, scene.view, pose_layer(scene.points, scene.start), 0, 0.1, config, problem.terms());
-  Block information;
+  Matrix6d information;
   Twist gradient;
   const Eigen::Vector3d pivot(0, 0, 1);
   problem.linearise_rigid(pose_layer(scene.points, scene.start), pivot, information, gradient);
   for (int i = 0; i < 6; ++i) {
-    constexpr double kStep = 1e-6;
+    constexpr double kStep = 1e-4;
     const auto energy = [&](double step) {
       Twist twist = Twist::Zero();
       twist[i] = step;
       const SE3 motion(Eigen::Translation3d(pivot) * exp_se3(twist) * Eigen::Translation3d(-pivot));
       return problem.energy(pose_layer(scene.points, moved(scene.start, motion)));
     };
-    EXPECT_NEAR(gradient[i], (energy(kStep) - energy(-kStep)) / (2 * kStep), 1e-4 * (1 + gradient.norm())) << i;
+    EXPECT_NEAR(gradient[i], (energy(kStep) - energy(-kStep)) / (2 * kStep), 1e-3 * (1 + gradient.norm())) << i;
   }
 }
 

@@ -1,13 +1,14 @@
 #include "tracking/point_products.h"
 
-#include <gtest/gtest.h>
-
 #include "core/random.h"
+#include "tracking/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
 
-TEST(PointProducts, AreThoseOfPlainLoops) {
+class PointProductsTest : public testing::OnEveryInstructionSet {};
+
+TEST_P(PointProductsTest, AreThoseOfPlainLoops) {
   constexpr std::size_t kBlocks = 7;
   Random random(3);
   std::vector<PointJacobians> points(50);
@@ -27,7 +28,7 @@ TEST(PointProducts, AreThoseOfPlainLoops) {
     }
     uses.push_back(use);
   }
-  std::vector<PaddedBlock> blocks(kBlocks);
+  std::vector<Block> blocks(kBlocks);
   PointJacobians::Row gradient{};
   add_point_products(uses, points, blocks, gradient);
 
@@ -50,10 +51,13 @@ TEST(PointProducts, AreThoseOfPlainLoops) {
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_NEAR(gradient[i], slope[i], 1e-4);
     for (std::size_t b = 0; b < kBlocks; ++b) {
-      for (std::size_t c = 0; c < 6; ++c) EXPECT_NEAR(blocks[b][c][i], expected[b][c][i], 1e-4) << b << ' ' << c;
+      for (std::size_t c = 0; c < 6; ++c)
+        EXPECT_NEAR(blocks[b].columns[c][i], expected[b][c][i], 1e-4) << b << ' ' << c;
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Sets, PointProductsTest, testing::every_instruction_set(), testing::name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

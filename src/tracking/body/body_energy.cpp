@@ -7,11 +7,14 @@
 #include <Eigen/Cholesky>
 
 #include "core/parallel.h"
+#include "tracking/body/body_match.h"
 
 namespace kinora::tracking {
 namespace {
 
 using Vec = Eigen::Vector3d;
+
+constexpr double kAnyCost = 1e9;
 
 // What moves a point of a part: its bone's twist, then the part's own measures.
 constexpr int kLocal = 6 + kPartMeasures;
@@ -54,22 +57,20 @@ double robust_weight(double squared, const BodyEnergyConfig& config) {
   return share * share;
 }
 
-// Points beside each other mostly lie on the same part: `likely` is the one before, and becomes this one's.
-void add_point(const BodyInCamera& body, const MeasuredPoint& point, const BodyEnergyConfig& config, int& likely,
+// `found`: the part that the point lies on, or −1.
+void add_point(const BodyInCamera& body, const MeasuredPoint& point, int found, const BodyEnergyConfig& config,
                Accumulator& sum) {
-  constexpr double kAny = 1e9;
-  const BodyInCamera::Match best = body.match(point, config.normal_length, kAny, likely);
-  const double squared = best.squared_distance();
+  if (found < 0) {
+    sum.energy += point.weight * robust_loss(kAnyCost, config);
+    return;
+  }
+  const auto part = static_cast<std::size_t>(found);
+  const ClosestSurface surface = closest_surface(body.body().parts[part], body.to_bone(part) * point.position);
+  const double squared = surface.distance * surface.distance;
   sum.energy += point.weight * robust_loss(squared, config);
-  if (best.part < 0) return;
-  likely = best.part;
-  const auto part = static_cast<std::size_t>(best.part);
   const double weight = point.weight * robust_weight(squared, config) / (config.sigma * config.sigma);
-  const Vec position = body.bone(part) * position_of(body.body().parts[part], best.surface.point);
-  add(body,
-      {part, -best.surface.distance, position, body.bone(part).linear() * best.surface.normal, best.surface.point,
-       weight},
-      sum);
+  const Vec position = body.bone(part) * position_of(body.body().parts[part], surface.point);
+  add(body, {part, -surface.distance, position, body.bone(part).linear() * surface.normal, surface.point, weight}, sum);
 }
 
 void add_sample(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
@@ -126,18 +127,23 @@ void merge(const Accumulator& from, Accumulator& to) {
 }
 
 Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, const BodyEnergyConfig& config) {
-  constexpr std::size_t kChunk = 256;
+  constexpr std::size_t kChunk = 512;
   const std::span<const BodySample> samples = body_samples();
   const std::size_t points = evidence.points.size();
   std::vector<Accumulator> sums(chunk_count(points + samples.size(), kChunk));
   parallel_for(points + samples.size(), kChunk, [&](const Chunk& chunk) {
-    int likely = 0;
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (i < points) {
-        add_point(body, evidence.points[i], config, likely, sums[chunk.index]);
-      } else {
-        add_sample(body, samples[i - points], *evidence.view, config, sums[chunk.index]);
-      }
+    Accumulator& sum = sums[chunk.index];
+    std::array<PartMatch, kChunk> matches;
+    const std::size_t end = std::min(chunk.end, points);
+    if (chunk.begin < end) {
+      match_points(body, std::span(evidence.points).subspan(chunk.begin, end - chunk.begin), config.normal_length,
+                   kAnyCost, matches);
+    }
+    for (std::size_t i = chunk.begin; i < end; ++i) {
+      add_point(body, evidence.points[i], matches[i - chunk.begin].part, config, sum);
+    }
+    for (std::size_t i = std::max(chunk.begin, points); i < chunk.end; ++i) {
+      add_sample(body, samples[i - points], *evidence.view, config, sum);
     }
   });
   Accumulator total;
@@ -231,6 +237,10 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
     BodyState next = state;
     next.pose = moved(state.pose, step.head<kPoseFreedoms>());
     if (with_shape) next.shape += step.tail<kMeasures>();
+    if (step.cwiseAbs().maxCoeff() < kSmallStep) {
+      state = next;
+      break;
+    }
     const BodyEquations tried = evaluate(evidence, next, prior, config);
     if (!(tried.energy < (1 + kSlack) * equations.energy)) {
       damping *= 10;
@@ -240,7 +250,6 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
     state = next;
     equations = tried;
     damping = std::max(1e-4, damping / 5);
-    if (step.cwiseAbs().maxCoeff() < kSmallStep) break;
   }
   return equations.energy;
 }

@@ -12,8 +12,8 @@ namespace kinora::tracking {
 BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, const BodyPrior& prior,
                        const BodyEnergyConfig& config);
 
-/// Improves the state by at most `iterations` damped Gauss–Newton steps; its energy after them. `with_shape`: measures
-/// may change too.
+/// Improves the state by at most `iterations` damped Gauss–Newton steps; its energy after them, but for a last one
+/// below 2 mm and 2 mrad. `with_shape`: measures may change too.
 double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const BodyEnergyConfig& config, int iterations,
                 bool with_shape, BodyState& state);
 

@@ -64,25 +64,20 @@ void BodyInCamera::match(std::size_t part, const MeasuredPoint& point, double no
   best.part = static_cast<int>(part);
 }
 
-BodyInCamera::Match BodyInCamera::match(const MeasuredPoint& point, double normal_length, double most,
-                                        int likely) const {
-  Match best(most);
-  match(static_cast<std::size_t>(likely), point, normal_length, best);
-  for (std::size_t part = 0; part < kBodyParts; ++part) {
-    if (static_cast<int>(part) != likely) match(part, point, normal_length, best);
-  }
-  return best;
-}
-
 SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
                        const BodyEnergyConfig& config) {
   SampleResidual r;
   const PartShape& part = body.body().parts[sample.part];
   const SE3& bone = body.bone(sample.part);
-  const Vec p = bone * position_of(part, sample.point);
-  const Vec normal = bone.linear() * normal_of(part, sample.point);
-  const double cosine = -normal.dot(p) / p.norm();
-  if (p.z() < 0.1 || cosine < kFacingCosine) return r;
+  const Vec position = position_of(part, sample.point);
+  const Vec outwards = gradient_of(part, sample.point);
+  const Vec to_camera = body.to_bone(sample.part).translation() - position;
+  const double facing = outwards.dot(to_camera);
+  if (facing <= 0) return r;
+  const double cosine = facing / std::sqrt(outwards.squaredNorm() * to_camera.squaredNorm());
+  if (cosine < kFacingCosine) return r;
+  const Vec p = bone * position;
+  if (p.z() < 0.1) return r;
   const Eigen::Vector2d pixel = view.intrinsics.project(p);
   const int u = static_cast<int>(std::lround(std::clamp(pixel.x(), -1.0, 1e6)));
   const int v = static_cast<int>(std::lround(std::clamp(pixel.y(), -1.0, 1e6)));

@@ -63,8 +63,6 @@ public:
   };
   /// Replaces `best` if the part explains the point at less cost.
   void match(std::size_t part, const MeasuredPoint& point, double normal_length, Match& best) const;
-  /// The part that explains the point at the least cost, and at less than `most`. `likely` is tried first.
-  Match match(const MeasuredPoint& point, double normal_length, double most, int likely = 0) const;
 
 private:
   PosedBody body_;

@@ -174,9 +174,11 @@ Vec position_of(const PartShape& part, const PartPoint& point) {
   return stretched(part, part.a + point.along * (part.b - part.a) + radius * point.direction);
 }
 
-Vec normal_of(const PartShape& part, const PartPoint& point) {
-  return Vec(point.direction.x() / part.width, point.direction.y(), point.direction.z()).normalized();
+Vec gradient_of(const PartShape& part, const PartPoint& point) {
+  return {point.direction.x() / part.width, point.direction.y(), point.direction.z()};
 }
+
+Vec normal_of(const PartShape& part, const PartPoint& point) { return gradient_of(part, point).normalized(); }
 
 // The hull of two spheres is touched at a right angle by the sphere whose centre lies where the way to the point leans
 // against the axis by the cone's slope. Stretching is undone first; the gradient's length then says what a step is

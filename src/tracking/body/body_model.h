@@ -46,6 +46,8 @@ struct PartPoint {
 };
 Eigen::Vector3d position_of(const PartShape& part, const PartPoint& point);
 Eigen::Vector3d normal_of(const PartShape& part, const PartPoint& point);
+/// The same at some length.
+Eigen::Vector3d gradient_of(const PartShape& part, const PartPoint& point);
 
 /// The surface nearest to a point: exact where width is 1, else to first order in the distance.
 struct ClosestSurface {

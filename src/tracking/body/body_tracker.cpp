@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "tracking/body/body_fit.h"
+#include "tracking/body/body_match.h"
 
 namespace kinora::tracking {
 namespace {
@@ -198,9 +199,11 @@ double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyStat
   const double least = config_.energy.cutoff * config_.energy.cutoff;
   double total = 0;
   double explained = 0;
-  for (const MeasuredPoint& point : evidence.points) {
-    total += point.weight;
-    if (body.match(point, config_.energy.normal_length, least).part >= 0) explained += point.weight;
+  std::vector<PartMatch> matches(evidence.points.size());
+  match_points(body, evidence.points, config_.energy.normal_length, least, matches);
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    total += evidence.points[i].weight;
+    if (matches[i].part >= 0) explained += evidence.points[i].weight;
   }
   return total > 0 ? explained / total : 0.0;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "tracking/body/body_match.h"
 
 namespace kinora::tracking {
 namespace {
@@ -35,14 +36,18 @@ std::vector<Candidate> points_for(const LimbChain& chain, const BodyEvidence& ev
   const LimbLengths lengths = lengths_of(chain, body.body());
   const double reach = 1.1 * (lengths.upper + lengths.lower + lengths.last);
   const Vec root = body.body().bones[chain.ball].translation();
-  std::vector<Candidate> result;
+  std::vector<MeasuredPoint> near;
   for (const MeasuredPoint& point : evidence.points) {
-    if ((point.position - root).squaredNorm() > reach * reach) continue;
-    BodyInCamera::Match match(4 * config.cutoff * config.cutoff);
-    for (std::size_t part = 0; part < kBodyParts; ++part) {
-      if (!is_of(chain, part)) body.match(part, point, config.normal_length, match);
-    }
-    if (match.cost > config.sigma * config.sigma) result.push_back({point, match.cost});
+    if ((point.position - root).squaredNorm() <= reach * reach) near.push_back(point);
+  }
+  std::array<bool, kBodyParts> others;
+  for (std::size_t part = 0; part < kBodyParts; ++part) others[part] = !is_of(chain, part);
+  std::vector<PartMatch> matches(near.size());
+  match_points(body, near, config.normal_length, 4 * config.cutoff * config.cutoff, others, matches);
+  std::vector<Candidate> result;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const auto cost = static_cast<double>(matches[i].cost);
+    if (cost > config.sigma * config.sigma) result.push_back({near[i], cost});
   }
   return result;
 }
