@@ -17,6 +17,9 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
   graph_ = std::move(graph);
   candidates_.resize(volume.brick_count());
   revisions_.resize(volume.brick_count(), 0);
+  for (const Eigen::Vector3d& node : added) {
+    for (const double along : {node.x(), node.y(), node.z(), 0.0}) positions_.push_back(static_cast<float>(along));
+  }
   if (added.empty() && old == candidates_.size()) return;
   const double side = volume.brick_size();
   const double reach = graph_->influence_radius() + std::sqrt(3.0) * side; // more than is needed
@@ -33,8 +36,16 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
   });
 }
 
-Influence BrickInfluences::at(std::size_t brick, const Eigen::Vector3d& place) const {
-  return brick < candidates_.size() ? graph_->influence(place, candidates_[brick]) : graph_->influence(place);
+void BrickInfluences::weigh(std::size_t brick, const PointLanes& points, InfluenceLanes& influences) const {
+  if (brick < candidates_.size()) {
+    weigh_nodes({candidates_[brick], positions_.data(), static_cast<float>(graph_->influence_radius()),
+                 static_cast<float>(graph_->weight_radius())},
+                points, influences);
+    return;
+  }
+  for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
+    influences.set(i, graph_->influence(points.at(i).cast<double>()));
+  }
 }
 
 } // namespace kinora::tracking
