@@ -64,11 +64,16 @@ TextureLevel with_gradient(const Image<float>& values, float scale) {
 } // namespace
 
 Image<float> log_luminance(const ColorImage& color, int left, int top, int width, int height) {
+  return log_luminance(color, left, top, LabelImage(width, height, 1, 1));
+}
+
+Image<float> log_luminance(const ColorImage& color, int left, int top, const LabelImage& mask) {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(i) / 255.0F;
-  Image<float> result(width, height);
+  Image<float> result(mask.width(), mask.height());
   for (int v = 0; v < result.height(); ++v) {
     for (int u = 0; u < result.width(); ++u) {
+      if (mask.at(u, v) == 0) continue;
       const std::uint8_t* c = color.pixel(left + u, top + v);
       result.at(u, v) = std::log(0.08F + 0.299F * table[c[0]] + 0.587F * table[c[1]] + 0.114F * table[c[2]]);
     }
