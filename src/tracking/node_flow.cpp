@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "core/parallel.h"
@@ -17,13 +18,16 @@ constexpr int kReach = 12;              // of the search, likewise
 constexpr int kStride = 2;              // of the search at first
 constexpr double kFound = 0.8;          // correlation of the same texture
 constexpr double kGain = 0.15;          // at least, over that where it is expected
-constexpr double kLeastContrast = 0.02; // of the log luminance: less is no texture
+constexpr float kLeastContrast = 0.02F; // of the log luminance: less is no texture
 constexpr double kBeside = 0.02;        // metres between a node and the surface that shows it
 constexpr std::size_t kLeastMatches = 3;
 constexpr double kLeastStep = 0.008; // metres: the solver finds less by itself
 constexpr std::size_t kNodesPerChunk = 16;
 
-constexpr std::size_t kPatch = static_cast<std::size_t>(2 * kRadius + 1) * (2 * kRadius + 1);
+constexpr std::size_t kSide = 2 * kRadius + 1;
+constexpr std::size_t kPatch = kSide * kSide;
+constexpr std::size_t kTextureChannels = 3;
+constexpr float kLeastSquares = kLeastContrast * kLeastContrast * kPatch;
 using Patch = std::array<float, kPatch>;
 
 struct Pixel {
@@ -35,12 +39,14 @@ Pixel pixel_of(const TextureLevel& level, const Eigen::Vector2d& at) {
           static_cast<int>(std::lround((at.y() + 0.5) * level.scale - 0.5))};
 }
 
+bool has_patch(const TextureLevel& level, const Pixel& at) {
+  return at.u >= kRadius && at.v >= kRadius && at.u + kRadius < level.values.width() &&
+         at.v + kRadius < level.values.height();
+}
+
 // The texture about a pixel with mean zero and length one; nothing at the border or without contrast.
 std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {
-  if (at.u < kRadius || at.v < kRadius || at.u + kRadius >= level.values.width() ||
-      at.v + kRadius >= level.values.height()) {
-    return std::nullopt;
-  }
+  if (!has_patch(level, at)) return std::nullopt;
   Patch patch;
   float sum = 0;
   std::size_t i = 0;
@@ -52,17 +58,30 @@ std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {
     value -= sum / static_cast<float>(kPatch);
     squares += value * value;
   }
-  if (squares < kLeastContrast * kLeastContrast * kPatch) return std::nullopt;
+  if (squares < kLeastSquares) return std::nullopt;
   for (float& value : patch) value /= std::sqrt(squares);
   return patch;
 }
 
+// Of a patch as above with the texture about a pixel; 0 at the border or without contrast. The patch has mean zero:
+// what the other's mean is does not matter to their product.
 double correlation(const Patch& a, const TextureLevel& level, const Pixel& at) {
-  const auto b = patch_at(level, at);
-  if (!b) return 0;
-  float sum = 0;
-  for (std::size_t i = 0; i < kPatch; ++i) sum += a[i] * (*b)[i];
-  return sum;
+  if (!has_patch(level, at)) return 0;
+  const float centre = level.values.at(at.u, at.v, 0);
+  std::array<float, kSide> sums{}, squares{}, products{}; // of each column: no sum waits for another
+  for (std::size_t y = 0; y < kSide; ++y) {
+    const float* row = level.values.pixel(at.u - kRadius, at.v - kRadius + static_cast<int>(y));
+    for (std::size_t x = 0; x < kSide; ++x) {
+      const float value = row[x * kTextureChannels] - centre;
+      sums[x] += value;
+      squares[x] += value * value;
+      products[x] += a[y * kSide + x] * value;
+    }
+  }
+  const auto total = [](const std::array<float, kSide>& of) { return std::accumulate(of.begin(), of.end(), 0.0F); };
+  const float sum = total(sums);
+  const float contrast = total(squares) - sum * sum / static_cast<float>(kPatch);
+  return contrast < kLeastSquares ? 0.0 : static_cast<double>(total(products) / std::sqrt(contrast));
 }
 
 // The measured surface at a pixel of the view, well inside the layer.
