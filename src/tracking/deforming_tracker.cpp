@@ -54,7 +54,7 @@ DeformingTracker& DeformingTracker::operator=(DeformingTracker&&) noexcept = def
 DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std::span<const NearbyObject> objects) {
   if (!config_.use_objects) objects = {};
   seen_.clear();
-  const ObjectView view = view_layer(frame, label_);
+  ObjectView view = view_layer(frame, label_);
   DeformingTrackingResult result;
   result.pixels = view.depth_pixels;
   if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time, objects);
@@ -76,6 +76,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std:
     result.health = records_.back().health;
   }
   memory_.add(frame, view);
+  if (result.health == Health::kTracked) past_->view = std::move(view);
   result.nodes = nodes_.size();
   return result;
 }
@@ -97,7 +98,6 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   grow_graph(0, {});
   renew_skin();
   past_ = std::make_unique<Past>();
-  past_->view = view;
   past_->world_to_camera = relative_to_origin(frame);
   past_->time = frame.time;
   library_.add(records_.size() - 1, past_->world_to_camera, records_.back().nodes);
@@ -258,7 +258,6 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->has_earlier = unseen_ == 0;
   past_->earlier_time = past_->time;
   past_->time = frame.time;
-  past_->view = view;
   past_->world_to_camera = world_to_camera;
   fuse(view, alignment.nodes);
   learn_holds(std::move(alignment.seen), objects);
