@@ -140,20 +140,38 @@ std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeSt
       matches[n] = match(last, then.positions[n], now, expected.positions[n]);
     }
   });
-  std::vector<std::array<std::vector<double>, 3>> around(count);
-  const auto tell = [&](std::size_t from, std::size_t to) {
-    for (std::size_t axis = 0; matches[from] && axis < 3; ++axis) {
-      around[to][axis].push_back((*matches[from])[static_cast<Eigen::Index>(axis)]);
+  // Of each node and its neighbours: how many matches there are, and how many say that it has moved.
+  struct Tally {
+    std::size_t matches = 0;
+    std::size_t moved = 0;
+    bool may_move() const { // otherwise every median is zero
+      const std::size_t middle = matches / 2;
+      return matches >= kLeastMatches && (moved > middle || moved >= matches - middle);
     }
   };
-  for (std::size_t n = 0; n < count; ++n) tell(n, n);
-  for (const GraphEdge& edge : edges) {
-    tell(static_cast<std::size_t>(edge.a), static_cast<std::size_t>(edge.b));
-    tell(static_cast<std::size_t>(edge.b), static_cast<std::size_t>(edge.a));
-  }
+  const auto for_each_neighbour = [&](const auto& tell) {
+    for (std::size_t n = 0; n < count; ++n) tell(n, n);
+    for (const GraphEdge& edge : edges) {
+      tell(static_cast<std::size_t>(edge.a), static_cast<std::size_t>(edge.b));
+      tell(static_cast<std::size_t>(edge.b), static_cast<std::size_t>(edge.a));
+    }
+  };
+  std::vector<Tally> tallies(count);
+  for_each_neighbour([&](std::size_t from, std::size_t to) {
+    if (!matches[from]) return;
+    ++tallies[to].matches;
+    if (!matches[from]->isZero(0)) ++tallies[to].moved;
+  });
+  std::vector<std::array<std::vector<double>, 3>> around(count);
+  for_each_neighbour([&](std::size_t from, std::size_t to) {
+    if (!matches[from] || !matches[to] || !tallies[to].may_move()) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      around[to][axis].push_back((*matches[from])[static_cast<Eigen::Index>(axis)]);
+    }
+  });
   std::vector<Eigen::Vector3d> flow(count, Eigen::Vector3d::Zero());
   for (std::size_t n = 0; n < count; ++n) {
-    if (!matches[n] || around[n][0].size() < kLeastMatches) continue;
+    if (around[n][0].empty()) continue;
     const Eigen::Vector3d step(median(around[n][0]), median(around[n][1]), median(around[n][2]));
     if (step.norm() > kLeastStep) flow[n] = step;
   }

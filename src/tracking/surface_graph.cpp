@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
+
+#include "core/random.h"
 
 namespace kinora::tracking {
 namespace {
@@ -174,13 +178,14 @@ void tie_pieces(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, 
 } // namespace
 
 std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight) {
-  struct Entry {
-    std::uint64_t cell;
-    std::uint32_t point;
-  };
   constexpr int kBits = 21; // of a cell's number along an axis
   constexpr double kFarthest = (1 << (kBits - 1)) - 1;
-  std::vector<Entry> order;
+  struct Entry {
+    std::uint64_t cell;
+    std::int64_t heaviest; ///< point; −1: no entry
+  };
+  std::vector<Entry> table(std::bit_ceil(2 * surface.size() + 1), {0, -1}); // open addressing
+  std::vector<Entry> cells;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface[i].weight < min_weight) continue;
     std::uint64_t key = 0;
@@ -188,18 +193,19 @@ std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, d
       const double c = std::clamp(std::floor(surface[i].position[axis] / cell), -kFarthest, kFarthest);
       key = key << kBits | static_cast<std::uint64_t>(c + kFarthest);
     }
-    order.push_back({key, static_cast<std::uint32_t>(i)});
+    std::size_t slot = mix64(key) & (table.size() - 1);
+    while (table[slot].heaviest >= 0 && table[slot].cell != key) slot = (slot + 1) & (table.size() - 1);
+    std::int64_t& heaviest = table[slot].heaviest;
+    if (heaviest >= 0 && surface[i].weight <= surface[static_cast<std::size_t>(heaviest)].weight) continue;
+    table[slot] = {key, static_cast<std::int64_t>(i)};
   }
-  std::sort(order.begin(), order.end(),
-            [](const Entry& a, const Entry& b) { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
+  std::copy_if(table.begin(), table.end(), std::back_inserter(cells), [](const Entry& e) { return e.heaviest >= 0; });
+  std::sort(cells.begin(), cells.end(), [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
   std::vector<SurfaceSample> result;
-  for (auto first = order.begin(); first != order.end();) {
-    const auto last = std::find_if(first, order.end(), [&](const Entry& e) { return e.cell != first->cell; });
-    const auto heaviest = std::max_element(
-        first, last, [&](const Entry& a, const Entry& b) { return surface[a.point].weight < surface[b.point].weight; });
-    const SurfacePoint& point = surface[heaviest->point];
+  result.reserve(cells.size());
+  for (const Entry& entry : cells) {
+    const SurfacePoint& point = surface[static_cast<std::size_t>(entry.heaviest)];
     result.push_back({point.position.cast<double>(), point.normal.cast<double>()});
-    first = last;
   }
   return result;
 }

@@ -14,6 +14,7 @@ namespace {
 constexpr int kStride = 4;
 constexpr float kLikeNormal = 0.5F; // cosine
 constexpr std::size_t kPointsPerChunk = 1024;
+constexpr std::size_t kRowsPerChunk = 16; // of cells
 
 struct Live {
   Eigen::Vector3f place;
@@ -58,7 +59,7 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
     if (best < 0 || live[i].place.z() < live[static_cast<std::size_t>(best)].place.z()) best = static_cast<int>(i);
   }
   TsdfVolume::Places result{kStride, Image<float>(columns, rows, 4, std::numeric_limits<float>::quiet_NaN())};
-  for (int row = 0; row < rows; ++row) {
+  const auto unfold_row = [&](int row) {
     for (int column = 0; column < columns; ++column) {
       const int u = std::min(kStride * column + kStride / 2, view.intrinsics.width - 1);
       const int v = std::min(kStride * row + kStride / 2, view.intrinsics.height - 1);
@@ -85,7 +86,10 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
       const Eigen::Vector3f place = (to_camera.inverse() * measured).cast<float>();
       std::copy_n(place.data(), 3, result.of_cell.pixel(column, row));
     }
-  }
+  };
+  parallel_for(static_cast<std::size_t>(rows), kRowsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) unfold_row(static_cast<int>(row));
+  });
   return result;
 }
 
