@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
 #include "tracking/bent_brick.h"
 #include "tracking/tsdf.h"
 
@@ -18,6 +19,14 @@ constexpr std::size_t kCentre = BrickCorners::kCount / 2;
 static_assert(kSide == static_cast<int>(BentBrick::kSide));
 constexpr std::size_t kBricksPerChunk = 16;
 constexpr float kNearest = 0.05F; // metres before the camera
+
+std::uint64_t hash_of(const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
+  std::uint64_t key = 0;
+  for (const int number : {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}) {
+    key = mix64(key ^ static_cast<std::uint32_t>(number));
+  }
+  return key;
+}
 
 BrickCorners corners_of(const Eigen::Vector3f& first, float voxel) {
   BrickCorners corners{};
@@ -69,12 +78,13 @@ std::vector<std::uint8_t> TsdfVolume::touch_around(const Places& places, float r
                  ((place.array() + distance) / brick_size).floor().cast<int>()};
   };
   std::vector<std::uint8_t> touched(bricks_.size(), 0);
-  std::array<Range, 2> before;
+  std::vector<std::array<Range, 2>> done(256); // the last of each slot: places side by side have the same ranges
   for (std::size_t i = 0; i < places.of_cell.pixel_count(); ++i) {
     const Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(places.of_cell.data() + 4 * i);
     if (std::isnan(place.x())) continue;
     const std::array<Range, 2> ranges{within(place, static_cast<float>(config_.truncation)), within(place, reach)};
     const auto& [near, all] = ranges;
+    std::array<Range, 2>& before = done[hash_of(ranges[1].first, ranges[0].first) % done.size()];
     if (ranges == before) continue;
     before = ranges;
     for (int z = all.first.z(); z <= all.last.z(); ++z) {
