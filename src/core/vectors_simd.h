@@ -51,6 +51,14 @@ HWY_INLINE Vec3 choose(Mask m, const Vec3& yes, const Vec3& no) {
   return {hn::IfThenElse(m, yes.x, no.x), hn::IfThenElse(m, yes.y, no.y), hn::IfThenElse(m, yes.z, no.z)};
 }
 
+/// By how much a dual quaternion r + εd moves a point, without the factor 2 / |r|²: Σ of translation + rotation −
+/// identity.
+HWY_INLINE Vec3 displacement(const Quat& r, const Quat& d, const Vec3& at, Vec3& turned) {
+  turned = mul_add(r.w, at, cross(r.v, at));
+  const Vec3 inner = add(turned, d.v);
+  return add(cross(r.v, inner), sub(mul(r.w, d.v), mul(d.w, r.v)));
+}
+
 /// `index` counts floats.
 HWY_INLINE Vec3 gather3(const float* base, I index) {
   const Floats df;

@@ -17,24 +17,41 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
   graph_ = std::move(graph);
   candidates_.resize(volume.brick_count());
   revisions_.resize(volume.brick_count(), 0);
+  for (const Eigen::Vector3d& node : added) {
+    for (const double along : {node.x(), node.y(), node.z(), 0.0}) positions_.push_back(static_cast<float>(along));
+  }
   if (added.empty() && old == candidates_.size()) return;
-  const double side = volume.brick_size();
-  const double reach = graph_->influence_radius() + std::sqrt(3.0) * side; // more than is needed
-  const NodeCandidates search(*graph_, side);
+  const NodeCandidates search(*graph_, volume.brick_size());
   parallel_for(candidates_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const Eigen::Vector3d centre = volume.brick_centre(i);
-      const auto is_near = [&](const Eigen::Vector3d& node) { return (node - centre).squaredNorm() < reach * reach; };
-      if (i < old && std::none_of(added.begin(), added.end(), is_near)) continue;
-      candidates_[i].clear();
-      search.append(centre, candidates_[i]);
-      ++revisions_[i];
+      std::vector<std::int32_t>& candidates = candidates_[i];
+      const std::size_t before = candidates.size();
+      if (i >= old || before + added.size() > NodeCandidates::kMost) {
+        candidates.clear();
+        search.append(centre, candidates);
+        ++revisions_[i];
+        continue;
+      }
+      for (std::size_t n = nodes.size() - added.size(); n < nodes.size(); ++n) {
+        const auto node = static_cast<std::int32_t>(n);
+        if (search.is_another(centre, node, candidates)) candidates.push_back(node);
+      }
+      if (candidates.size() > before) ++revisions_[i];
     }
   });
 }
 
-Influence BrickInfluences::at(std::size_t brick, const Eigen::Vector3d& place) const {
-  return brick < candidates_.size() ? graph_->influence(place, candidates_[brick]) : graph_->influence(place);
+void BrickInfluences::weigh(std::size_t brick, const PointLanes& points, InfluenceLanes& influences) const {
+  if (brick < candidates_.size()) {
+    weigh_nodes({candidates_[brick], positions_.data(), static_cast<float>(graph_->influence_radius()),
+                 static_cast<float>(graph_->weight_radius())},
+                points, influences);
+    return;
+  }
+  for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
+    influences.set(i, graph_->influence(points.at(i).cast<double>()));
+  }
 }
 
 } // namespace kinora::tracking

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "tracking/carried_lanes.h"
 #include "tracking/deformation_graph.h"
 #include "tracking/tsdf.h"
 
@@ -18,14 +19,15 @@ public:
   /// space relative to the volume's origin. Same bits for any number of threads.
   void renew(const TsdfVolume& volume, std::shared_ptr<const DeformationGraph> graph);
 
-  /// As DeformationGraph::influence at a place of that brick (metres, relative to the volume's origin); a brick that
-  /// is newer than the last renewal may be asked for, too.
-  Influence at(std::size_t brick, const Eigen::Vector3d& place) const;
-  /// Another number after a renewal that has changed what at() says of that brick.
+  /// As DeformationGraph::influence at places of that brick (metres, relative to the volume's origin), in single
+  /// precision; a brick that is newer than the last renewal may be asked for, too.
+  void weigh(std::size_t brick, const PointLanes& points, InfluenceLanes& influences) const;
+  /// Another number after a renewal that has changed what weigh() says of that brick.
   std::uint32_t revision(std::size_t brick) const { return brick < revisions_.size() ? revisions_[brick] : 0; }
 
 private:
   std::shared_ptr<const DeformationGraph> graph_;
+  std::vector<float> positions_;                      ///< x y z 0 of each node
   std::vector<std::vector<std::int32_t>> candidates_; ///< nodes, of each brick
   std::vector<std::uint32_t> revisions_;
 };

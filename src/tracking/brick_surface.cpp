@@ -42,8 +42,13 @@ void BrickSurface::renew_skin(const BrickInfluences& influences) {
       const std::uint32_t revision = influences.revision(b);
       if (piece.is_skinned && piece.influences == revision) continue;
       piece.skin.clear();
-      for (const SurfacePoint& point : piece.points) {
-        piece.skin.push_back(influences.at(b, point.position.cast<double>()));
+      PointLanes points{};
+      InfluenceLanes lanes;
+      for (std::size_t first = 0; first < piece.points.size(); first += PointLanes::kPoints) {
+        const std::size_t count = std::min(PointLanes::kPoints, piece.points.size() - first);
+        for (std::size_t i = 0; i < count; ++i) points.set(i, piece.points[first + i].position);
+        influences.weigh(b, points, lanes);
+        for (std::size_t i = 0; i < count; ++i) piece.skin.push_back(lanes.at(i));
       }
       piece.is_skinned = true;
       piece.influences = revision;
@@ -51,6 +56,24 @@ void BrickSurface::renew_skin(const BrickInfluences& influences) {
   });
   skin_.clear();
   for (const Piece& piece : pieces_) skin_.insert(skin_.end(), piece.skin.begin(), piece.skin.end());
+}
+
+std::vector<std::uint8_t> BrickSurface::beyond_nodes(std::span<const Eigen::Vector3d> nodes, double reach,
+                                                     float min_weight, std::span<const std::uint8_t> changed) const {
+  std::vector<std::uint8_t> marks(pieces_.size(), 0);
+  for (std::size_t b = 0; b < pieces_.size(); ++b) {
+    if (b < changed.size() && changed[b] == 0) continue;
+    const Piece& piece = pieces_[b];
+    for (std::size_t i = 0; i < piece.points.size() && marks[b] == 0; ++i) {
+      if (piece.points[i].weight < min_weight) continue;
+      const bool is_near =
+          piece.is_skinned && piece.skin[i].count > 0 &&
+          (nodes[static_cast<std::size_t>(piece.skin[i].nodes[0])] - piece.points[i].position.cast<double>())
+                  .squaredNorm() <= reach * reach;
+      if (!is_near) marks[b] = 1;
+    }
+  }
+  return marks;
 }
 
 std::vector<std::uint8_t> BrickSurface::resting(std::size_t frame, std::size_t interval) const {

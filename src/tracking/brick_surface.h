@@ -32,6 +32,11 @@ public:
     return points;
   }
 
+  /// Marks of bricks that hold a point at least as heavy as `min_weight` that none of the nodes that move it comes
+  /// within `reach` metres of; among those marked as changed, or without a mark. Without skin, all such bricks.
+  std::vector<std::uint8_t> beyond_nodes(std::span<const Eigen::Vector3d> nodes, double reach, float min_weight,
+                                         std::span<const std::uint8_t> changed) const;
+
   /// Marks of bricks that the frame of that number need not teach: each brick whose surface has been seen often is
   /// taught by every `interval`-th frame only, by turns.
   std::vector<std::uint8_t> resting(std::size_t frame, std::size_t interval) const;

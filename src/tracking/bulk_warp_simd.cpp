@@ -123,13 +123,6 @@ HWY_INLINE void blend_at(const NodeMotion& motion, const Nodes& nodes, const Vec
   blend.twice_inverse_norm = hn::Div(constant(2), dot(blend.real, blend.real));
 }
 
-/// Σ of (translation + rotation − identity) without its factor 2 / |real|²: the point moves by that.
-HWY_INLINE Vec3 displacement(const Quat& r, const Quat& d, const Vec3& at, Vec3& turned) {
-  turned = mul_add(r.w, at, cross(r.v, at));
-  const Vec3 inner = add(turned, d.v);
-  return add(cross(r.v, inner), sub(mul(r.w, d.v), mul(d.w, r.v)));
-}
-
 HWY_INLINE Vec3 rotated_back(const Blend& blend, const Vec3& v) {
   const Vec3 turned = sub(mul(blend.real.w, v), cross(blend.real.v, v));
   return sub(v, mul(blend.twice_inverse_norm, cross(blend.real.v, turned)));

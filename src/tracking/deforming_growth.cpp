@@ -82,19 +82,21 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
   const std::size_t old = nodes_.size();
   adopt_pieces(view, states, places);
   influences_.renew(*volume_, graph_);
-  const auto to_camera = [&](const Eigen::Vector3f& point, std::size_t brick) -> std::optional<Eigen::Vector3f> {
-    const Eigen::Vector3d canonical = point.cast<double>();
-    const Influence influence = influences_.at(brick, canonical);
-    if (influence.count == 0) return std::nullopt;
-    return blend_motion(states, influence).apply(canonical).cast<float>();
+  const std::vector<float> transforms = packed_transforms(states);
+  const auto to_camera = [&](std::size_t brick, const BrickCorners& points, BrickCorners& in_camera) {
+    InfluenceLanes influences;
+    for (std::size_t i = 0; i < points.points.size(); ++i) {
+      influences_.weigh(brick, points.points[i], influences);
+      carry_points(transforms, influences, points.points[i], in_camera.points[i]);
+    }
   };
   const std::vector<std::uint8_t> changed =
       volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places,
                               surface_.resting(records_.size(), static_cast<std::size_t>(config_.fuse_interval)));
   surface_.renew_points(*volume_, changed, unit_weight_);
   if (nodes_.size() > old) connect_graph(old, 0);
-  grow_graph(kSeenOften * unit_weight_, changed);
   renew_skin();
+  grow_graph(kSeenOften * unit_weight_, changed);
 }
 
 // To be called when there are more nodes than the `old` ones.
@@ -110,11 +112,32 @@ void DeformingTracker::connect_graph(std::size_t old, float min_weight) {
   edges_.extend(nodes_, thin_surface(surface_.points_of(about_new_nodes), cell, min_weight), spacing_, cell);
 }
 
+// The thinned surface of bricks that have changed (or have no mark), as far as it may lie beyond all nodes: whole cells
+// of the thinning, which reach into bricks beside those that hold such points.
+std::vector<SurfaceSample> DeformingTracker::samples_beyond_nodes(float min_weight,
+                                                                  std::span<const std::uint8_t> changed) const {
+  const double cell = kSampleShare * spacing_;
+  const double beside = volume_->brick_size() + cell;
+  std::vector<Eigen::Vector3d> beyond;
+  const std::vector<std::uint8_t> marks = surface_.beyond_nodes(nodes_, spacing_, min_weight, changed);
+  for (std::size_t b = 0; b < marks.size(); ++b) {
+    if (marks[b] != 0) beyond.push_back(volume_->brick_centre(b));
+  }
+  const auto is_beside = [&](std::size_t brick) {
+    if (brick < changed.size() && changed[brick] == 0) return false;
+    const Eigen::Vector3d centre = volume_->brick_centre(brick);
+    return std::any_of(beyond.begin(), beyond.end(), [&](const Eigen::Vector3d& other) {
+      return (other - centre).lpNorm<Eigen::Infinity>() < beside;
+    });
+  };
+  if (beyond.empty()) return {};
+  return thin_surface(surface_.points_of(is_beside), cell, min_weight);
+}
+
 // New nodes on surface that has none, in bricks that have changed (or have no mark), with the past that the graph so
 // far would have given them.
 void DeformingTracker::grow_graph(float min_weight, std::span<const std::uint8_t> changed) {
-  const auto has_changed = [&](std::size_t brick) { return brick >= changed.size() || changed[brick] != 0; };
-  const auto samples = thin_surface(surface_.points_of(has_changed), kSampleShare * spacing_, min_weight);
+  const std::vector<SurfaceSample> samples = samples_beyond_nodes(min_weight, changed);
   const std::size_t old = nodes_.size();
   std::vector<Eigen::Vector3d> nodes = nodes_;
   add_nodes(samples, spacing_, config_.max_nodes, nodes);
@@ -148,6 +171,7 @@ void DeformingTracker::grow_graph(float min_weight, std::span<const std::uint8_t
     nodes_ = std::move(nodes);
     births_.resize(nodes_.size(), records_.size() - 1);
     connect_graph(old, min_weight);
+    renew_skin();
   }
 }
 

@@ -119,6 +119,7 @@ private:
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
   void renew_skin();
+  std::vector<SurfaceSample> samples_beyond_nodes(float min_weight, std::span<const std::uint8_t> changed) const;
   void grow_graph(float min_weight, std::span<const std::uint8_t> changed);
   void connect_graph(std::size_t old, float min_weight);
 

@@ -6,6 +6,8 @@
 namespace kinora::tracking {
 namespace {
 
+constexpr std::size_t kWeighed = Influence::kMost + 1;
+
 // Whether node a is nearer than node b to every point of a cube: their squared distances differ by what is linear.
 bool is_nearer_everywhere(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& centre,
                           double side) {
@@ -15,11 +17,10 @@ bool is_nearer_everywhere(const Eigen::Vector3d& a, const Eigen::Vector3d& b, co
 } // namespace
 
 NodeCandidates::NodeCandidates(const DeformationGraph& graph, double side)
-    : side_(side), half_diagonal_(0.5 * std::sqrt(3.0) * side),
-      nearest_(graph.nodes(), graph.influence_radius() + half_diagonal_) {}
+    : side_(side), half_diagonal_(0.5 * std::sqrt(3.0) * side), reach_(graph.influence_radius() + half_diagonal_),
+      nearest_(graph.nodes(), reach_) {}
 
 void NodeCandidates::append(const Eigen::Vector3d& centre, std::vector<std::int32_t>& candidates) const {
-  constexpr std::size_t kWeighed = Influence::kMost + 1;
   std::array<NearestPoints::Neighbour, kMost> found{};
   const std::size_t within_reach = nearest_.find(centre, found);
   for (std::size_t i = 0; i < within_reach; ++i) {
@@ -32,6 +33,18 @@ void NodeCandidates::append(const Eigen::Vector3d& centre, std::vector<std::int3
     if (nearer < kWeighed) candidates.push_back(found[i].index);
     if (i >= kWeighed && is_out_of_question(found[kWeighed - 1], found[i])) break;
   }
+}
+
+bool NodeCandidates::is_another(const Eigen::Vector3d& centre, std::int32_t node,
+                                std::span<const std::int32_t> candidates) const {
+  const Eigen::Vector3d& place = nearest_.points()[static_cast<std::size_t>(node)];
+  if ((place - centre).squaredNorm() > reach_ * reach_) return false;
+  std::size_t nearer = 0;
+  for (const std::int32_t candidate : candidates) {
+    const Eigen::Vector3d& other = nearest_.points()[static_cast<std::size_t>(candidate)];
+    if (is_nearer_everywhere(other, place, centre, side_) && ++nearer == kWeighed) return false;
+  }
+  return true;
 }
 
 // So are all that are still farther from the centre.

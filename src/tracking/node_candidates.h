@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "tracking/deformation_graph.h"
@@ -20,12 +21,15 @@ public:
   NodeCandidates(const DeformationGraph& graph, double side);
   /// Appends those of the cube about `centre`, nearest to it first.
   void append(const Eigen::Vector3d& centre, std::vector<std::int32_t>& candidates) const;
+  /// Whether a node must join a cube's candidates, among which it is not: one that the graph has got since.
+  bool is_another(const Eigen::Vector3d& centre, std::int32_t node, std::span<const std::int32_t> candidates) const;
 
 private:
   bool is_out_of_question(const NearestPoints::Neighbour& last, const NearestPoints::Neighbour& node) const;
 
   double side_;
   double half_diagonal_;
+  double reach_; ///< of a node, from a cube's centre
   NearestPoints nearest_;
 };
 

@@ -64,18 +64,28 @@ LabelImage cut_mask(const LabelImage& labels, int label, const Box& box) {
 
 // Binomial 3×3 over the pixels of the mask.
 Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
+  constexpr std::array<float, 3> kWeights = {1, 2, 1};
   Image<float> result(values.width(), values.height());
+  const std::ptrdiff_t row = values.width();
   for (int v = 0; v < values.height(); ++v) {
     for (int u = 0; u < values.width(); ++u) {
       if (mask.at(u, v) == 0) continue;
       float sum = 0;
       float weights = 0;
-      for (int dv = -1; dv <= 1; ++dv) {
-        for (int du = -1; du <= 1; ++du) {
-          if (!mask.contains(u + du, v + dv) || mask.at(u + du, v + dv) == 0) continue;
-          const float w = (du == 0 ? 2.0F : 1.0F) * (dv == 0 ? 2.0F : 1.0F);
-          sum += w * values.at(u + du, v + dv);
-          weights += w;
+      if (mask.at(u, v) == 2) { // all around is of the mask
+        const float* above = values.pixel(u - 1, v - 1);
+        for (std::size_t y = 0; y < 3; ++y, above += row) {
+          for (std::size_t x = 0; x < 3; ++x) sum += kWeights[x] * kWeights[y] * above[x];
+        }
+        weights = 16;
+      } else {
+        for (int dv = -1; dv <= 1; ++dv) {
+          for (int du = -1; du <= 1; ++du) {
+            if (!mask.contains(u + du, v + dv) || mask.at(u + du, v + dv) == 0) continue;
+            const float w = kWeights[static_cast<std::size_t>(du + 1)] * kWeights[static_cast<std::size_t>(dv + 1)];
+            sum += w * values.at(u + du, v + dv);
+            weights += w;
+          }
         }
       }
       result.at(u, v) = sum / weights;
@@ -145,8 +155,7 @@ ObjectView view_object(const ingest::Frame& frame, int label) {
   const std::array<std::function<void()>, 3> parts = {
       [&] { view.to_silhouette = offsets_to_silhouette(cut(frame.labels, box)); }, // another label may hide this one
       [&] {
-        view.texture =
-            smoothed(log_luminance(frame.color, box.u0, box.v0, view.mask.width(), view.mask.height()), view.mask);
+        view.texture = smoothed(log_luminance(frame.color, box.u0, box.v0, view.mask), view.mask);
         fill_outside(view.texture, view.mask);
         view.pyramid = texture_pyramid(view.texture, 1);
       },

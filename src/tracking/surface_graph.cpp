@@ -2,52 +2,79 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
 
-#include "core/parallel.h"
+#include "core/random.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kNodesPerChunk = 16;
 
-/// The thinned surface as a graph: samples side by side whose normals do not point apart.
-struct SampleLinks {
+/// The thinned surface as a graph: samples side by side whose normals do not point apart. A sample's links are found
+/// when they are asked for: walks pass by few samples.
+class SampleLinks {
+public:
   struct Link {
     int to;
     double length;
   };
-  std::vector<std::vector<Link>> links;
 
-  SampleLinks(std::span<const SurfaceSample> samples, double sample_spacing) : links(samples.size()) {
-    std::vector<Eigen::Vector3d> positions;
-    for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
-    const NearestPoints nearest(positions, 2.2 * sample_spacing);
-    parallel_for(samples.size(), 256, [&](const Chunk& chunk) {
-      std::array<NearestPoints::Neighbour, 24> found{};
-      for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        const std::size_t count = nearest.find(positions[i], found);
-        for (std::size_t k = 0; k < count; ++k) {
-          const auto j = static_cast<std::size_t>(found[k].index);
-          if (j == i || samples[i].normal.dot(samples[j].normal) < 0) continue;
-          links[i].push_back({found[k].index, std::sqrt(found[k].squared_distance)});
-        }
+  SampleLinks(std::span<const SurfaceSample> samples, double sample_spacing)
+      : samples_(samples), nearest_(positions_of(samples), 2.2 * sample_spacing), links_(samples.size()) {}
+
+  std::size_t size() const { return samples_.size(); }
+
+  std::span<const Link> of(int sample) {
+    const auto i = static_cast<std::size_t>(sample);
+    Links& links = links_[i];
+    if (links.count < 0) {
+      std::array<NearestPoints::Neighbour, kMost> found{};
+      const std::size_t count = nearest_.find(samples_[i].position, found);
+      links.count = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const auto j = static_cast<std::size_t>(found[k].index);
+        if (j == i || samples_[i].normal.dot(samples_[j].normal) < 0) continue;
+        if (links.count == 0) links.begin = all_.size();
+        all_.push_back({found[k].index, std::sqrt(found[k].squared_distance)});
+        ++links.count;
       }
-    });
+    }
+    return std::span(all_).subspan(links.begin, static_cast<std::size_t>(links.count));
   }
+
+private:
+  static constexpr std::size_t kMost = 24;
+  struct Links {
+    std::size_t begin = 0;
+    int count = -1; ///< not found yet
+  };
+
+  static std::vector<Eigen::Vector3d> positions_of(std::span<const SurfaceSample> samples) {
+    std::vector<Eigen::Vector3d> positions;
+    positions.reserve(samples.size());
+    for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
+    return positions;
+  }
+
+  std::span<const SurfaceSample> samples_;
+  NearestPoints nearest_;
+  std::vector<Links> links_; ///< of each sample, in `all_`
+  std::vector<Link> all_;
 };
 
 /// Walks along the surface from one sample to others, in order of distance. Reusable.
 class SurfacePaths {
 public:
-  explicit SurfacePaths(const SampleLinks& links) : links_(links), distance_(links.links.size(), kInfinity) {}
+  explicit SurfacePaths(SampleLinks& links) : links_(links), distance_(links.size(), kInfinity) {}
 
   /// Calls `visit(sample, distance)` for each sample within reach, the nearest first, until it returns false.
   template <class Visit> void walk(int start, double reach, const Visit& visit) {
@@ -63,7 +90,7 @@ public:
       queue_.pop_back();
       if (length > distance_[static_cast<std::size_t>(at)]) continue;
       if (!visit(at, length)) return;
-      for (const SampleLinks::Link& link : links_.links[static_cast<std::size_t>(at)]) {
+      for (const SampleLinks::Link& link : links_.of(at)) {
         const double next = length + link.length;
         double& known = distance_[static_cast<std::size_t>(link.to)];
         if (next > reach || next >= known) continue;
@@ -76,7 +103,7 @@ public:
   }
 
 private:
-  const SampleLinks& links_;
+  SampleLinks& links_;
   std::vector<double> distance_;
   std::vector<int> reached_;
   std::vector<std::pair<double, int>> queue_; ///< a heap
@@ -151,13 +178,14 @@ void tie_pieces(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, 
 } // namespace
 
 std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight) {
-  struct Entry {
-    std::uint64_t cell;
-    std::uint32_t point;
-  };
   constexpr int kBits = 21; // of a cell's number along an axis
   constexpr double kFarthest = (1 << (kBits - 1)) - 1;
-  std::vector<Entry> order;
+  struct Entry {
+    std::uint64_t cell;
+    std::int64_t heaviest; ///< point; −1: no entry
+  };
+  std::vector<Entry> table(std::bit_ceil(2 * surface.size() + 1), {0, -1}); // open addressing
+  std::vector<Entry> cells;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface[i].weight < min_weight) continue;
     std::uint64_t key = 0;
@@ -165,18 +193,19 @@ std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, d
       const double c = std::clamp(std::floor(surface[i].position[axis] / cell), -kFarthest, kFarthest);
       key = key << kBits | static_cast<std::uint64_t>(c + kFarthest);
     }
-    order.push_back({key, static_cast<std::uint32_t>(i)});
+    std::size_t slot = mix64(key) & (table.size() - 1);
+    while (table[slot].heaviest >= 0 && table[slot].cell != key) slot = (slot + 1) & (table.size() - 1);
+    std::int64_t& heaviest = table[slot].heaviest;
+    if (heaviest >= 0 && surface[i].weight <= surface[static_cast<std::size_t>(heaviest)].weight) continue;
+    table[slot] = {key, static_cast<std::int64_t>(i)};
   }
-  std::sort(order.begin(), order.end(),
-            [](const Entry& a, const Entry& b) { return a.cell != b.cell ? a.cell < b.cell : a.point < b.point; });
+  std::copy_if(table.begin(), table.end(), std::back_inserter(cells), [](const Entry& e) { return e.heaviest >= 0; });
+  std::sort(cells.begin(), cells.end(), [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
   std::vector<SurfaceSample> result;
-  for (auto first = order.begin(); first != order.end();) {
-    const auto last = std::find_if(first, order.end(), [&](const Entry& e) { return e.cell != first->cell; });
-    const auto heaviest = std::max_element(
-        first, last, [&](const Entry& a, const Entry& b) { return surface[a.point].weight < surface[b.point].weight; });
-    const SurfacePoint& point = surface[heaviest->point];
+  result.reserve(cells.size());
+  for (const Entry& entry : cells) {
+    const SurfacePoint& point = surface[static_cast<std::size_t>(entry.heaviest)];
     result.push_back({point.position.cast<double>(), point.normal.cast<double>()});
-    first = last;
   }
   return result;
 }
@@ -200,7 +229,7 @@ void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<cons
                           double spacing, double sample_spacing, const EdgeConfig& config) {
   const std::size_t old = neighbours_.size();
   neighbours_.resize(nodes.size());
-  const SampleLinks links(samples, sample_spacing);
+  SampleLinks links(samples, sample_spacing);
   const std::vector<int> sample_of = nearest_samples(nodes, samples, 2 * sample_spacing);
   std::vector<std::vector<int>> nodes_at(samples.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -208,25 +237,23 @@ void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<cons
   }
   const double reach = config.reach * spacing;
   const NearestPoints added(nodes.subspan(old), reach);
-  parallel_for(nodes.size(), kNodesPerChunk, [&](const Chunk& chunk) {
-    SurfacePaths paths(links);
-    std::array<NearestPoints::Neighbour, 1> beside{};
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (sample_of[i] < 0 || (i < old && added.find(nodes[i], beside) == 0)) continue;
-      std::vector<int>& found = neighbours_[i];
-      found.clear();
-      paths.walk(sample_of[i], reach, [&](int sample, double along) {
-        for (const int j : nodes_at[static_cast<std::size_t>(sample)]) {
-          const auto other = static_cast<std::size_t>(j);
-          // Half a sample at both ends is no detour.
-          const double longest = config.max_detour * ((nodes[i] - nodes[other]).norm() + sample_spacing);
-          if (other == i || along > longest || found.size() == config.neighbours) continue;
-          found.push_back(j);
-        }
-        return found.size() < config.neighbours;
-      });
-    }
-  });
+  SurfacePaths paths(links);
+  std::array<NearestPoints::Neighbour, 1> beside{};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (sample_of[i] < 0 || (i < old && added.find(nodes[i], beside) == 0)) continue;
+    std::vector<int>& found = neighbours_[i];
+    found.clear();
+    paths.walk(sample_of[i], reach, [&](int sample, double along) {
+      for (const int j : nodes_at[static_cast<std::size_t>(sample)]) {
+        const auto other = static_cast<std::size_t>(j);
+        // Half a sample at both ends is no detour.
+        const double longest = config.max_detour * ((nodes[i] - nodes[other]).norm() + sample_spacing);
+        if (other == i || along > longest || found.size() == config.neighbours) continue;
+        found.push_back(j);
+      }
+      return found.size() < config.neighbours;
+    });
+  }
   std::set<std::pair<int, int>> pairs;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const int j : neighbours_[i]) pairs.insert(std::minmax(static_cast<int>(i), j));

@@ -46,17 +46,27 @@ Image<float> halved(const Image<float>& values) {
 
 TextureLevel with_gradient(const Image<float>& values, float scale) {
   TextureLevel level{Image<float>(values.width(), values.height(), 3), scale};
-  for (int v = 0; v < values.height(); ++v) {
-    for (int u = 0; u < values.width(); ++u) {
-      const int u0 = std::max(0, u - 1);
-      const int v0 = std::max(0, v - 1);
-      const int u1 = std::min(values.width() - 1, u + 1);
-      const int v1 = std::min(values.height() - 1, v + 1);
-      float* out = level.values.pixel(u, v);
-      out[0] = values.at(u, v);
-      out[1] = u1 > u0 ? scale * (values.at(u1, v) - values.at(u0, v)) / static_cast<float>(u1 - u0) : 0.0F;
-      out[2] = v1 > v0 ? scale * (values.at(u, v1) - values.at(u, v0)) / static_cast<float>(v1 - v0) : 0.0F;
+  const int last_u = values.width() - 1;
+  const int last_v = values.height() - 1;
+  const auto slope = [scale](float from, float to, int steps) {
+    return steps > 0 ? scale * (to - from) / static_cast<float>(steps) : 0.0F;
+  };
+  for (int v = 0; v <= last_v; ++v) {
+    const int v0 = std::max(0, v - 1);
+    const int v1 = std::min(last_v, v + 1);
+    const float* row = values.pixel(0, v);
+    const float* above = values.pixel(0, v0);
+    const float* below = values.pixel(0, v1);
+    float* out = level.values.pixel(0, v);
+    const float share = v1 > v0 ? scale / static_cast<float>(v1 - v0) : 0.0F; // by one or two: without rounding
+    for (int u = 0; u <= last_u; ++u, out += 3) {
+      out[0] = row[u];
+      out[2] = share * (below[u] - above[u]);
     }
+    out = level.values.pixel(0, v);
+    out[1] = slope(row[0], row[std::min(1, last_u)], std::min(1, last_u));
+    for (int u = 1; u < last_u; ++u) out[3 * u + 1] = scale * (row[u + 1] - row[u - 1]) * 0.5F;
+    if (last_u > 0) out[3 * last_u + 1] = slope(row[last_u - 1], row[last_u], 1);
   }
   return level;
 }
@@ -64,11 +74,16 @@ TextureLevel with_gradient(const Image<float>& values, float scale) {
 } // namespace
 
 Image<float> log_luminance(const ColorImage& color, int left, int top, int width, int height) {
+  return log_luminance(color, left, top, LabelImage(width, height, 1, 1));
+}
+
+Image<float> log_luminance(const ColorImage& color, int left, int top, const LabelImage& mask) {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(i) / 255.0F;
-  Image<float> result(width, height);
+  Image<float> result(mask.width(), mask.height());
   for (int v = 0; v < result.height(); ++v) {
     for (int u = 0; u < result.width(); ++u) {
+      if (mask.at(u, v) == 0) continue;
       const std::uint8_t* c = color.pixel(left + u, top + v);
       result.at(u, v) = std::log(0.08F + 0.299F * table[c[0]] + 0.587F * table[c[1]] + 0.114F * table[c[2]]);
     }

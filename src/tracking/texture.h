@@ -19,6 +19,8 @@ using TexturePyramid = std::array<TextureLevel, kTextureLevels>;
 
 /// Logarithm of luminance of a part of the picture: a surface that turns in the light changes by an offset only.
 Image<float> log_luminance(const ColorImage& color, int left, int top, int width, int height);
+/// The same of a part as large as the mask, where that is not 0; elsewhere 0.
+Image<float> log_luminance(const ColorImage& color, int left, int top, const LabelImage& mask);
 
 /// Where the mask is 0, the mean of the others: what lies beside a layer must not leak into the coarse levels.
 void fill_outside(Image<float>& values, const LabelImage& mask);

@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "core/camera.h"
+#include "tracking/bent_brick.h"
 #include "tracking/depth_planes.h"
 
 namespace kinora::tracking {
@@ -57,11 +58,10 @@ public:
   void integrate(const DepthPlanes& view, const Image<float>& intensity, const Intrinsics& intrinsics,
                  const SE3& camera_to_volume);
 
-  /// Where a point of a bent volume (of that brick, relative to the origin) is in the camera; nothing where space is
-  /// empty.
-  using Bending = std::function<std::optional<Eigen::Vector3f>(const Eigen::Vector3f& point, std::size_t brick)>;
+  /// Where points of a bent volume (of that brick, relative to the origin) are in the camera; NaN where space is empty.
+  using Bending = std::function<void(std::size_t brick, const BrickCorners& points, BrickCorners& in_camera)>;
   /// Which place of the volume (relative to the origin) a pixel shows: one for each cell of stride × stride pixels, in
-  /// three channels; NaN where the pixels show nothing of it.
+  /// the first three of four channels; NaN where the pixels show nothing of it.
   struct Places {
     int stride = 4;
     Image<float> of_cell;
@@ -109,12 +109,14 @@ private:
   struct View;
   struct BentView;
   struct Neighbourhood;
+  struct Limits;
   struct Block;
 
   std::int32_t find(const std::array<int, 3>& coordinate) const;
   std::int32_t find_or_insert(const std::array<int, 3>& coordinate);
   void grow_table();
   std::vector<std::uint8_t> touch_bricks(const View& view);
+  bool holds_surface(const Brick& brick, const Limits& limits) const;
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
   std::vector<std::uint8_t> touch_around(const Places& places, float reach);

@@ -5,67 +5,39 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "tracking/bent_row.h"
+#include "core/random.h"
+#include "tracking/bent_brick.h"
 #include "tracking/tsdf.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr int kSide = TsdfVolume::kBrickSide;
-constexpr int kCell = 4;                    // voxels between two places where the bending is taken
-constexpr int kCorners = kSide / kCell + 1; // of them along a brick's side
-static_assert(kSide == static_cast<int>(BentRow::kVoxels) && kCorners == 3);
+constexpr std::size_t kCorners = BrickCorners::kAlong;
+constexpr std::size_t kCell = kSide / (kCorners - 1); // voxels between two places where the bending is taken
+constexpr std::size_t kCentre = BrickCorners::kCount / 2;
+static_assert(kSide == static_cast<int>(BentBrick::kSide));
 constexpr std::size_t kBricksPerChunk = 16;
 constexpr float kNearest = 0.05F; // metres before the camera
 
-/// Where the corners of a brick's cells are in the camera.
-class CornerPlaces {
-public:
-  CornerPlaces(const TsdfVolume::Bending& to_camera, std::size_t brick, const Eigen::Vector3f& first, float voxel) {
-    std::size_t i = 0;
-    for (int z = 0; z < kCorners; ++z) {
-      for (int y = 0; y < kCorners; ++y) {
-        for (int x = 0; x < kCorners; ++x, ++i) {
-          const Eigen::Vector3f at(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-          const auto place = to_camera((first + kCell * at) * voxel, brick);
-          known_[i] = place.has_value();
-          places_[i] = place.value_or(Eigen::Vector3f::Zero());
-        }
-      }
+std::uint64_t hash_of(const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
+  std::uint64_t key = 0;
+  for (const int number : {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}) {
+    key = mix64(key ^ static_cast<std::uint32_t>(number));
+  }
+  return key;
+}
+
+BrickCorners corners_of(const Eigen::Vector3f& first, float voxel) {
+  BrickCorners corners{};
+  for (std::size_t i = 0; i < BrickCorners::kCount; ++i) {
+    const std::array<std::size_t, 3> at = {i % kCorners, i / kCorners % kCorners, i / (kCorners * kCorners)};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      corners.at(axis, i) = (first[static_cast<Eigen::Index>(axis)] + static_cast<float>(kCell * at[axis])) * voxel;
     }
   }
-
-  /// Places along the row of voxels at (y, z), at each cell's corner.
-  void fill(int y, int z, BentRow& row) const {
-    const auto weights = [](int at) {
-      const float share = static_cast<float>(at % kCell) / kCell;
-      return std::array<float, 2>{1 - share, share};
-    };
-    const std::array<float, 2> by_y = weights(y);
-    const std::array<float, 2> by_z = weights(z);
-    std::array<bool, kCorners> known{};
-    for (std::size_t x = 0; x < kCorners; ++x) {
-      known[x] = true;
-      Eigen::Vector3f place = Eigen::Vector3f::Zero();
-      for (std::size_t c = 0; c < 4; ++c) {
-        const std::size_t i =
-            index(x, static_cast<std::size_t>(y / kCell) + c % 2, static_cast<std::size_t>(z / kCell) + c / 2);
-        known[x] = known[x] && known_[i];
-        place += by_y[c % 2] * by_z[c / 2] * places_[i];
-      }
-      row.along[x] = {place.x(), place.y(), place.z()};
-    }
-    row.known = {known[0] && known[1], known[1] && known[2]};
-  }
-
-private:
-  static constexpr std::size_t index(std::size_t x, std::size_t y, std::size_t z) {
-    return (z * kCorners + y) * kCorners + x;
-  }
-  static constexpr std::size_t kAll = static_cast<std::size_t>(kCorners) * kCorners * kCorners;
-  std::array<Eigen::Vector3f, kAll> places_;
-  std::array<bool, kAll> known_{};
-};
+  return corners;
+}
 
 } // namespace
 
@@ -106,12 +78,13 @@ std::vector<std::uint8_t> TsdfVolume::touch_around(const Places& places, float r
                  ((place.array() + distance) / brick_size).floor().cast<int>()};
   };
   std::vector<std::uint8_t> touched(bricks_.size(), 0);
-  std::array<Range, 2> before;
+  std::vector<std::array<Range, 2>> done(256); // the last of each slot: places side by side have the same ranges
   for (std::size_t i = 0; i < places.of_cell.pixel_count(); ++i) {
-    const Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(places.of_cell.data() + 3 * i);
+    const Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(places.of_cell.data() + 4 * i);
     if (std::isnan(place.x())) continue;
     const std::array<Range, 2> ranges{within(place, static_cast<float>(config_.truncation)), within(place, reach)};
     const auto& [near, all] = ranges;
+    std::array<Range, 2>& before = done[hash_of(ranges[1].first, ranges[0].first) % done.size()];
     if (ranges == before) continue;
     before = ranges;
     for (int z = all.first.z(); z <= all.last.z(); ++z) {
@@ -134,23 +107,13 @@ void TsdfVolume::update_bent(std::size_t number, const BentView& view) {
   const Eigen::Vector3f first(static_cast<float>(brick.coordinate[0] * kSide),
                               static_cast<float>(brick.coordinate[1] * kSide),
                               static_cast<float>(brick.coordinate[2] * kSide));
-  const auto centre = view.to_camera((first + Eigen::Vector3f::Constant(0.5F * kSide)) * voxel, number);
-  if (!centre) return;
+  BentBrick bent{{}, {first.x() * voxel, first.y() * voxel, first.z() * voxel}, voxel};
+  view.to_camera(number, corners_of(first, voxel), bent.corners);
+  const Eigen::Vector3f centre(bent.corners.at(0, kCentre), bent.corners.at(1, kCentre), bent.corners.at(2, kCentre));
   // Far from what is measured, no voxel of the brick comes within the truncation.
   const float far = 2 * (view.images.truncation + static_cast<float>(kSide) * voxel);
-  if (std::abs(view.distance(*centre).value_or(0)) > far) return;
-  const CornerPlaces corners(view.to_camera, number, first, voxel);
-  std::size_t i = 0;
-  BentRow row{};
-  row.voxel = voxel;
-  for (int z = 0; z < kSide; ++z) {
-    for (int y = 0; y < kSide; ++y, i += kSide) {
-      corners.fill(y, z, row);
-      row.first = {first.x() * voxel, (first.y() + static_cast<float>(y)) * voxel,
-                   (first.z() + static_cast<float>(z)) * voxel};
-      fuse_row(view.images, row, brick.distance.data() + i, brick.weight.data() + i, brick.intensity.data() + i);
-    }
-  }
+  if (!centre.allFinite() || std::abs(view.distance(centre).value_or(0)) > far) return;
+  fuse_brick(view.images, bent, brick.distance.data(), brick.weight.data(), brick.intensity.data());
 }
 
 std::vector<std::uint8_t> TsdfVolume::integrate_bent(const DepthPlanes& view, const Image<float>& intensity,
@@ -158,7 +121,7 @@ std::vector<std::uint8_t> TsdfVolume::integrate_bent(const DepthPlanes& view, co
                                                      const Places& places, std::span<const std::uint8_t> resting) {
   const bool fits = view.planes.width() == intrinsics.width && view.planes.height() == intrinsics.height &&
                     view.weights.same_size(view.planes) && (intensity.empty() || intensity.same_size(view.planes)) &&
-                    places.stride > 0 && places.of_cell.channels() == 3 &&
+                    places.stride > 0 && places.of_cell.channels() == 4 &&
                     places.of_cell.width() * places.stride >= intrinsics.width &&
                     places.of_cell.height() * places.stride >= intrinsics.height;
   if (!fits) {

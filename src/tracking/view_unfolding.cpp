@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "tracking/carried_lanes.h"
 
 namespace kinora::tracking {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr int kStride = 4;
 constexpr float kLikeNormal = 0.5F; // cosine
 constexpr std::size_t kPointsPerChunk = 1024;
+constexpr std::size_t kRowsPerChunk = 16; // of cells
 
 struct Live {
   Eigen::Vector3f place;
@@ -27,19 +29,26 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
   const int columns = (view.intrinsics.width + kStride - 1) / kStride;
   const int rows = (view.intrinsics.height + kStride - 1) / kStride;
   std::vector<Live> live(surface.size());
+  const std::vector<float> transforms = packed_transforms(states);
   parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      if (skin[i].count == 0) continue;
-      Live& point = live[i];
-      const BlendedMotion motion = blend_motion(states, skin[i]);
-      const Eigen::Vector3d place = motion.apply(surface[i].position.cast<double>());
-      const Eigen::Vector3d normal = motion.rotate(surface[i].normal.cast<double>());
-      if (!(place.z() > 0) || normal.dot(place) > 0) continue;
-      const Eigen::Vector2d pixel = view.intrinsics.project(place) / kStride;
-      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < columns && pixel.y() < rows)) continue;
-      point.place = place.cast<float>();
-      point.normal = normal.cast<float>();
-      point.cell = static_cast<int>(pixel.y()) * columns + static_cast<int>(pixel.x());
+    PointLanes points{}, normals{}, places, turned;
+    InfluenceLanes influences{};
+    for (std::size_t first = chunk.begin; first < chunk.end; first += PointLanes::kPoints) {
+      const std::size_t count = std::min(PointLanes::kPoints, chunk.end - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        points.set(i, surface[first + i].position);
+        normals.set(i, surface[first + i].normal);
+        influences.set(i, skin[first + i]);
+      }
+      carry_points(transforms, influences, points, places, normals, turned);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Eigen::Vector3f place = places.at(i);
+        const Eigen::Vector3f normal = turned.at(i);
+        if (!(place.z() > 0) || normal.dot(place) > 0) continue; // nothing moves it, or it looks away
+        const Eigen::Vector2d pixel = view.intrinsics.project(place.cast<double>()) / kStride;
+        if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < columns && pixel.y() < rows)) continue;
+        live[first + i] = {place, normal, static_cast<int>(pixel.y()) * columns + static_cast<int>(pixel.x())};
+      }
     }
   });
   // Of each cell the point that is nearest to the camera.
@@ -49,8 +58,8 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
     int& best = front[static_cast<std::size_t>(live[i].cell)];
     if (best < 0 || live[i].place.z() < live[static_cast<std::size_t>(best)].place.z()) best = static_cast<int>(i);
   }
-  TsdfVolume::Places result{kStride, Image<float>(columns, rows, 3, std::numeric_limits<float>::quiet_NaN())};
-  for (int row = 0; row < rows; ++row) {
+  TsdfVolume::Places result{kStride, Image<float>(columns, rows, 4, std::numeric_limits<float>::quiet_NaN())};
+  const auto unfold_row = [&](int row) {
     for (int column = 0; column < columns; ++column) {
       const int u = std::min(kStride * column + kStride / 2, view.intrinsics.width - 1);
       const int v = std::min(kStride * row + kStride / 2, view.intrinsics.height - 1);
@@ -77,7 +86,10 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
       const Eigen::Vector3f place = (to_camera.inverse() * measured).cast<float>();
       std::copy_n(place.data(), 3, result.of_cell.pixel(column, row));
     }
-  }
+  };
+  parallel_for(static_cast<std::size_t>(rows), kRowsPerChunk, [&](const Chunk& chunk) {
+    for (std::size_t row = chunk.begin; row < chunk.end; ++row) unfold_row(static_cast<int>(row));
+  });
   return result;
 }
 

@@ -21,15 +21,19 @@ void add_nodes_near(const TsdfVolume& volume, std::size_t count, Random& random,
 void expect_those_of_the_graph(const BrickInfluences& influences, const TsdfVolume& volume,
                                const DeformationGraph& graph, Random& random) {
   for (std::size_t brick = 0; brick < volume.brick_count(); ++brick) {
-    for (int i = 0; i < 8; ++i) {
+    PointLanes points{};
+    for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
       const Eigen::Vector3d inside(random.uniform_double() - 0.5, random.uniform_double() - 0.5,
                                    random.uniform_double() - 0.5);
-      const Eigen::Vector3d place = volume.brick_centre(brick) + volume.brick_size() * inside;
-      const Influence expected = graph.influence(place);
-      const Influence found = influences.at(brick, place);
-      ASSERT_EQ(found.count, expected.count);
-      EXPECT_EQ(found.nodes, expected.nodes);
-      EXPECT_EQ(found.weights, expected.weights);
+      points.set(i, (volume.brick_centre(brick) + volume.brick_size() * inside).cast<float>());
+    }
+    InfluenceLanes lanes;
+    influences.weigh(brick, points, lanes);
+    for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
+      const Influence expected = graph.influence(points.at(i).cast<double>());
+      const Influence found = lanes.at(i);
+      ASSERT_EQ(found.count > 0, expected.count > 0);
+      for (std::size_t k = 0; k < Influence::kMost; ++k) EXPECT_NEAR(found.weights[k], expected.weights[k], 1e-4);
     }
   }
 }
@@ -52,7 +56,13 @@ TEST(BrickInfluences, ABrickNewerThanTheRenewalIsSearchedFor) {
   const auto graph = std::make_shared<const DeformationGraph>(std::vector<Eigen::Vector3d>{{0, 0, 0}}, 0.03, 0.07);
   BrickInfluences influences;
   influences.renew(TsdfVolume({0.006, 0.03, 64}, Eigen::Vector3d::Zero()), graph);
-  EXPECT_EQ(influences.at(3, {0.01, 0, 0}).count, 1);
+  PointLanes points{};
+  points.set(0, {0.01F, 0, 0});
+  points.set(1, {0.1F, 0, 0});
+  InfluenceLanes lanes;
+  influences.weigh(3, points, lanes);
+  EXPECT_EQ(lanes.at(0).count, 1);
+  EXPECT_EQ(lanes.at(1).count, 0);
 }
 
 } // namespace

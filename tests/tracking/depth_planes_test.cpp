@@ -1,11 +1,19 @@
 #include "tracking/depth_planes.h"
 
+#include <array>
+#include <cmath>
 #include <limits>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
+#include "ingest/sensor_noise.h"
 #include "tracking/synthetic_scene.h"
 
 namespace kinora::tracking {
@@ -106,6 +114,93 @@ TEST(DepthPlanes, HaveTheSameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(std::equal(one.planes.values().begin(), one.planes.values().end(), two.planes.values().begin()));
   EXPECT_TRUE(std::equal(one.weights.values().begin(), one.weights.values().end(), two.weights.values().begin()));
 }
+
+/// The plane of one pixel, term by term.
+struct PlainPlane {
+  std::array<double, 4> plane{};
+  double weight = 0;
+};
+
+PlainPlane fit_plainly(const DepthImage& depth, const Intrinsics& camera, const LabelImage& allowed, int u, int v) {
+  const auto usable = [&](int x, int y) {
+    return depth.contains(x, y) && depth.at(x, y) > 0 && depth.at(x, y) < 1e3F && allowed.at(x, y) != 0;
+  };
+  PlainPlane result;
+  if (!usable(u, v)) return result;
+  const double z = depth.at(u, v);
+  const double gate = 4 * ingest::depth_sigma(z) + 6 / camera.fx * z;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d values = Eigen::Vector3d::Zero();
+  for (int dv = -2; dv <= 2; ++dv) {
+    for (int du = -2; du <= 2; ++du) {
+      if (!usable(u + du, v + dv) || std::abs(depth.at(u + du, v + dv) - z) >= gate) continue;
+      const Eigen::Vector3d row(1, du, dv);
+      products += row * row.transpose();
+      values += row / depth.at(u + du, v + dv);
+    }
+  }
+  const double n = products(0, 0);
+  const Eigen::Vector2d mean = products.block<2, 1>(1, 0) / n;
+  const Eigen::Matrix2d spread = products.block<2, 2>(1, 1) - n * mean * mean.transpose();
+  if (n < 6 || spread.determinant() < 0.05 * spread.trace() * spread.trace()) return result;
+  const Eigen::Vector3d fit = products.ldlt().solve(values);
+  if (!(fit[0] > 0)) return result;
+  const Eigen::Vector3d ray = camera.unproject(u, v, 1);
+  const double a = fit[1] * camera.fx;
+  const double b = fit[2] * camera.fy;
+  const Eigen::Vector3d inverse(a, b, fit[0] - a * ray.x() - b * ray.y());
+  const Eigen::Vector3d normal = -inverse.normalized();
+  result.plane = {normal.x(), normal.y(), normal.z(), 1 / inverse.norm()};
+  const double ratio = ingest::depth_sigma(1) / ingest::depth_sigma(1 / fit[0]);
+  result.weight = fit[0] / inverse.norm() / ray.norm() * ratio * ratio;
+  return result;
+}
+
+class DepthPlanesOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
+protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+TEST_P(DepthPlanesOnEveryInstructionSet, AreThoseOfAPlainFit) {
+  Random random(9);
+  const Intrinsics camera{67, 41, 80, 82, 31, 19};
+  DepthImage depth(camera.width, camera.height);
+  LabelImage allowed(camera.width, camera.height);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      allowed.at(u, v) = random.below(9) > 0 && u > 3 + v / 8 ? 1 : 0;
+      const float wall = u > 30 ? 1.1F : 1.4F + 0.004F * static_cast<float>(u);
+      depth.at(u, v) = random.below(9) == 0 ? 0.0F : wall + 0.002F * static_cast<float>(random.normal());
+    }
+  }
+  depth.at(40, 20) = std::numeric_limits<float>::quiet_NaN();
+  depth.at(41, 20) = std::numeric_limits<float>::infinity();
+  const DepthPlanes fitted = fit_depth_planes(depth, camera, allowed);
+  int planes = 0;
+  int different = 0; // where rounding decides whether there is one
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const PlainPlane expected = fit_plainly(depth, camera, allowed, u, v);
+      ASSERT_TRUE(std::isfinite(fitted.weights.at(u, v)));
+      if ((expected.weight > 0) != (fitted.weights.at(u, v) > 0)) {
+        ++different;
+        continue;
+      }
+      planes += expected.weight > 0 ? 1 : 0;
+      EXPECT_NEAR(fitted.weights.at(u, v), expected.weight, 1e-3) << u << ' ' << v;
+      for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_NEAR(fitted.planes.pixel(u, v)[i], expected.plane[i], 1e-3) << u << ' ' << v;
+      }
+    }
+  }
+  EXPECT_GT(planes, 1000);
+  EXPECT_LE(different, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, DepthPlanesOnEveryInstructionSet,
+                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
+                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
 
 } // namespace
 } // namespace kinora::tracking

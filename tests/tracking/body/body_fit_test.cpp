@@ -54,7 +54,7 @@ TEST(BodyFit, TellsAFrontFromABackWithArmsStretched) {
 
 // Who raises an arm, seen from the side, is taken for somebody of another side unless the pose is known.
 TEST(BodyFit, FindsAPoseThatItHadEarlierElsewhere) {
-  BodyState truth = testing::standing(250, 1.75);
+  BodyState truth = testing::standing(235, 1.75);
   truth.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Eigen::Vector3d(0, -0.5, 0.5);
   EXPECT_GT(testing::mean_joint_distance(fitted(truth), truth), 0.1);
   EarlierPoses earlier;

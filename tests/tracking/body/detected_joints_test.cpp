@@ -156,7 +156,7 @@ TEST(DetectedJoints, WrongOnesDoNotHarmWhatIsSeen) {
 
 // Somebody who raises an arm, from the side: without joints it is taken for the other arm, of another side.
 TEST(DetectedJoints, TellTheFirstFitWhichSideItIs) {
-  BodyState truth = standing(250, 1.75);
+  BodyState truth = standing(235, 1.75);
   truth.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Vec(0, -0.5, 0.5);
   const auto error = [&](const std::optional<DetectorErrors>& errors) {
     return mean_joint_distance(fit_body(view_of(truth, {}, errors), {}, {}).state, truth);
