@@ -67,7 +67,8 @@ public:
     };
     camera_ = {place(0), place(1), place(2)};
     const F voxel = constant(brick.voxel);
-    const auto z = static_cast<float>(begin / (kSide * kSide));
+    const auto slice_number = begin / (kSide * kSide);
+    const auto z = static_cast<float>(slice_number);
     volume_ = {hn::MulAdd(x, voxel, constant(brick.first[0])), hn::MulAdd(y, voxel, constant(brick.first[1])),
                constant(brick.first[2] + z * brick.voxel)};
     find_pixels();

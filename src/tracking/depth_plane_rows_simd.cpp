@@ -36,8 +36,9 @@ HWY_INLINE Sums sum_window(const PlaneRows& rows, std::size_t at, F z, F gate) {
   const F none = zero();
   Sums sums{none, none, none, none, none, none, none, none, none};
   for (int dv = -kRadius; dv <= kRadius; ++dv) {
-    const float* depth = rows.depth[static_cast<std::size_t>(dv + kRadius)] + at;
-    const float* inverse = rows.inverse[static_cast<std::size_t>(dv + kRadius)] + at;
+    const int row = dv + kRadius;
+    const float* depth = rows.depth[static_cast<std::size_t>(row)] + at;
+    const float* inverse = rows.inverse[static_cast<std::size_t>(row)] + at;
     const F fv = constant(static_cast<float>(dv));
     F n = none, u = none, uu = none, w = none;
     for (int du = -kRadius; du <= kRadius; ++du) {

@@ -82,7 +82,7 @@ Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
         for (int dv = -1; dv <= 1; ++dv) {
           for (int du = -1; du <= 1; ++du) {
             if (!mask.contains(u + du, v + dv) || mask.at(u + du, v + dv) == 0) continue;
-            const float w = kWeights[static_cast<std::size_t>(du + 1)] * kWeights[static_cast<std::size_t>(dv + 1)];
+            const float w = (du == 0 ? 2.0F : 1.0F) * (dv == 0 ? 2.0F : 1.0F);
             sum += w * values.at(u + du, v + dv);
             weights += w;
           }

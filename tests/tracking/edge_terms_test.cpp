@@ -26,8 +26,8 @@ TEST_P(EdgeTermsTest, AreThoseOfAPlainLoop) {
     twist << vector(0.005) + Eigen::Vector3d(0.5, 0, 2), vector(0.05);
     states.push_back(DualQuaternion::from(exp_se3(twist)), nodes.back());
   }
-  std::vector<GraphEdge> edges;
-  for (int e = 0; e < 77; ++e) edges.push_back({e % 30, (e + 1 + e / 30) % 30});
+  std::vector<GraphEdge> edges(77);
+  for (int e = 0; e < 77; ++e) edges[static_cast<std::size_t>(e)] = {e % 30, (e + 1 + e / 30) % 30};
   const std::vector<EdgeRow> rows = rows_of(edges, nodes);
   std::vector<EdgeResiduals> residuals(edges.size());
   const double energy = energy_of(rows, rows_of(states), kSigma, kHuber, residuals);
