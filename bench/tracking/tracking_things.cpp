@@ -187,7 +187,7 @@ int main(int argc, char** argv) {
     bool usable = true;
     for (int i = 1; i < argc; ++i) {
       if (bench::set_knob(argv[i], knobs, names)) continue;
-      usable = usable && folder.empty() && std::string(argv[i]).find('=') == std::string::npos;
+      usable = usable && folder.empty() && argv[i][0] != '-' && std::string(argv[i]).find('=') == std::string::npos;
       folder = argv[i];
     }
     if (!usable) {
