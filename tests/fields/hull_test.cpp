@@ -1,7 +1,6 @@
 // Hulls that are carried, seen and rasterised many points at a time, against the same for one, on every instruction
 // set.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <optional>
 
@@ -11,15 +10,12 @@
 #include "fields/rasterizer.h"
 #include "fields/shading.h"
 #include "random_field.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::fields {
 namespace {
 
-class Hull : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class Hull : public OnEveryInstructionSet {};
 
 /// Turns nodes about the vertical, by `twist` radians per metre, a long way off.
 tracking::Warp twisted(const std::shared_ptr<const tracking::DeformationGraph>& graph, double twist) {
@@ -215,8 +211,7 @@ TEST_P(Hull, ColoursAreTheSigmoidOfTheNetsOutputs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, Hull, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, Hull, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::fields

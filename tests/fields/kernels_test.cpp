@@ -1,12 +1,12 @@
 // The vectorised training step against the scalar reference, on every instruction set of this machine.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/parallel.h"
 #include "fields/kernels.h"
 #include "fields/optimizer.h"
 #include "fields/reference.h"
 #include "random_field.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::fields {
 namespace {
@@ -27,11 +27,7 @@ double relative_difference(const std::vector<float>& a, const std::vector<double
   return worst / largest;
 }
 
-class EveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class EveryInstructionSet : public OnEveryInstructionSet {};
 
 void expect_step_gradient_of_reference(Geometry geometry) {
   Field field = testing::random_field(5, 0.5F, geometry);
@@ -104,8 +100,7 @@ TEST_P(EveryInstructionSet, AdamEqualsReference) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, EveryInstructionSet, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, EveryInstructionSet, every_instruction_set(), name_of_set);
 
 TEST(FieldOptimizer, TakesTheSameStepsOnAnyNumberOfThreads) {
   std::vector<LargeBuffer<float>> tables;

@@ -1,6 +1,5 @@
 // Density bricks and the march through them, against the field and against a plain loop, on every instruction set.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 
@@ -10,6 +9,7 @@
 #include "fields/ray_batch.h"
 #include "painted_field.h"
 #include "random_field.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::fields {
 namespace {
@@ -78,11 +78,7 @@ MarchRun march_plainly(const DensityBricks& bricks, const MarchRay& ray, float b
   return run;
 }
 
-class March : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class March : public OnEveryInstructionSet {};
 
 TEST_P(March, EqualsAPlainLoop) {
   const DensityBricks bricks(patchy_field());
@@ -130,8 +126,7 @@ TEST_P(March, RaysThatAreNoNumberOrOutsideMeetNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, March, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, March, every_instruction_set(), name_of_set);
 
 TEST(DensityBricks, HoldTheFieldsDensity) {
   const Field field = testing::painted_field({Eigen::Vector3d::Constant(-0.5), 1}, testing::PaintedBall{});

@@ -2,11 +2,11 @@
 #include <bit>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/random.h"
 #include "fields/occupancy.h"
 #include "fields/occupied_points.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::fields {
 namespace {
@@ -53,11 +53,7 @@ TEST(Occupancy, IsCoarselyOccupiedWhereAnyOfItsCellsIs) {
   EXPECT_TRUE(coarse.at(1, 15, 4));
 }
 
-class OccupiedPointsOn : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class OccupiedPointsOn : public OnEveryInstructionSet {};
 
 TEST_P(OccupiedPointsOn, AreThoseOfAPlainLoop) {
   constexpr int kSide = 64;
@@ -102,8 +98,7 @@ TEST_P(OccupiedPointsOn, AreThoseOfAPlainLoop) {
   EXPECT_LT(found, asked / 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(InstructionSets, OccupiedPointsOn, ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, OccupiedPointsOn, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::fields

@@ -5,10 +5,10 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/random.h"
 #include "ingest/sensor_noise.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::ingest {
 namespace {
@@ -218,11 +218,7 @@ private:
   Image<std::uint8_t> left_, right_, above_, below_;
 };
 
-class DepthCleaningOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class DepthCleaningOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 TEST_P(DepthCleaningOnEveryInstructionSet, KeepsWhatAPlainLoopKeeps) {
   Random random(3);
@@ -252,9 +248,7 @@ TEST_P(DepthCleaningOnEveryInstructionSet, KeepsWhatAPlainLoopKeeps) {
   EXPECT_LE(different, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, DepthCleaningOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, DepthCleaningOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::ingest

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/random.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
@@ -111,11 +111,7 @@ BentBrick brick_at(const std::array<float, 3>& place, float side, float bend, Ra
   return brick;
 }
 
-class BentBrickOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class BentBrickOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 TEST_P(BentBrickOnEveryInstructionSet, IsFusedAsByAPlainLoop) {
   Random random(5);
@@ -163,9 +159,7 @@ TEST_P(BentBrickOnEveryInstructionSet, LearnsNothingWhereverItMayBe) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, BentBrickOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, BentBrickOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

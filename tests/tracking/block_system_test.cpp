@@ -1,12 +1,12 @@
 #include "tracking/block_system.h"
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
 
-class BlockSystemTest : public testing::OnEveryInstructionSet {};
+class BlockSystemTest : public OnEveryInstructionSet {};
 
 Twist random_twist(Random& random) {
   Twist twist;
@@ -108,7 +108,7 @@ TEST(BlockPattern, KnowsDiagonalsAndTransposes) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sets, BlockSystemTest, testing::every_instruction_set(), testing::name_of_set);
+INSTANTIATE_TEST_SUITE_P(Sets, BlockSystemTest, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

@@ -1,6 +1,5 @@
 // Many points at once: as Warp has them one by one, and bounded where that has no answer.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "bent_bar.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "support/every_instruction_set.h"
 #include "tracking/bulk_warp.h"
 
 namespace kinora::tracking {
@@ -59,11 +59,7 @@ Vector3d random_in_bar(Random& random) {
   return {random.uniform_double(), 0.05 * random.uniform_double(), 0.06 * random.uniform_double() - 0.03};
 }
 
-class BulkWarpOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class BulkWarpOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 TEST_P(BulkWarpOnEveryInstructionSet, CarriesPointsAsWarpDoes) {
   Random random(1);
@@ -219,9 +215,7 @@ TEST(BulkWarp, RefusesTheTableOfAnotherGraph) {
   EXPECT_THROW(BulkWarp(table, Warp(SE3::Identity())), Error);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, BulkWarpOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, BulkWarpOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

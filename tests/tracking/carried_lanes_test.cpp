@@ -4,9 +4,9 @@
 #include <numeric>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/random.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
@@ -41,11 +41,7 @@ struct Scene {
   }
 };
 
-class CarriedLanesOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class CarriedLanesOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 PointLanes random_points(Random& random, double size) {
   PointLanes points{};
@@ -129,9 +125,7 @@ TEST_P(CarriedLanesOnEveryInstructionSet, PointsAreCarriedAsOneByOne) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, CarriedLanesOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, CarriedLanesOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

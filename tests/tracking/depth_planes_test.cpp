@@ -8,12 +8,12 @@
 #include <Eigen/LU>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "ingest/sensor_noise.h"
+#include "support/every_instruction_set.h"
 #include "tracking/synthetic_scene.h"
 
 namespace kinora::tracking {
@@ -156,11 +156,7 @@ PlainPlane fit_plainly(const DepthImage& depth, const Intrinsics& camera, const 
   return result;
 }
 
-class DepthPlanesOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class DepthPlanesOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 TEST_P(DepthPlanesOnEveryInstructionSet, AreThoseOfAPlainFit) {
   Random random(9);
@@ -198,9 +194,7 @@ TEST_P(DepthPlanesOnEveryInstructionSet, AreThoseOfAPlainFit) {
   EXPECT_LE(different, 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, DepthPlanesOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, DepthPlanesOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 constexpr double kSigma = 0.005;
 constexpr double kHuber = 1.5;
 
-class EdgeTermsTest : public testing::OnEveryInstructionSet {};
+class EdgeTermsTest : public OnEveryInstructionSet {};
 
 TEST_P(EdgeTermsTest, AreThoseOfAPlainLoop) {
   Random random(6);
@@ -49,7 +49,7 @@ TEST_P(EdgeTermsTest, AreThoseOfAPlainLoop) {
   EXPECT_NEAR(energy, expected, 1e-3 * expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sets, EdgeTermsTest, testing::every_instruction_set(), testing::name_of_set);
+INSTANTIATE_TEST_SUITE_P(Sets, EdgeTermsTest, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

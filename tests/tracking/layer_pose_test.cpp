@@ -4,19 +4,16 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
-
-using testing::every_instruction_set;
-using testing::name_of_set;
 
 Eigen::Vector3d random_vector(Random& random, double size) {
   return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
 }
 
-class LayerPoseTest : public testing::OnEveryInstructionSet {};
+class LayerPoseTest : public OnEveryInstructionSet {};
 
 TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
   Random random(2);

@@ -4,13 +4,10 @@
 
 #include "core/random.h"
 #include "ingest/sensor_noise.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
-
-using testing::every_instruction_set;
-using testing::name_of_set;
 
 constexpr double kGate = 0.06;
 constexpr double kShare = 0.5;
@@ -103,7 +100,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
   return result;
 }
 
-class PointAssociationTest : public testing::OnEveryInstructionSet {};
+class PointAssociationTest : public OnEveryInstructionSet {};
 
 TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
   Random random(8);

@@ -1,12 +1,12 @@
 #include "tracking/point_products.h"
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
 
-class PointProductsTest : public testing::OnEveryInstructionSet {};
+class PointProductsTest : public OnEveryInstructionSet {};
 
 TEST_P(PointProductsTest, AreThoseOfPlainLoops) {
   constexpr std::size_t kBlocks = 7;
@@ -57,7 +57,7 @@ TEST_P(PointProductsTest, AreThoseOfPlainLoops) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sets, PointProductsTest, testing::every_instruction_set(), testing::name_of_set);
+INSTANTIATE_TEST_SUITE_P(Sets, PointProductsTest, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

@@ -3,13 +3,10 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
-
-using testing::every_instruction_set;
-using testing::name_of_set;
 
 constexpr double kHuber = 1.5;
 constexpr int kNodes = 20;
@@ -106,7 +103,7 @@ Plain plain_rows(const Scene& s, std::size_t p, int level) {
   return result;
 }
 
-class PointTermsTest : public testing::OnEveryInstructionSet {};
+class PointTermsTest : public OnEveryInstructionSet {};
 
 TEST_P(PointTermsTest, AreThoseOfAPlainLoop) {
   const Scene s;

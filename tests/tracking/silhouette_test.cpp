@@ -5,9 +5,9 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "core/random.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
@@ -55,11 +55,7 @@ Image<std::int16_t> plain_sweeps(const LabelImage& allowed) {
   return offsets;
 }
 
-class SilhouetteOnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
-protected:
-  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
-  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
-};
+class SilhouetteOnEveryInstructionSet : public OnEveryInstructionSet {};
 
 LabelImage random_blots(Random& random) {
   LabelImage allowed(1 + static_cast<int>(random.below(90)), 1 + static_cast<int>(random.below(60)));
@@ -114,9 +110,7 @@ TEST(Silhouette, WithoutAnyPixelEverythingIsFar) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kernels, SilhouetteOnEveryInstructionSet,
-                         ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()),
-                         [](const auto& target) { return std::string(hwy::TargetName(target.param)); });
+INSTANTIATE_TEST_SUITE_P(Sets, SilhouetteOnEveryInstructionSet, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

@@ -1,12 +1,12 @@
 #include "tracking/body/body_match.h"
 
 #include "core/random.h"
-#include "tracking/every_instruction_set.h"
+#include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
 
-class BodyMatchTest : public testing::OnEveryInstructionSet {};
+class BodyMatchTest : public OnEveryInstructionSet {};
 
 TEST_P(BodyMatchTest, IsThatOfEachPointAlone) {
   constexpr double kNormalLength = 0.05;
@@ -66,7 +66,7 @@ TEST_P(BodyMatchTest, LeavesOutPartsThatAreNotInQuestion) {
   EXPECT_NE(matches[2].part, static_cast<int>(sample.part));
 }
 
-INSTANTIATE_TEST_SUITE_P(Sets, BodyMatchTest, testing::every_instruction_set(), testing::name_of_set);
+INSTANTIATE_TEST_SUITE_P(Sets, BodyMatchTest, every_instruction_set(), name_of_set);
 
 } // namespace
 } // namespace kinora::tracking

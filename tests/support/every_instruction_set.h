@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-namespace kinora::tracking::testing {
+namespace kinora {
 
 class OnEveryInstructionSet : public ::testing::TestWithParam<std::int64_t> {
 protected:
@@ -17,4 +18,4 @@ protected:
 inline auto every_instruction_set() { return ::testing::ValuesIn(hwy::SupportedAndGeneratedTargets()); }
 inline std::string name_of_set(const ::testing::TestParamInfo<std::int64_t>& set) { return hwy::TargetName(set.param); }
 
-} // namespace kinora::tracking::testing
+} // namespace kinora
