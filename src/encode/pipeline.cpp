@@ -17,6 +17,7 @@
 #include "fields/pixel_store.h"
 #include "fields/trainer.h"
 #include "fields/view_agreement.h"
+#include "ingest/depth_unit.h"
 #include "ingest/exposure.h"
 #include "ingest/registration_json.h"
 
@@ -47,6 +48,10 @@ void add_to_timeline(const ingest::Frame& frame, bool held_out, Clip& clip) {
   clip.held_out.push_back(held_out);
 }
 
+void warn_of_unit(const ingest::Frame& frame, Progress& progress) {
+  if (const std::string doubt = ingest::doubt_about_unit(frame.depth); !doubt.empty()) progress.warn(doubt);
+}
+
 void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pass& pass, Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
   progress.stage("reading and tracking", options.expected_frames(info.frame_count));
@@ -54,6 +59,7 @@ void pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, Pa
     progress.check();
     auto frame = pass.times.measure("read", [&] { return capture.next(); });
     if (!frame) break;
+    if (i == 0) warn_of_unit(*frame, progress);
     const bool held_out = is_held_out(i, options.holdout);
     add_to_timeline(*frame, held_out, pass.clip);
     if (i == 0 || info.has_poses) pass.clip.camera_to_world.push_back(frame->camera.camera_to_world);

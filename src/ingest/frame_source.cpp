@@ -47,6 +47,19 @@ bool has_measurement(const DepthImage& depth) {
   return std::any_of(values.begin(), values.end(), [](float z) { return z > 0; });
 }
 
+/// Of an image in which nothing counts as measured.
+std::string why_unmeasured(const KinoraImage& image) {
+  const auto depth = copy_of<std::uint16_t>(image);
+  const auto values = depth.values();
+  if (std::all_of(values.begin(), values.end(), [](std::uint16_t z) { return z == 0; })) {
+    return "the depth image holds no measurement";
+  }
+  return fmt::format(
+      "nothing is measured within {} m; if the scene is nearer, the capture states a wrong unit of depth "
+      "(depth_factor)",
+      kMaxDepth);
+}
+
 std::optional<Undistortion> undistortion_of(const KinoraCamera& camera) {
   const double* k = camera.distortion;
   const Distortion distortion{k[0], k[1], k[2], k[3], k[4]};
@@ -116,7 +129,7 @@ SourceResult FrameSource::next() {
   if (has_measurement(frame.depth))
     result.frame = std::move(frame);
   else
-    result.problem = "the depth image holds no measurement";
+    result.problem = why_unmeasured(read->frame.depth);
   return result;
 }
 

@@ -248,6 +248,14 @@ TEST_F(CaptureTest, DepthWithoutAnyMeasurementSkipsItsFrame) {
   expect_frame_2_skipped("no measurement");
 }
 
+TEST_F(CaptureTest, DepthInAWrongUnitIsSaidToBeSo) {
+  write_numbered(folder_, 5);
+  DepthImage16 depth(kSampleWidth, kSampleHeight);
+  for (std::uint16_t& z : depth.values()) z = 50'000; // 50 m
+  folder_.write("depth/000002.png", encode_png16(depth));
+  expect_frame_2_skipped("wrong unit of depth");
+}
+
 TEST_F(CaptureTest, MaskOfTheWrongSizeSkipsItsFrame) {
   write_numbered(folder_, 5);
   folder_.write("mask/000002.png", encode_png(sample_color(8, 6, 1)));
