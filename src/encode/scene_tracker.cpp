@@ -20,7 +20,8 @@ tracking::Motion with_frames_before(const tracking::Motion& motion, const std::v
     all.push_back(motion.deformations().front());
     all.back().health = pose.health;
     if (pose.health == tracking::Health::kLost) continue;
-    std::ranges::fill(all.back().node_to_world, DualQuaternion::from(pose.canonical_to_world));
+    const DualQuaternion to_frame = DualQuaternion::from(pose.canonical_to_world);
+    for (DualQuaternion& node : all.back().node_to_world) node = to_frame * node;
   }
   all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
   return tracking::Motion::deforming(motion.graph(), std::move(all));

@@ -38,6 +38,12 @@ void BodyBinding::renew(const Bones& bones, std::span<const SE3> nodes, std::spa
   }
 }
 
+void BodyBinding::turn_back(std::span<const Eigen::Quaterniond> before) {
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    nodes_[n].beside_bone.linear() = nodes_[n].beside_bone.linear() * before[n].conjugate().toRotationMatrix();
+  }
+}
+
 std::optional<Eigen::Vector3d> BodyBinding::place_of(std::size_t node, const Bones& bones) const {
   const Bound& bound = nodes_.at(node);
   if (!bound.hold) return std::nullopt;

@@ -25,6 +25,9 @@ public:
   /// nearer it comes to where `nodes` are.
   void renew(const Bones& bones, std::span<const SE3> nodes, std::span<const double> seen);
 
+  /// To be called when the nodes' canonical turns have become others: each has turned by `before`, for each node, less.
+  void turn_back(std::span<const Eigen::Quaterniond> before);
+
   /// Where the bones have the node; nothing if it is not bound.
   std::optional<Eigen::Vector3d> place_of(std::size_t node, const Bones& bones) const;
   /// The same for all nodes as pulls for the solver, in the space that `from_world` leads to; `sigma` in metres. A limb

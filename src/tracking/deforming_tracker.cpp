@@ -259,6 +259,10 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   past_->earlier_time = past_->time;
   past_->time = frame.time;
   past_->world_to_camera = world_to_camera;
+  if (const std::vector<std::size_t> parted = parted_nodes(alignment.seen); !parted.empty()) {
+    take_pose_for_canonical(parted);
+    alignment.nodes = states_in(world_to_camera, nodes);
+  }
   fuse(view, alignment.nodes);
   learn_holds(std::move(alignment.seen), objects);
   return Health::kTracked;

@@ -75,8 +75,9 @@ public:
   int label() const { return label_; }
   /// Whether the layer has been seen at all; without, there is no motion.
   bool started() const { return volume_ != nullptr; }
-  /// The motion over all frames so far. Canonical space = world at the layer's first frame; the frames before are
-  /// kLost and have that frame's deformation. Throws Error(kFailure) before the layer was seen.
+  /// The motion over all frames so far. Canonical space = world at the layer's first frame, or at a later one in which
+  /// surfaces are apart that touched before; the frames before the first are kLost and have that frame's deformation.
+  /// Throws Error(kFailure) before the layer was seen.
   Motion motion() const;
   /// Nodes that were found late have moved, before that, as their neighbours did, which nobody saw. This follows them
   /// back through what is remembered (FrameMemory), so that they are where the camera could not see them. To
@@ -118,6 +119,10 @@ private:
   void learn_holds(std::vector<double> seen, std::span<const NearbyObject> objects);
   std::vector<NewPiece> lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places);
   void adopt_pieces(const ObjectView& view, NodeStates& states, TsdfVolume::Places& places);
+  std::vector<std::size_t> parted_nodes(std::span<const double> seen) const;
+  std::vector<SE3> opened_pose() const;
+  void take_pose_for_canonical(std::span<const std::size_t> parted);
+  void carry_model(std::span<const Eigen::Vector3d> old_nodes, std::span<const SE3> pose);
   void renew_skin();
   std::vector<SurfaceSample> samples_beyond_nodes(float min_weight, std::span<const std::uint8_t> changed) const;
   void grow_graph(float min_weight, std::span<const std::uint8_t> changed);

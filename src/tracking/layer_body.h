@@ -51,6 +51,8 @@ public:
   /// Where the nodes are in the last frame, a place and a turn, and how much of each the view shows (both one for each
   /// node); nodes that were not there before are bound.
   void learn(std::span<const SE3> nodes, std::span<const double> seen);
+  /// As BodyBinding::turn_back.
+  void turn_nodes_back(std::span<const Eigen::Quaterniond> before) { binding_.turn_back(before); }
 
   BodyVerdict verdict() const;
   /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.

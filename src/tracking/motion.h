@@ -16,7 +16,8 @@ enum class Health { kTracked, kHeld, kLost };
 std::string_view name_of(MotionKind kind);
 std::string_view name_of(Health health);
 
-/// Canonical space of a layer = world space at the layer's first frame. Plain data; thread-safe to read.
+/// Canonical space of a layer = world space at the layer's first frame, or, of one that deforms, at another. Plain
+/// data; thread-safe to read.
 class Motion {
 public:
   /// One pose of a rigid layer.

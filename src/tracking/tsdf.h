@@ -76,6 +76,14 @@ public:
                                            const Intrinsics& intrinsics, const Bending& to_camera, const Places& places,
                                            std::span<const std::uint8_t> resting = {});
 
+  /// Makes the bricks that come within the truncation of a surface: space for what take() brings.
+  void make_bricks(std::span<const SurfacePoint> surface);
+  /// Where points of a brick (relative to the origin) are in another volume (relative to its origin); NaN: nowhere.
+  using Carrying = std::function<void(std::size_t brick, const PointLanes& points, PointLanes& in_other)>;
+  /// Each voxel takes what the other volume has, trilinearly, in the place it is carried to; where that is nowhere or
+  /// was never seen, it keeps what it has. `to_other` must be thread-safe. Same bits for any number of threads.
+  void take(const TsdfVolume& other, const Carrying& to_other);
+
   /// Trilinear; nothing where one of the eight voxels around was never seen.
   std::optional<double> distance(const Eigen::Vector3d& point) const;
   std::optional<double> intensity(const Eigen::Vector3d& point) const;
@@ -112,6 +120,7 @@ private:
   struct Limits;
   struct Block;
 
+  void read(const Eigen::Vector3d& place, Brick& brick, std::size_t voxel) const;
   std::int32_t find(const std::array<int, 3>& coordinate) const;
   std::int32_t find_or_insert(const std::array<int, 3>& coordinate);
   void grow_table();

@@ -116,6 +116,22 @@ std::optional<double> TsdfVolume::intensity(const Eigen::Vector3d& point) const 
                                                                                              : std::nullopt;
 }
 
+void TsdfVolume::read(const Eigen::Vector3d& place, Brick& brick, std::size_t voxel) const {
+  const Eigen::Vector3d grid = place / config_.voxel_size;
+  if (!is_addressable(grid)) return;
+  Neighbourhood around(*this, base_voxel(grid));
+  double weight = 0;
+  double distance = 0;
+  double intensity = 0;
+  if (!around.interpolate(grid, &Brick::weight, weight) || !around.interpolate(grid, &Brick::distance, distance) ||
+      !around.interpolate(grid, &Brick::intensity, intensity)) {
+    return;
+  }
+  brick.weight[voxel] = static_cast<float>(weight);
+  brick.distance[voxel] = static_cast<float>(distance);
+  brick.intensity[voxel] = static_cast<float>(intensity);
+}
+
 std::optional<TsdfSample> TsdfVolume::sample(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d grid = to_grid(point);
   if (!is_addressable(grid)) return std::nullopt;

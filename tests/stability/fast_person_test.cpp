@@ -54,11 +54,18 @@ TEST(FastPerson, AHandThatWavesAt25CentimetresAFrameIsFollowed) {
   EXPECT_LT(wave.mean_error, 0.015);
 }
 
-// At 240 lines hands are glued together: 38 mm.
+// At 240 lines the forearm that points at the camera is too flat in the view to get into the model: 38 mm.
 TEST(FastPerson, HandsThatClapPartAgain) {
   const Followed clap = follow("clap", 40, testing::person_scene("clap").fast_parts, {480, 360, 394});
   EXPECT_EQ(clap.not_tracked, 0);
   EXPECT_LT(clap.mean_error, 0.008);
+}
+
+// 8 to 11 mm if the canonical pose stays the one in which hands touch each other and arms the body.
+TEST(FastPerson, HandsThatTouchAtFirstPart) {
+  const Followed part = follow("part", 34, testing::person_scene("part").fast_parts, {480, 360, 394});
+  EXPECT_EQ(part.not_tracked, 0);
+  EXPECT_LT(part.mean_error, 0.006);
 }
 
 TEST(FastPerson, AFullTurnEndsWhereItBegan) {

@@ -57,6 +57,22 @@ TEST(BodyBinding, BindsOnlyNodesThatAreNew) {
   EXPECT_LT((*binding.place_of(3, straight.bones) - nodes[0].translation()).norm(), 1e-9);
 }
 
+TEST(BodyBinding, TurnsNodesAsBeforeWhenTheirCanonicalTurnIsAnother) {
+  const PosedBody straight = somebody(0);
+  const PosedBody bent = somebody(1);
+  BodyBinding binding;
+  binding.bind(straight, three_nodes(straight));
+  const std::vector<SE3> before = binding.placed(bent.bones);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec(1, 2, -1).normalized()));
+  const std::vector<Eigen::Quaterniond> turns(3, turn);
+  binding.turn_back(turns);
+  const std::vector<SE3> after = binding.placed(bent.bones);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_LT((after[n].translation() - before[n].translation()).norm(), 1e-12) << n;
+    EXPECT_LT((after[n].linear() * turn.toRotationMatrix() - before[n].linear()).norm(), 1e-12) << n;
+  }
+}
+
 TEST(BodyBinding, GoesByWhatIsSeenAndKeepsWhatIsNot) {
   const PosedBody body = somebody(0);
   const Vec slipped(0, 0.03, 0);

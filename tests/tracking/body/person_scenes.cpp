@@ -59,6 +59,20 @@ DressedPerson clapping(double frame) {
   return DressedPerson(state);
 }
 
+// Begins with hands that touch.
+DressedPerson parting(double frame) {
+  BodyState state = short_person();
+  const double closed = 1 - stroke(frame, 8, 8, 6) - stroke(frame, 34, 5, 4);
+  for (const Limb arm : {kLeftArm, kRightArm}) {
+    const double side = arm == kLeftArm ? 1 : -1;
+    const LimbPose open = reaching(arm, state, {0.30 * side, 0.02, 0.26});
+    const LimbPose shut = reaching(arm, state, {0.085 * side, 0.06, 0.28});
+    set_limb(arm, open, shut, closed, state);
+  }
+  turn(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
+  return DressedPerson(state);
+}
+
 DressedPerson swaying(double frame) {
   BodyState state = short_person();
   const double phase = 2 * kPi * frame / 28;
@@ -91,10 +105,11 @@ std::vector<std::size_t> lower_parts(std::initializer_list<Limb> limbs) {
 } // namespace
 
 std::span<const PersonScene> person_scenes() {
-  static const std::array<PersonScene, 5> scenes = {{
+  static const std::array<PersonScene, 6> scenes = {{
       {"turn", 62, turning, lower_parts({kLeftArm, kRightArm})},
       {"hands", 85, throwing_hands, lower_parts({kLeftArm, kRightArm})},
       {"clap", 64, clapping, lower_parts({kLeftArm, kRightArm})},
+      {"part", 52, parting, lower_parts({kLeftArm, kRightArm})},
       {"skirt", 60, swaying, {kBodyParts}, true},
       {"blur", 50, waving, lower_parts({kLeftArm}), false, 0.5},
   }};
