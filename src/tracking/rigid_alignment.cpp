@@ -54,6 +54,7 @@ struct System {
   Matrix6 depth_information = Matrix6::Zero();
   Matrix6 texture_information = Matrix6::Zero();
   Matrix6 rim_information = Matrix6::Zero();
+  Matrix6 rim_support = Matrix6::Zero(); ///< what both rims tell alike
   Twist gradient = Twist::Zero();
   double cost = 0;
   double normal_information = 0; ///< Σ of the geometric weights: information if all normals pointed one way
@@ -115,6 +116,8 @@ void add_rim(const RimPair& rim, const ObjectView& view, const SE3& pose, const 
     point.place = pose * point.place;
     if (const auto r = rim.now.residual(point, view, pivot, stage.rim_reach)) {
       system.add(*r, r->sigma, kHuber, config.rim_share, system.rim_information);
+      const Matrix6 product = r->jacobian * r->counterpart.transpose();
+      system.rim_support += 0.5 * config.rim_share * huber_weight(r->value, kHuber) * (product + product.transpose());
       const double focal = view.intrinsics.fx / point.place.z();
       system.rim_normal_information += config.rim_share * focal * focal;
       ++system.rim;
@@ -187,7 +190,7 @@ DampedStep solve(System system, const Twist& toward_prior, double damping, const
       open += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
     }
     const double resolved = std::min(config.rim_tolerance * config.rim_tolerance, 1 / pretended);
-    support += limit * resolved * system.rim_information;
+    support += limit * resolved * system.rim_support;
     system.rim_information += pretended * open;
     system.gradient -= pretended * open * toward_prior;
   }
