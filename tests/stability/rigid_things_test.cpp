@@ -41,5 +41,19 @@ TEST(RigidThings, APlainVaseWhoseHandleIsHiddenMayTurnAboutItsAxis) {
   }
 }
 
+TEST(RigidThings, WhatComesOutFromBehindAnotherIsFoundWhereItsMotionLed) {
+  const ThingScene& scene = thing_scene("swap");
+  const MovingThing& hidden = scene.things[1];
+  RigidTracker tracker(hidden.label);
+  constexpr int kFirst = 26;
+  for (int i = kFirst; i < 42; ++i) { // 21 of its pixels are seen in frame 35
+    const RigidTrackingResult result = tracker.track(see_things(scene, i));
+    if (i == 35) continue;
+    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    const SE3 found = result.pose.canonical_to_world * hidden.pose(kFirst);
+    EXPECT_LT((found.translation() - hidden.pose(i).translation()).norm(), 0.005) << "frame " << i;
+  }
+}
+
 } // namespace
 } // namespace kinora::tracking
