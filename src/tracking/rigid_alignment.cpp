@@ -15,6 +15,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kHuber = 1.5;
+constexpr double kTextureHuber = 2;   // of the texture, whose noise is that of its flat parts: its edges tell most
+constexpr double kFittingCost = 0.5;  // mean of a point that fits, at a standard deviation of 1
 constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
 constexpr std::size_t kPointsPerChunk = 640;
 constexpr double kFirstDamping = 1e-3;
@@ -88,7 +90,7 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
   const double photometric_share = config.photometric_share;
   const auto p = project(point, view, pose);
   if (!p) {
-    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * largest_cost(kHuber));
+    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * kFittingCost);
     return;
   }
   if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
@@ -102,11 +104,11 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
   if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
     const double footprint = p->point.z() / view.intrinsics.fx;
     if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
-      system.add(*r, texture.sigma, kHuber, photometric_share, system.texture_information);
+      system.add(*r, texture.sigma, kTextureHuber, photometric_share, system.texture_information);
       ++system.photometric;
     }
   } else {
-    system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
+    system.cost += config.unseen_cost * photometric_share * kFittingCost; // as a thing turns, texture comes and goes
   }
 }
 

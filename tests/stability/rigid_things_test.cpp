@@ -1,4 +1,6 @@
 // Things that people handle (tests/tracking/thing_scenes.h): what turns unseen is said, and what was hidden is found.
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "tracking/rigid_tracker.h"
@@ -53,6 +55,23 @@ TEST(RigidThings, WhatComesOutFromBehindAnotherIsFoundWhereItsMotionLed) {
     const SE3 found = result.pose.canonical_to_world * hidden.pose(kFirst);
     EXPECT_LT((found.translation() - hidden.pose(i).translation()).norm(), 0.005) << "frame " << i;
   }
+}
+
+// Half a pixel at its widest is 1.2 degrees.
+TEST(RigidThings, AGlossyPrintIsFollowedToHalfAPixelOnTheMean) {
+  const ThingScene& scene = thing_scene("vase_printed");
+  const MovingThing& vase = scene.things[0];
+  ThingCamera camera;
+  camera.seed = 2;
+  RigidTracker tracker(vase.label);
+  constexpr int kFrames = 21;
+  double sum = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    const RigidTrackingResult result = tracker.track(see_things(scene, i, camera));
+    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    sum += rotation_angle((result.pose.canonical_to_world * vase.pose(0)).inverse() * vase.pose(i));
+  }
+  EXPECT_LT(sum / kFrames * 180 / std::numbers::pi, 1.2);
 }
 
 } // namespace
