@@ -1,8 +1,9 @@
 // Follows the things of synthetic scenes (tests/tracking/thing_scenes.h) and compares them with their own truth. One
-// line of CSV for each thing: error at its middle, of its rotation and of its axis y alone (about which a vase or a
-// ball may turn unseen) while a fifth of it at least is seen; frames seen, of these not tracked; the processor's time
-// of a frame. Usage: bench_tracking_things [KNOB=VALUE,VALUE...] [FOLDER]; scene: by name; seed: of the noise; frames=1
-// also tells it frame by frame; with a folder, scenes are kept there as captures, and read if they are there already.
+// line of CSV for each thing: error at its middle, of its rotation, of its axis y alone (about which a vase or a ball
+// may turn unseen) and of the turn since the frame before (which tells where it may not) while a fifth of it at least
+// is seen; frames seen, of these not tracked; the processor's time of a frame. Usage: bench_tracking_things
+// [KNOB=VALUE,VALUE...] [FOLDER]; scene: by name; seed: of the noise; frames=1 also tells it frame by frame; with a
+// folder, scenes are kept there as captures, and read if they are there already.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -55,19 +56,24 @@ struct Followed {
     processor.push_back(watch.processor_milliseconds());
     most_pixels = std::max(most_pixels, pixels);
     const SE3 now = thing->pose(frame.index);
-    if (!first && result.pose.health == Health::kTracked) first = now;
+    if (!first && result.pose.health == Health::kTracked) first = before = before_found = now;
     if (!first) return;
     const SE3 found = result.pose.canonical_to_world * *first;
     const double distance = 1e3 * (found.translation() - now.translation()).norm();
     const double rotation = kDegrees * rotation_angle(found.inverse() * now);
     const double tilt = kDegrees * std::acos(std::clamp(found.linear().col(1).dot(now.linear().col(1)), -1.0, 1.0));
+    const double turn =
+        kDegrees * rotation_angle((before_found.inverse() * found).inverse() * (before.inverse() * now));
+    before_found = found;
+    before = now;
     if (each) {
       const PoseQuality& quality = result.quality;
-      std::printf("# frame %d label %d: %s, %.0f pixels, %.2f mm, %.2f degrees, axis %.2f; weak %d, inliers %.2f, "
-                  "correlation %.2f, explained %.2f, outside %.2f, %.1f ms\n",
-                  frame.index, thing->label, std::string(name_of(result.pose.health)).c_str(), pixels, distance,
-                  rotation, tilt, result.weak_directions, quality.inlier_share(), quality.texture_correlation,
-                  quality.explained_share, quality.outside_share(), processor.back());
+      std::printf(
+          "# frame %d label %d: %s, %.0f pixels, %.2f mm, %.2f degrees, axis %.2f, turn %.2f; weak %d, inliers %.2f, "
+          "correlation %.2f, explained %.2f, outside %.2f, %.1f ms\n",
+          frame.index, thing->label, std::string(name_of(result.pose.health)).c_str(), pixels, distance, rotation, tilt,
+          turn, result.weak_directions, quality.inlier_share(), quality.texture_correlation, quality.explained_share,
+          quality.outside_share(), processor.back());
     }
     if (pixels < 0.2 * most_pixels) return;
     ++seen;
@@ -75,12 +81,14 @@ struct Followed {
     distances.values.push_back(distance);
     rotations.values.push_back(rotation);
     tilts.values.push_back(tilt);
+    turns.values.push_back(turn);
   }
 
   const testing::MovingThing* thing;
   RigidTracker tracker;
   std::optional<SE3> first;
-  Errors distances, rotations, tilts;
+  SE3 before, before_found; ///< thing to world in the frame before: true and found
+  Errors distances, rotations, tilts, turns;
   std::vector<double> processor;
   double most_pixels = 0;
   int seen = 0;
@@ -122,9 +130,10 @@ void follow(const testing::ThingScene& scene, const bench::Setting& knobs, const
     for (Followed& one : followed) one.follow(frame, knobs.at("frames") != 0);
   }
   for (const Followed& one : followed) {
-    std::printf("%s,%d,%s,%s,%s,%d,%d,%.1f,%.1f\n", std::string(scene.name).c_str(), one.thing->label,
-                one.distances.text().c_str(), one.rotations.text().c_str(), one.tilts.text().c_str(), one.seen,
-                one.not_tracked, bench::at_fraction(one.processor, 0.5), bench::at_fraction(one.processor, 0.95));
+    std::printf("%s,%d,%s,%s,%s,%s,%d,%d,%.1f,%.1f\n", std::string(scene.name).c_str(), one.thing->label,
+                one.distances.text().c_str(), one.rotations.text().c_str(), one.tilts.text().c_str(),
+                one.turns.text().c_str(), one.seen, one.not_tracked, bench::at_fraction(one.processor, 0.5),
+                bench::at_fraction(one.processor, 0.95));
   }
   std::fflush(stdout);
 }
@@ -195,7 +204,8 @@ int main(int argc, char** argv) {
                    argv[0]);
       return 2;
     }
-    std::printf("scene,label,mean_mm,worst_mm,rotation_mean,rotation_worst,axis_mean,axis_worst,seen,not_tracked,"
+    std::printf("scene,label,mean_mm,worst_mm,rotation_mean,rotation_worst,axis_mean,axis_worst,turn_mean,turn_worst,"
+                "seen,not_tracked,"
                 "processor_ms,95_percent_ms\n");
     bench::run_all(knobs, [&](const bench::Setting& setting) {
       const testing::ThingScene& scene = testing::thing_scenes()[static_cast<std::size_t>(setting.at("scene"))];

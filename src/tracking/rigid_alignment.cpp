@@ -15,6 +15,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kHuber = 1.5;
+constexpr double kTextureHuber = 2;   // of the texture, whose noise is that of its flat parts: its edges tell most
+constexpr double kFittingCost = 0.5;  // mean of a point that fits, at a standard deviation of 1
 constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
 constexpr std::size_t kPointsPerChunk = 640;
 constexpr double kFirstDamping = 1e-3;
@@ -54,6 +56,7 @@ struct System {
   Matrix6 depth_information = Matrix6::Zero();
   Matrix6 texture_information = Matrix6::Zero();
   Matrix6 rim_information = Matrix6::Zero();
+  Matrix6 rim_support = Matrix6::Zero(); ///< what both rims tell alike
   Twist gradient = Twist::Zero();
   double cost = 0;
   double normal_information = 0; ///< Σ of the geometric weights: information if all normals pointed one way
@@ -87,7 +90,7 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
   const double photometric_share = config.photometric_share;
   const auto p = project(point, view, pose);
   if (!p) {
-    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * largest_cost(kHuber));
+    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * kFittingCost);
     return;
   }
   if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
@@ -101,11 +104,11 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
   if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
     const double footprint = p->point.z() / view.intrinsics.fx;
     if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
-      system.add(*r, texture.sigma, kHuber, photometric_share, system.texture_information);
+      system.add(*r, texture.sigma, kTextureHuber, photometric_share, system.texture_information);
       ++system.photometric;
     }
   } else {
-    system.cost += config.unseen_cost * photometric_share * largest_cost(kHuber);
+    system.cost += config.unseen_cost * photometric_share * kFittingCost; // as a thing turns, texture comes and goes
   }
 }
 
@@ -115,6 +118,8 @@ void add_rim(const RimPair& rim, const ObjectView& view, const SE3& pose, const 
     point.place = pose * point.place;
     if (const auto r = rim.now.residual(point, view, pivot, stage.rim_reach)) {
       system.add(*r, r->sigma, kHuber, config.rim_share, system.rim_information);
+      const Matrix6 product = r->jacobian * r->counterpart.transpose();
+      system.rim_support += 0.5 * config.rim_share * huber_weight(r->value, kHuber) * (product + product.transpose());
       const double focal = view.intrinsics.fx / point.place.z();
       system.rim_normal_information += config.rim_share * focal * focal;
       ++system.rim;
@@ -187,7 +192,7 @@ DampedStep solve(System system, const Twist& toward_prior, double damping, const
       open += solver.eigenvectors().col(i) * solver.eigenvectors().col(i).transpose();
     }
     const double resolved = std::min(config.rim_tolerance * config.rim_tolerance, 1 / pretended);
-    support += limit * resolved * system.rim_information;
+    support += limit * resolved * system.rim_support;
     system.rim_information += pretended * open;
     system.gradient -= pretended * open * toward_prior;
   }

@@ -17,6 +17,7 @@ constexpr int kFusedEvery = 3;               // each so many, and all in which
 constexpr double kKnownShare = 0.97;         // the model explains less than this: new surface came into view
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
+constexpr int kMostSteps = 3;                // times that motion: for longer, nothing is expected of it
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
 constexpr double kCertainCorrelation = 0.85; // they are not, however little of the label is covered
 constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
@@ -142,6 +143,7 @@ void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
   is_let_go_ = is_seen_past(frame, there);
   if (is_let_go_) return;
   model_to_world_ = there;
+  past_->earlier_model_to_world.reset(); // its motion is what holds it
   Motion::Pose& pose = poses_.back();
   pose.canonical_to_world = canonical_to_world();
   if (!is_visible_) pose.health = Health::kHeld;
@@ -166,10 +168,10 @@ void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrack
 
 // Constant velocity, of the object's centre and of its rotation about it.
 SE3 RigidTracker::predicted(double time) const {
-  if (unseen_ > 0 || !past_->earlier_model_to_world) return model_to_world_;
+  if (unseen_ >= kMostSteps || !past_->earlier_model_to_world) return model_to_world_;
   const SE3& earlier = *past_->earlier_model_to_world;
   const double before = past_->time - past_->earlier_time;
-  const double steps = before > 0 ? std::clamp((time - past_->time) / before, 0.0, 3.0) : 1.0;
+  const double steps = before > 0 ? std::clamp((time - past_->time) / before, 0.0, 1.0 * kMostSteps) : 1.0;
   const double share = kVelocityShare * steps;
   Twist rotation = Twist::Zero();
   rotation.tail<3>() = share * log_se3(model_to_world_ * earlier.inverse()).tail<3>();

@@ -88,6 +88,17 @@ template <class Each> void for_each_rim_pixel(const ObjectView& view, const Each
   }
 }
 
+// Of pixels along the normal, by a step of the place.
+Twist jacobian_along(const Eigen::Vector2d& normal, const Eigen::Vector3d& place, const ObjectView& view,
+                     const Pivot& pivot) {
+  const double fx = view.intrinsics.fx / place.z() * normal.x();
+  const double fy = view.intrinsics.fy / place.z() * normal.y();
+  const Eigen::Vector3d gradient(fx, fy, -(fx * place.x() + fy * place.y()) / place.z());
+  Twist jacobian;
+  jacobian << gradient, (place - pivot.centre).cross(gradient) / pivot.radius;
+  return jacobian;
+}
+
 } // namespace
 
 std::vector<RimPoint> rim_of(const ObjectView& view) {
@@ -100,21 +111,23 @@ std::vector<RimPoint> rim_of(const ObjectView& view) {
 
 RimMap::RimMap(const ObjectView& view) {
   LabelImage rim(view.mask.width(), view.mask.height());
-  Image<float> normals(view.mask.width(), view.mask.height(), 2);
+  Image<float> points(view.mask.width(), view.mask.height(), 3);
   bool any = false;
-  for_each_rim_pixel(view, [&](int u, int v, double, const Eigen::Vector2d& normal) {
+  for_each_rim_pixel(view, [&](int u, int v, double depth, const Eigen::Vector2d& normal) {
     any = true;
     rim.at(u, v) = 1;
-    normals.pixel(u, v)[0] = static_cast<float>(normal.x());
-    normals.pixel(u, v)[1] = static_cast<float>(normal.y());
+    float* point = points.pixel(u, v);
+    point[0] = static_cast<float>(normal.x());
+    point[1] = static_cast<float>(normal.y());
+    point[2] = static_cast<float>(depth);
   });
   if (!any) return;
   offsets_ = offsets_to_silhouette(rim);
-  normals_ = std::move(normals);
+  points_ = std::move(points);
 }
 
-std::optional<Residual> RimMap::residual(const RimPoint& moved, const ObjectView& view, const Pivot& pivot,
-                                         double reach) const {
+std::optional<RimResidual> RimMap::residual(const RimPoint& moved, const ObjectView& view, const Pivot& pivot,
+                                            double reach) const {
   const Eigen::Vector3d& p = moved.place;
   if (empty() || p.z() < 0.05) return std::nullopt;
   const Eigen::Vector2d pixel = view.intrinsics.project(p);
@@ -124,17 +137,14 @@ std::optional<Residual> RimMap::residual(const RimPoint& moved, const ObjectView
   const std::int16_t* offset = offsets_.pixel(u, v);
   if (offset[0] * offset[0] + offset[1] * offset[1] > reach * reach) return std::nullopt;
   const Eigen::Vector2d nearest(u + offset[0], v + offset[1]);
-  const float* there = normals_.pixel(u + offset[0], v + offset[1]);
+  const float* there = points_.pixel(u + offset[0], v + offset[1]);
   const Eigen::Vector2d normal(there[0], there[1]);
   if (normal.dot(moved.normal) < kDirection) return std::nullopt;
-  const double fx = view.intrinsics.fx / p.z() * normal.x();
-  const double fy = view.intrinsics.fy / p.z() * normal.y();
-  const Eigen::Vector3d gradient(fx, fy, -(fx * p.x() + fy * p.y()) / p.z());
-  Residual r;
+  RimResidual r;
   r.value = normal.dot(pixel - nearest);
   r.sigma = 1;
-  r.jacobian.head<3>() = gradient;
-  r.jacobian.tail<3>() = (p - pivot.centre).cross(gradient) / pivot.radius;
+  r.jacobian = jacobian_along(normal, p, view, pivot);
+  r.counterpart = jacobian_along(moved.normal, p * (there[2] / p.z()), view, pivot);
   return r;
 }
 

@@ -1,5 +1,8 @@
 #include "tracking/rim.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tracking/synthetic_scene.h"
@@ -86,6 +89,33 @@ TEST(RimMap, ResidualHasTheJacobianOfItsValue) {
     }
   }
   EXPECT_GT(checked, 500U);
+}
+
+// Two views of one rod: what its depth and its outline are wrong by in one has nothing to do with the other.
+TEST(RimMap, JacobianAndCounterpartHaveIndependentErrors) {
+  const auto view_of_rod = [](std::uint64_t seed) {
+    SceneOptions options;
+    options.noise = 1;
+    options.seed = seed;
+    const testing::Shape rod{testing::ShapeKind::kCylinder, {0.1, 2, 0}, false};
+    return view_object(render_frame(rod, pose_at({0, 0, 1.8}, 0, 0), SE3::Identity(), 0, options), 2);
+  };
+  constexpr int kTurn = 4; // about the rod's axis: by the depth of its limb, which is alike all along it
+  std::vector<Eigen::Vector2d> pairs;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const ObjectView after = view_of_rod(2 * seed + 1);
+    const RimMap map(after);
+    for (const RimPoint& point : rim_of(view_of_rod(2 * seed))) {
+      const auto r = map.residual(point, after, Pivot{{0, 0, 1.8}, 0.1}, 4);
+      if (r && point.normal.x() > 0.95) pairs.emplace_back(r->jacobian[kTurn], r->counterpart[kTurn]);
+    }
+  }
+  ASSERT_GT(pairs.size(), 500U);
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& pair : pairs) mean += pair / static_cast<double>(pairs.size());
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& pair : pairs) covariance += (pair - mean) * (pair - mean).transpose();
+  EXPECT_LT(std::abs(covariance(0, 1)), 0.2 * std::sqrt(covariance(0, 0) * covariance(1, 1)));
 }
 
 } // namespace
