@@ -1,0 +1,144 @@
+// How far a person, or an arm, may jump between two frames and still be found: the basin of convergence of
+// DeformingTracker, from jumps of tests/tracking/body/person_jumps.h. One line of CSV for each jump, setting and size:
+// errors in millimetres of the points that jumped, of all trials, in the first frame after the jump and in the last;
+// and the share of trials whose mean error is then below 10 mm.
+// Settings: full: as it is; plain: what Instant-NVR says of its tracker: skeleton and graph are aligned to depth alone
+// from where they are expected (no colour, no silhouette of the graph, no search); graph: the same without skeleton.
+// Usage: bench_tracking_basin [KNOB=VALUE,VALUE...]; jump, setting: by name; size: centimetres (those to 30) or
+// degrees; trials: how many; height: of the picture, pixels; each=1 also tells each trial.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "knobs.h"
+#include "track_errors.h"
+#include "tracking/body/person_jumps.h"
+#include "tracking/deforming_tracker.h"
+
+namespace {
+
+using namespace kinora;
+using namespace kinora::tracking;
+
+constexpr std::size_t kPoints = 600;
+constexpr double kConverged = 10; // millimetres, mean
+constexpr double kLargestShift = 30;
+enum Setting { kFull, kPlain, kGraph, kSettings };
+constexpr std::array<const char*, kSettings> kSettingNames = {"full", "plain", "graph"};
+
+DeformingTrackerConfig config_of(Setting setting) {
+  DeformingTrackerConfig config;
+  if (setting != kFull) {
+    config.use_searches = false;
+    config.body.tracker.use_searches = false;
+    config.alignment.silhouette_share = 0;
+  }
+  config.use_body = setting != kGraph;
+  return config;
+}
+
+/// Of all trials of one jump, setting and size.
+struct Outcome {
+  bench::Errors first, last;
+  int converged_first = 0, converged = 0, trials = 0, not_tracked = 0;
+};
+
+void add(const std::vector<double>& metres, bench::Errors& all, int& converged) {
+  bench::Errors errors;
+  for (const double error : metres) errors.values.push_back(1e3 * error);
+  if (!errors.values.empty() && errors.mean() < kConverged) ++converged;
+  all.values.insert(all.values.end(), errors.values.begin(), errors.values.end());
+}
+
+void follow(const testing::PersonScene& scene, std::vector<ingest::Frame> frames, const testing::PersonCamera& camera,
+            Setting setting, Outcome& outcome) {
+  DeformingTracker tracker(1, config_of(setting));
+  for (ingest::Frame& frame : frames) {
+    if (setting != kFull) std::ranges::fill(frame.color.values(), std::uint8_t{128});
+    if (tracker.track(frame).health != Health::kTracked) ++outcome.not_tracked;
+  }
+  const Motion motion = tracker.motion();
+  const auto errors = [&](int frame) {
+    return testing::errors_after_jump(scene, motion, frames.size(), frame, camera, kPoints);
+  };
+  add(errors(testing::kJumpFrame), outcome.first, outcome.converged_first);
+  add(errors(testing::kJumpFrames - 1), outcome.last, outcome.converged);
+  ++outcome.trials;
+}
+
+bool is_shift(testing::Jump jump) { return jump == testing::Jump::kPersonShift || jump == testing::Jump::kHandShift; }
+
+void measure(testing::Jump jump, bench::Knobs& knobs) {
+  testing::PersonCamera camera;
+  const double scale = knobs["height"].front() / camera.height;
+  camera.width = static_cast<int>(std::lround(scale * camera.width));
+  camera.height = static_cast<int>(std::lround(scale * camera.height));
+  camera.focal *= scale;
+  std::map<std::pair<double, double>, Outcome> outcomes; // by setting and size
+  for (std::uint64_t trial = 0; trial < static_cast<std::uint64_t>(knobs["trials"].front()); ++trial) {
+    camera.seed = trial;
+    std::vector<ingest::Frame> frames;
+    for (const double size : knobs["size"]) {
+      if (is_shift(jump) && size > kLargestShift) continue;
+      const testing::PersonScene scene = testing::jumping_person(jump, is_shift(jump) ? size / 100 : size, trial);
+      frames.resize(std::min<std::size_t>(frames.size(), testing::kJumpFrame)); // before it all sizes are alike
+      while (frames.size() < testing::kJumpFrames) {
+        frames.push_back(testing::see_person(scene, static_cast<int>(frames.size()), camera));
+      }
+      for (const double setting : knobs["setting"]) {
+        Outcome& outcome = outcomes[{setting, size}];
+        const std::size_t before = outcome.last.values.size();
+        follow(scene, frames, camera, static_cast<Setting>(setting), outcome);
+        if (knobs["each"].front() == 0) continue;
+        bench::Errors errors;
+        errors.values.assign(outcome.last.values.begin() + static_cast<std::ptrdiff_t>(before),
+                             outcome.last.values.end());
+        std::printf("# %s %g, trial %d, %s: %s mm\n", std::string(name_of(jump)).c_str(), size, static_cast<int>(trial),
+                    kSettingNames[static_cast<std::size_t>(setting)], errors.text().c_str());
+      }
+    }
+  }
+  for (const auto& [key, outcome] : outcomes) {
+    const double trials = outcome.trials;
+    std::printf("%s,%s,%g,%s,%.3f,%s,%.3f,%d,%d\n", std::string(name_of(jump)).c_str(),
+                kSettingNames[static_cast<std::size_t>(key.first)], key.second, outcome.first.text().c_str(),
+                outcome.converged_first / trials, outcome.last.text().c_str(), outcome.converged / trials,
+                outcome.not_tracked, outcome.trials);
+  }
+  std::fflush(stdout);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  bench::Knobs knobs{{"jump", {0, 1, 2, 3}}, {"setting", {kFull, kPlain, kGraph}},
+                     {"trials", {12}},       {"size", {5, 10, 15, 20, 25, 30, 35, 40}},
+                     {"height", {360}},      {"each", {0}}};
+  try {
+    bool usable = true;
+    std::vector<std::string> words;
+    for (const testing::Jump jump : testing::kEveryJump) words.emplace_back(name_of(jump));
+    for (int i = 1; i < argc; ++i) {
+      const bool is_setting = std::string(argv[i]).starts_with("setting=");
+      usable = usable && bench::set_knob(
+                             argv[i], knobs,
+                             is_setting ? std::vector<std::string>(kSettingNames.begin(), kSettingNames.end()) : words);
+    }
+    if (!usable) {
+      std::fprintf(stderr, "usage: %s [KNOB=VALUE,VALUE...]; the knobs stand at the top of its source\n", argv[0]);
+      return 2;
+    }
+    std::printf("jump,setting,size,first_mean_mm,first_median_mm,first_95_percent_mm,first_converged,mean_mm,median_mm,"
+                "95_percent_mm,converged,not_tracked,trials\n");
+    for (const double jump : knobs["jump"]) measure(testing::kEveryJump[static_cast<std::size_t>(jump)], knobs);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
