@@ -61,8 +61,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std:
   result.pixels = view.depth_pixels;
   if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time, objects);
   if (volume_ == nullptr) {
-    if (view.depth_pixels >= config_.first_pixels) {
-      begin(frame, view);
+    if (view.depth_pixels >= config_.first_pixels && begin(frame, view)) {
       result.health = Health::kTracked;
     } else {
       records_.emplace_back();
@@ -83,17 +82,23 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std:
   return result;
 }
 
-void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view) {
+// False if nothing of what is measured can be fused: it is nearer than any sensor measures.
+bool DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view) {
   const Eigen::Vector3d origin = frame.camera.camera_to_world * view.centroid;
   volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), origin);
   volume_->integrate(view.planes, view.texture, view.intrinsics, frame.camera.camera_to_world);
+  surface_.renew_points(*volume_, {}, 0);
+  if (surface_.points().empty()) {
+    surface_ = {};
+    volume_.reset();
+    return false;
+  }
   const double per_node = measured_area(view) / static_cast<double>(config_.first_nodes);
   spacing_ =
       config_.node_spacing > 0
           ? config_.node_spacing
           : std::clamp(std::sqrt(per_node), std::max(kMinSpacing, 3 * volume_->config().voxel_size), kMaxSpacing);
   records_.push_back({{}, Health::kTracked});
-  surface_.renew_points(*volume_, {}, 0);
   std::vector<double> weights;
   for (const SurfacePoint& point : surface_.points()) weights.push_back(point.weight);
   unit_weight_ = weights.empty() ? 0 : static_cast<float>(median(weights));
@@ -104,6 +109,7 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->time = frame.time;
   library_.add(records_.size() - 1, past_->world_to_camera, records_.back().nodes);
   learn_holds({}, {});
+  return true;
 }
 
 // To be called after the last frame's alignment; the nodes that it has brought were not `seen` in it as yet.

@@ -95,7 +95,7 @@ private:
   struct Past;
   struct Future;
 
-  void begin(const ingest::Frame& frame, const ObjectView& view);
+  bool begin(const ingest::Frame& frame, const ObjectView& view);
   Health follow(const ingest::Frame& frame, const ObjectView& view, std::span<const NearbyObject> objects,
                 DeformingTrackingResult& result);
   DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
