@@ -17,6 +17,7 @@ constexpr std::size_t kPoints = 200;
 struct Followed {
   int not_tracked = 0;
   double mean_error = 0; ///< metres, of points on `parts` while they are seen, each from where it was seen first
+  double seam = 0;       ///< metres, in the last frame, of points that are seen in it and in the first
 };
 
 Followed follow(std::string_view name, int frames, std::span<const std::size_t> parts,
@@ -30,6 +31,7 @@ Followed follow(std::string_view name, int frames, std::span<const std::size_t> 
   }
   const Motion motion = tracker.motion();
   double count = 0;
+  double at_both_ends = 0;
   for (const auto& [id, places] : testing::track_person(scene, kPoints, camera, parts)) {
     const auto first =
         std::find_if(places.begin(), places.end(), [](const auto& place) { return place.second.visible; });
@@ -38,11 +40,16 @@ Followed follow(std::string_view name, int frames, std::span<const std::size_t> 
                                    first->second.point);
     for (const auto& [frame, place] : places) {
       if (!place.visible) continue;
-      result.mean_error += (track[static_cast<std::size_t>(frame)] - place.point).norm();
+      const double error = (track[static_cast<std::size_t>(frame)] - place.point).norm();
+      result.mean_error += error;
       ++count;
+      if (first->first > 0 || frame + 1 < frames) continue;
+      result.seam += error;
+      ++at_both_ends;
     }
   }
   result.mean_error /= count;
+  result.seam /= at_both_ends;
   return result;
 }
 
@@ -65,6 +72,8 @@ TEST(FastPerson, AFullTurnEndsWhereItBegan) {
   const Followed turn = follow("turn", 62, {});
   EXPECT_EQ(turn.not_tracked, 0);
   EXPECT_LT(turn.mean_error, 0.010);
+  printf("turn %.1f seam %.1f\n", 1e3 * turn.mean_error, 1e3 * turn.seam);
+  EXPECT_LT(turn.seam, 0.020);
 }
 
 } // namespace

@@ -102,13 +102,18 @@ PersonScene jumping_person(Jump jump, double size, std::uint64_t trial) {
 
 std::vector<double> errors_after_jump(const PersonScene& scene, const Motion& motion, std::size_t frames, int frame,
                                       const PersonCamera& camera, std::size_t points) {
-  std::vector<double> errors;
+  std::vector<Eigen::Vector3d> starts, ends;
   for (const auto& [id, places] : track_person(scene, points, camera, scene.fast_parts)) {
     const ingest::TruePlace& start = places.at(kJumpFrame - 1);
     const ingest::TruePlace& end = places.at(frame);
     if (!start.visible || !end.visible) continue;
-    const auto track = track_point(motion, frames, kJumpFrame - 1, start.point);
-    errors.push_back((track[static_cast<std::size_t>(frame)] - end.point).norm());
+    starts.push_back(start.point);
+    ends.push_back(end.point);
+  }
+  const auto tracks = track_points(motion, frames, kJumpFrame - 1, starts);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    errors.push_back((tracks[i][static_cast<std::size_t>(frame)] - ends[i]).norm());
   }
   return errors;
 }
