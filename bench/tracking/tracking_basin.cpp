@@ -128,13 +128,12 @@ int main(int argc, char** argv) {
                      {"height", {360}},      {"each", {0}}};
   try {
     bool usable = true;
-    std::vector<std::string> words;
-    for (const testing::Jump jump : testing::kEveryJump) words.emplace_back(name_of(jump));
+    std::vector<std::string> jumps(testing::kEveryJump.size());
+    std::ranges::transform(testing::kEveryJump, jumps.begin(), [](testing::Jump jump) { return name_of(jump); });
+    const std::vector<std::string> settings(kSettingNames.begin(), kSettingNames.end());
     for (int i = 1; i < argc; ++i) {
       const bool is_setting = std::string(argv[i]).starts_with("setting=");
-      usable = usable && bench::set_knob(
-                             argv[i], knobs,
-                             is_setting ? std::vector<std::string>(kSettingNames.begin(), kSettingNames.end()) : words);
+      usable = usable && bench::set_knob(argv[i], knobs, is_setting ? settings : jumps);
     }
     if (!usable) {
       std::fprintf(stderr, "usage: %s [KNOB=VALUE,VALUE...]; the knobs stand at the top of its source\n", argv[0]);
