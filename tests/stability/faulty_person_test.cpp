@@ -11,7 +11,7 @@
 #include "ingest/sensor_noise.h"
 #include "tracking/body/person_camera.h"
 #include "tracking/deforming_tracker.h"
-#include "tracking/point_track.h"
+#include "tracking/seen_errors.h"
 
 namespace kinora::tracking {
 namespace {
@@ -36,9 +36,8 @@ struct Case {
 };
 
 struct Followed {
-  double mean_error = 0; ///< metres, of points while they are seen, each from where it was seen first
   int not_tracked = 0;
-  int arrived = 0;
+  double mean_error = 0; ///< metres, of points while they are seen
 };
 
 Followed follow(const Fault& fault) {
@@ -46,7 +45,7 @@ Followed follow(const Fault& fault) {
   scene.frames = kFrames;
   DeformingTracker tracker(1);
   Followed result;
-  std::vector<int> number(kFrames, -1); // of each frame that arrives
+  std::vector<int> numbers; // of the frames that arrive
   ingest::Frame shown;
   for (int i = 0; i < kFrames; ++i) {
     ingest::Frame next = testing::see_person(scene, i, kCamera);
@@ -56,33 +55,14 @@ Followed follow(const Fault& fault) {
     if (fate == Fate::kArrives) {
       shown = std::move(next);
       shown.clean_depth = ingest::clean_depth(shown.depth, shown.camera.intrinsics);
-      number[static_cast<std::size_t>(i)] = result.arrived;
     }
     shown.index = i;
     shown.time = i / testing::kSceneRate;
-    ++result.arrived;
+    numbers.push_back(fate == Fate::kArrives ? i : -1);
     if (tracker.track(shown).health != Health::kTracked) ++result.not_tracked;
   }
-  const Motion motion = tracker.motion();
-  double count = 0;
-  for (const auto& [id, places] : testing::track_person(scene, kPoints, kCamera)) {
-    const auto seen = [&](const auto& place) {
-      return place.second.visible && number[static_cast<std::size_t>(place.first)] >= 0;
-    };
-    const auto first = std::find_if(places.begin(), places.end(), seen);
-    if (first == places.end()) continue;
-    const auto at = [&](int frame) { return static_cast<std::size_t>(number[static_cast<std::size_t>(frame)]); };
-    const auto track =
-        track_point(motion, static_cast<std::size_t>(result.arrived), at(first->first), first->second.point);
-    for (const auto& place : places) {
-      if (!seen(place)) continue;
-      const double error = (track[at(place.first)] - place.second.point).norm();
-      EXPECT_TRUE(std::isfinite(error));
-      result.mean_error += error;
-      ++count;
-    }
-  }
-  result.mean_error /= count;
+  result.mean_error =
+      testing::seen_errors(testing::track_person(scene, kPoints, kCamera), tracker.motion(), numbers).mean;
   return result;
 }
 

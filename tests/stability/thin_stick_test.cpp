@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -11,8 +12,8 @@
 #include "tracking/body/limb_poses.h"
 #include "tracking/body/person_camera.h"
 #include "tracking/deforming_tracker.h"
-#include "tracking/point_track.h"
 #include "tracking/rigid_tracker.h"
+#include "tracking/seen_errors.h"
 #include "tracking/synthetic_scene.h"
 
 namespace kinora::tracking {
@@ -95,19 +96,10 @@ Followed follow_in_hand(double pixels) {
     EXPECT_EQ(tracker.track(frame).health, Health::kTracked) << i;
   }
   const Motion motion = tracker.motion();
-  Followed found{worst_mean_error(motion, poses)};
-  double count = 0;
-  for (const auto& [id, places] : testing::track_person(scene, 600, kCamera, scene.fast_parts)) {
-    if (!places.at(0).visible) continue;
-    const auto track = track_point(motion, poses.size(), 0, places.at(0).point);
-    for (const auto& [frame, place] : places) {
-      if (!place.visible) continue;
-      found.arm += (track[static_cast<std::size_t>(frame)] - place.point).norm();
-      ++count;
-    }
-  }
-  found.arm /= count;
-  return found;
+  std::vector<int> numbers(kFrames);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return {worst_mean_error(motion, poses),
+          testing::seen_errors(testing::track_person(scene, 600, kCamera, scene.fast_parts), motion, numbers).mean};
 }
 
 TEST(ThinStick, SixPixelsWideIsFollowedInAHand) {
