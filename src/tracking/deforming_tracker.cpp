@@ -21,6 +21,8 @@ namespace {
 constexpr double kMinSpacing = 0.02;
 constexpr double kMaxSpacing = 0.25;
 constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
+constexpr double kJump = 0.05;         // metres beyond what is expected: from less, alignment finds back
+constexpr double kMoreShown = 0.1;     // share of the surface that would face the camera
 constexpr int kPassesWhenFound = 3;
 constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
 constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
@@ -59,8 +61,7 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std:
   result.pixels = view.depth_pixels;
   if (config_.use_body) body_.track(view, frame.camera.camera_to_world, frame.time, objects);
   if (volume_ == nullptr) {
-    if (view.depth_pixels >= config_.first_pixels) {
-      begin(frame, view);
+    if (view.depth_pixels >= config_.first_pixels && begin(frame, view)) {
       result.health = Health::kTracked;
     } else {
       records_.emplace_back();
@@ -81,17 +82,23 @@ DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std:
   return result;
 }
 
-void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view) {
+// False if nothing of what is measured can be fused: it is nearer than any sensor measures.
+bool DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view) {
   const Eigen::Vector3d origin = frame.camera.camera_to_world * view.centroid;
   volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), origin);
   volume_->integrate(view.planes, view.texture, view.intrinsics, frame.camera.camera_to_world);
+  surface_.renew_points(*volume_, {}, 0);
+  if (surface_.points().empty()) {
+    surface_ = {};
+    volume_.reset();
+    return false;
+  }
   const double per_node = measured_area(view) / static_cast<double>(config_.first_nodes);
   spacing_ =
       config_.node_spacing > 0
           ? config_.node_spacing
           : std::clamp(std::sqrt(per_node), std::max(kMinSpacing, 3 * volume_->config().voxel_size), kMaxSpacing);
   records_.push_back({{}, Health::kTracked});
-  surface_.renew_points(*volume_, {}, 0);
   std::vector<double> weights;
   for (const SurfacePoint& point : surface_.points()) weights.push_back(point.weight);
   unit_weight_ = weights.empty() ? 0 : static_cast<float>(median(weights));
@@ -102,6 +109,7 @@ void DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& view)
   past_->time = frame.time;
   library_.add(records_.size() - 1, past_->world_to_camera, records_.back().nodes);
   learn_holds({}, {});
+  return true;
 }
 
 // To be called after the last frame's alignment; the nodes that it has brought were not `seen` in it as yet.
@@ -150,6 +158,23 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
     result.push_back(renormalized(next));
   }
   return result;
+}
+
+// Who jumps as a whole is where the middle of what is measured has gone.
+void DeformingTracker::place_layer(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const {
+  const std::vector<SE3>& last = records_[records_.size() - 2].nodes;
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  for (std::size_t n = 0; n < nodes.size(); ++n) step += nodes[n] * nodes_[n] - last[n] * nodes_[n];
+  step /= static_cast<double>(nodes.size());
+  const Eigen::Vector3d jump =
+      world_to_camera.inverse() * view.centroid - past_->world_to_camera.inverse() * past_->view.centroid - step;
+  if (jump.norm() < kJump) return;
+  std::vector<SE3> moved = nodes;
+  for (SE3& node : moved) node.translation() += jump;
+  if (shown_share(view, states_in(world_to_camera, moved)) >
+      shown_share(view, states_in(world_to_camera, nodes)) + kMoreShown) {
+    nodes = std::move(moved);
+  }
 }
 
 // Nodes whose texture is elsewhere than they are expected go there.
@@ -214,9 +239,12 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
                                 std::span<const NearbyObject> objects, DeformingTrackingResult& result) {
   std::vector<SE3> expected = predicted(frame.time);
   const SE3 world_to_camera = relative_to_origin(frame);
-  place_limbs(view, world_to_camera, expected);
   const NodeStates then = states_in(past_->world_to_camera, records_[records_.size() - 2].nodes);
-  follow_texture(view, world_to_camera, then, expected);
+  if (config_.use_searches) {
+    place_layer(view, world_to_camera, expected);
+    place_limbs(view, world_to_camera, expected);
+    follow_texture(view, world_to_camera, then, expected);
+  }
   const NodeStates prior = states_in(world_to_camera, expected);
   DeformingSelection selection = select_facing(surface_.points(), surface_.skin(), view, prior, config_.max_points);
   selection.add_last_view(past_->view, then);
@@ -228,7 +256,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const bool doubtful =
       result.quality.empty_share() > kMuchEmpty ||
       (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
-  if (unseen_ > 0 || doubtful || !is_healthy(result.quality)) {
+  if (config_.use_searches && (unseen_ > 0 || doubtful || !is_healthy(result.quality))) {
     DeformingAlignment elsewhere =
         align_from_afar(model, selection, view, search_layer(model, selection.textures, view, prior).states, binding);
     const auto cost = [&](const NodeStates& states) { return contradiction(model, selection.textures, view, states); };

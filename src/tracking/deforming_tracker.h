@@ -39,6 +39,7 @@ struct DeformingTrackerConfig {
   int fuse_interval = 4;          ///< frames from one to the next that is fused where the surface was seen often
   bool use_body = true;           ///< false: no skeleton is looked for
   bool use_objects = true;        ///< false: nothing is held
+  bool use_searches = true; ///< false: as predicted and aligned; limbs, texture and lost layers are not looked for
   DeformingAlignmentConfig alignment;
   LayerBodyConfig body;
   InteractionConfig interaction;
@@ -95,7 +96,7 @@ private:
   struct Past;
   struct Future;
 
-  void begin(const ingest::Frame& frame, const ObjectView& view);
+  bool begin(const ingest::Frame& frame, const ObjectView& view);
   Health follow(const ingest::Frame& frame, const ObjectView& view, std::span<const NearbyObject> objects,
                 DeformingTrackingResult& result);
   DeformingAlignment align_from_afar(const LayerModel& model, const DeformingSelection& selection,
@@ -109,6 +110,7 @@ private:
   std::vector<SE3> predicted(double time) const;
   void follow_texture(const ObjectView& view, const SE3& world_to_camera, const NodeStates& then,
                       std::vector<SE3>& nodes) const;
+  void place_layer(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const;
   void place_limbs(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const;
   std::vector<NodePull> pulls(const SE3& from_world, std::span<const NearbyObject> objects) const;
   std::vector<SE3> placed_by_bones() const;

@@ -1,18 +1,14 @@
 #include "tracking/blended_motion.h"
 
-#include <cmath>
-#include <numbers>
-
 #include <gtest/gtest.h>
 
-#include "core/random.h"
+#include "tracking/node_motions.h"
 
 namespace kinora::tracking {
 namespace {
 
-Eigen::Vector3d random_vector(Random& random, double size) {
-  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-}
+using testing::negated;
+using testing::random_vector;
 
 /// Four nodes that have moved far and apart, and a point between them.
 struct Scene {
@@ -73,10 +69,7 @@ TEST(BlendedMotion, DerivativesAgreeWithDifferences) {
 TEST(BlendedMotion, AQuaternionAndItsNegativeAreTheSameTransform) {
   const Scene s(3);
   NodeStates flipped = s.states;
-  for (const std::size_t i : {1U, 3U}) {
-    flipped.transforms[i].real.coeffs() *= -1;
-    flipped.transforms[i].dual.coeffs() *= -1;
-  }
+  for (const std::size_t i : {1U, 3U}) flipped.transforms[i] = negated(flipped.transforms[i]);
   const BlendedMotion a = blend_motion(s.states, s.influence);
   const BlendedMotion b = blend_motion(flipped, s.influence);
   EXPECT_LT((a.apply(s.point) - b.apply(s.point)).norm(), 1e-13);
@@ -89,22 +82,11 @@ TEST(BlendedMotion, AQuaternionAndItsNegativeAreTheSameTransform) {
 }
 
 TEST(BlendedMotion, StaysFiniteWhereRotationsCancel) {
-  // Four half turns whose sum vanishes whatever the signs: blending has no answer.
-  NodeStates states;
-  Influence influence;
-  influence.count = 4;
-  influence.weights = {0.25, 0.25, 0.25, 0.25};
-  for (int i = 0; i < 4; ++i) {
-    influence.nodes[static_cast<std::size_t>(i)] = i;
-    const double angle = 0.5 * std::numbers::pi * i;
-    states.push_back(DualQuaternion::from(SE3(
-                         Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d(std::cos(angle), std::sin(angle), 0)))),
-                     Eigen::Vector3d::Zero());
-  }
-  const BlendedMotion blended = blend_motion(states, influence);
+  const testing::CancellingTurns turns;
+  const BlendedMotion blended = blend_motion(turns.states, turns.influence);
   EXPECT_TRUE(blended.apply({1, 2, 3}).allFinite());
   for (std::size_t slot = 0; slot < 4; ++slot) {
-    EXPECT_TRUE(NodePart(states, influence, blended, slot).pulled_back({1, 0, 0}, {0, 1, 0}).allFinite());
+    EXPECT_TRUE(NodePart(turns.states, turns.influence, blended, slot).pulled_back({1, 0, 0}, {0, 1, 0}).allFinite());
   }
 }
 

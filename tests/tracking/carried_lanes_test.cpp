@@ -5,15 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "core/random.h"
 #include "support/every_instruction_set.h"
+#include "tracking/node_motions.h"
 
 namespace kinora::tracking {
 namespace {
 
-Eigen::Vector3d random_vector(Random& random, double size) {
-  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-}
+using testing::random_vector;
 
 /// Nodes about the volume's origin that have moved apart, three metres before the camera.
 struct Scene {
@@ -31,12 +29,8 @@ struct Scene {
       }
       Twist twist;
       twist << random_vector(random, 0.05) + Eigen::Vector3d(0, 0, 3), random_vector(random, 0.3);
-      DualQuaternion transform = DualQuaternion::from(exp_se3(twist));
-      if (i % 3 == 0) { // the same motion
-        transform.real.coeffs() *= -1;
-        transform.dual.coeffs() *= -1;
-      }
-      states.push_back(transform, nodes[i]);
+      const DualQuaternion transform = DualQuaternion::from(exp_se3(twist));
+      states.push_back(i % 3 == 0 ? testing::negated(transform) : transform, nodes[i]);
     }
   }
 };

@@ -3,15 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/random.h"
 #include "support/every_instruction_set.h"
+#include "tracking/node_motions.h"
 
 namespace kinora::tracking {
 namespace {
 
-Eigen::Vector3d random_vector(Random& random, double size) {
-  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-}
+using testing::random_vector;
 
 class LayerPoseTest : public OnEveryInstructionSet {};
 
@@ -21,12 +19,8 @@ TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
   for (int n = 0; n < 40; ++n) {
     Twist twist;
     twist << random_vector(random, 0.5), random_vector(random, 1);
-    DualQuaternion transform = DualQuaternion::from(exp_se3(twist));
-    if (n % 3 == 0) {
-      transform.real.coeffs() *= -1; // the same transform
-      transform.dual.coeffs() *= -1;
-    }
-    states.push_back(transform, random_vector(random, 0.3));
+    const DualQuaternion transform = DualQuaternion::from(exp_se3(twist));
+    states.push_back(n % 3 == 0 ? testing::negated(transform) : transform, random_vector(random, 0.3));
   }
   std::vector<SkinnedPoint> points;
   for (int p = 0; p < 103; ++p) {
@@ -55,19 +49,30 @@ TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
 }
 
 TEST_P(LayerPoseTest, IsFiniteWhereRotationsCancel) {
+  const testing::CancellingTurns turns;
+  const std::vector<SkinnedPoint> points(1, SkinnedPoint({1, 2, 3}, {0, 0, 1}, turns.influence));
+  EXPECT_TRUE(pose_layer(points, turns.states).points[0].place.allFinite());
+}
+
+TEST_P(LayerPoseTest, StaysAtItsDistanceWhereNeighboursTurnApartBy179Point9Degrees) {
+  Random random(3);
   NodeStates states;
-  Influence influence;
-  influence.count = 4;
-  influence.weights = {0.25, 0.25, 0.25, 0.25};
-  for (int i = 0; i < 4; ++i) {
-    influence.nodes[static_cast<std::size_t>(i)] = i;
-    const double angle = 0.5 * std::numbers::pi * i;
-    states.push_back(DualQuaternion::from(SE3(
-                         Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d(std::cos(angle), std::sin(angle), 0)))),
-                     Eigen::Vector3d::Zero());
+  const Eigen::Vector3d axis = random_vector(random, 1).normalized();
+  for (int n = 0; n < 8; ++n) {
+    const double angle = n % 2 == 0 ? 0 : 179.9 / 180 * std::numbers::pi;
+    states.push_back(DualQuaternion::from(SE3(Eigen::AngleAxisd(angle, axis))), random_vector(random, 0.3));
   }
-  const std::vector<SkinnedPoint> points(1, SkinnedPoint({1, 2, 3}, {0, 0, 1}, influence));
-  EXPECT_TRUE(pose_layer(points, states).points[0].place.allFinite());
+  for (int round = 0; round < 100; ++round) {
+    Influence influence;
+    influence.count = 4;
+    influence.weights = {0.4, 0.3, 0.2, 0.1};
+    for (int& node : influence.nodes) node = static_cast<int>(random.below(8));
+    const Eigen::Vector3d at = random_vector(random, 0.5);
+    const std::vector<SkinnedPoint> points(1, SkinnedPoint(at.cast<float>(), {0, 0, 1}, influence));
+    const Eigen::Vector3d place = pose_layer(points, states).points[0].place.cast<double>();
+    EXPECT_NEAR(place.norm(), at.norm(), 1e-5);
+    EXPECT_LT((place - blend_motion(states, influence).apply(at)).norm(), 1e-5);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, LayerPoseTest, every_instruction_set(), name_of_set);

@@ -2,18 +2,16 @@
 
 #include <cmath>
 
-#include "core/random.h"
 #include "support/every_instruction_set.h"
+#include "tracking/node_motions.h"
 
 namespace kinora::tracking {
 namespace {
 
+using testing::random_vector;
+
 constexpr double kHuber = 1.5;
 constexpr int kNodes = 20;
-
-Eigen::Vector3d random_vector(Random& random, double size) {
-  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-}
 
 /// Points about two metres away, some without terms, some beside the picture, on a smooth texture.
 struct Scene {

@@ -20,6 +20,7 @@ constexpr double kRootTurn = 0.06;  // radians
 constexpr double kTrunkTurn = 0.04;
 constexpr double kArmTurn = 0.15;
 constexpr double kLegTurn = 0.08;
+constexpr double kJump = 0.05;        // metres beyond what is expected: from less, alignment finds back
 constexpr double kVelocityKept = 0.8; // of a frame's velocity in the next
 constexpr double kMargin = 3;         // energy that another pose of a limb must save
 constexpr double kJumpCost = 20;      // and per metre that it is away
@@ -93,7 +94,8 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   const SE3 world_to_camera = camera_to_world.inverse();
   BodyPrior prior = known_;
   const bool learning = shape_frames_ < config_.shape_frames;
-  BodyState state = transformed(world_to_camera, predicted(seconds));
+  const BodyState expected = predicted(seconds);
+  BodyState state = transformed(world_to_camera, expected);
   prior.state.pose = state.pose;
   result.detected = evidence.joints.size();
   const std::vector<SightedJoint> before = std::exchange(sighted_, evidence.joints);
@@ -106,7 +108,20 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
       prior.hands.push_back({kArms[i], world_to_camera * *place});
     }
   }
-  minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
+  const double energy = minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
+  // Who jumps as a whole is where the middle of what is measured has gone.
+  const Eigen::Vector3d middle = camera_to_world * evidence.view->centroid;
+  const Eigen::Vector3d step = expected.pose.root.translation() - state_.pose.root.translation();
+  const Eigen::Vector3d jump = world_to_camera.linear() * (middle - std::exchange(middle_, middle) - step);
+  if (config_.use_searches && !fresh_ && jump.norm() > kJump) {
+    BodyPrior there = prior;
+    there.state.pose.root.translation() += jump;
+    BodyState other{there.state.pose, state_.shape};
+    if (minimise(evidence, there, config_.energy, config_.iterations, learning, other) < energy) {
+      state = other;
+      prior = there;
+    }
+  }
   search_limbs(evidence, prior, state, result);
   result.refitted = fresh_;
   parallel_for(2, 1, [&](const Chunk& which) {
@@ -185,7 +200,7 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
                           (sight.detected_elsewhere > 0 && !holds);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
-    } else if (doubtful) {
+    } else if (doubtful && config_.use_searches) {
       jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, kMargin, kJumpCost, state);
       if (jumped_[limb]) parallel_for(sights.size(), 1, look); // it may hide others, or explain what they did
       if (!jumped_[limb]) search_pause_[limb] = kPause;

@@ -20,6 +20,7 @@ struct BodyTrackerConfig {
   int iterations = 8;             ///< of each frame
   std::size_t first_pixels = 400; ///< with clean depth that the first frame must have
   std::size_t min_pixels = 60;    ///< fewer: the pose is held
+  bool use_searches = true;       ///< after the first fit; false: as predicted and aligned, no jumps are looked for
   int shape_frames = 20;          ///< that the measures are learned from
   double min_explained = 0.5;     ///< share of the measured surface that the body lies on; below, it is lost
   int lost_frames = 3;            ///< or held, in a row, after which size and pose are fitted anew
@@ -70,13 +71,14 @@ private:
   bool started_ = false;
   double time_ = 0;
   BodyState state_;
-  PoseStep velocity_ = PoseStep::Zero(); ///< per second
-  std::vector<SightedJoint> sighted_;    ///< in the last frame
-  Interaction interaction_;              ///< of both hands
-  bool fresh_ = true;                    ///< fitted anew in this frame
-  int lost_frames_ = 0;                  ///< in a row
-  EarlierPoses earlier_;                 ///< in which it was tracked
-  BodyPrior known_;                      ///< of the measures
+  PoseStep velocity_ = PoseStep::Zero();             ///< per second
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero(); ///< of what was measured in the last frame, in the world
+  std::vector<SightedJoint> sighted_;                ///< in the last frame
+  Interaction interaction_;                          ///< of both hands
+  bool fresh_ = true;                                ///< fitted anew in this frame
+  int lost_frames_ = 0;                              ///< in a row
+  EarlierPoses earlier_;                             ///< in which it was tracked
+  BodyPrior known_;                                  ///< of the measures
   int shape_frames_ = 0;
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
   std::array<int, kLimbs> search_pause_{}; ///< frames until it is worth another search

@@ -24,10 +24,15 @@ void turn(BodyState& state, double degrees) {
       Eigen::AngleAxisd(degrees * std::numbers::pi / 180, -Vec::UnitY()) * state.pose.root.linear();
 }
 
+LimbPose pose_of(Limb limb, const Angles& angles) {
+  const LimbChain& chain = chain_of(limb);
+  return {quaternion_of(angles.segment<3>(joints()[chain.ball].first_angle)),
+          angles[joints()[chain.hinge].first_angle]};
+}
+
 LimbPose reaching(Limb arm, const BodyState& state, const Vec& place) {
   constexpr int kSwivels = 36;
   const PosedBody body = pose_body(state.pose, state.shape);
-  const auto& chain = chain_of(arm);
   Angles best = state.pose.angles;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kSwivels; ++i) {
@@ -39,7 +44,7 @@ LimbPose reaching(Limb arm, const BodyState& state, const Vec& place) {
       best = tried;
     }
   }
-  return {quaternion_of(best.segment<3>(joints()[chain.ball].first_angle)), best[joints()[chain.hinge].first_angle]};
+  return pose_of(arm, best);
 }
 
 void set_limb(Limb limb, const LimbPose& from, const LimbPose& to, double share, BodyState& state) {

@@ -12,6 +12,9 @@ struct LimbPose {
   double hinge;
 };
 
+/// Of a limb as it is; `angles` as in BodyPose.
+LimbPose pose_of(Limb limb, const Angles& angles);
+
 /// Turns a person about the vertical, to his left.
 void turn(BodyState& state, double degrees);
 
