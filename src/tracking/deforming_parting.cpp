@@ -47,14 +47,17 @@ std::vector<std::array<std::size_t, 2>> parted_pairs(std::span<const Eigen::Vect
 
 } // namespace
 
-// Nodes that are near in canonical space and apart in the last frame, if its pose would be the better canonical one:
-// few that are apart so far would be near. `seen`: of each node; what is hidden proves nothing.
+// Nodes that are near in canonical space and apart in the last two frames, if its pose would be the better canonical
+// one: few that are apart so far would be near. `seen`: of each node; what is hidden proves nothing.
 std::vector<std::size_t> DeformingTracker::parted_nodes(std::span<const double> seen) const {
+  const std::vector<SE3>& before = records_[records_.size() - 2].nodes;
   std::vector<Eigen::Vector3d> now;
   for (std::size_t n = 0; n < nodes_.size(); ++n) now.push_back(records_.back().nodes[n] * nodes_[n]);
   std::vector<std::size_t> parted;
   for (const auto& [a, b] : parted_pairs(nodes_, now, spacing_)) {
-    if (seen[a] > 0 && seen[b] > 0) parted.insert(parted.end(), {a, b});
+    const double squared_before = (before[a] * nodes_[a] - before[b] * nodes_[b]).squaredNorm();
+    const bool was_apart = are_parted((nodes_[a] - nodes_[b]).norm(), squared_before, spacing_);
+    if (was_apart && seen[a] > 0 && seen[b] > 0) parted.insert(parted.end(), {a, b});
   }
   const std::size_t pairs = parted.size() / 2;
   if (pairs < kFewest || pairs < kTimes * parted_pairs(now, nodes_, spacing_).size()) return {};
