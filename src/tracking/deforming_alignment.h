@@ -72,7 +72,8 @@ DeformingQuality judge_deformation(const LayerModel& model, std::span<const Poin
                                    const ObjectView& view, const NodeStates& states);
 
 /// Finds what each point is compared with at `pose`: the plane of the pixel that it falls on, and its textures; or,
-/// where the camera sees past it, the plane through the camera and the nearest rim of the silhouette.
+/// where the camera sees past it, the plane through the camera and the nearest rim of the silhouette. What has turned
+/// away from the camera has only the latter.
 /// Exposed for tests.
 void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
                const LayerPose& pose, int level, double gate, const DeformingAlignmentConfig& config,

@@ -121,26 +121,29 @@ void DeformingTracker::carry_model(std::span<const Eigen::Vector3d> old_nodes, s
   graph_ = std::make_shared<DeformationGraph>(nodes_, old_graph->weight_radius(), old_graph->influence_radius());
   influences_ = {};
   influences_.renew(*volume_, graph_);
-  // What lay there was another piece's if its node has parted from the one that carries the place now.
-  const auto was_of_another = [&](std::int32_t carrier, const Eigen::Vector3d& place) {
-    const Influence before = old_graph->influence(place);
-    if (before.count == 0) return true;
-    const auto a = static_cast<std::size_t>(carrier);
-    const auto b = static_cast<std::size_t>(before.nodes[0]);
-    return are_parted((old_nodes[a] - old_nodes[b]).norm(), (nodes_[a] - nodes_[b]).squaredNorm(), spacing_);
-  };
+  // What lay where a place comes from was another piece's if it does not come back to it.
+  NodeStates there;
   NodeStates back;
-  for (std::size_t n = 0; n < nodes_.size(); ++n) back.push_back(SE3(pose[n].inverse()), nodes_[n]);
-  const std::vector<float> transforms = packed_transforms(back);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    there.push_back(pose[n], old_nodes[n]);
+    back.push_back(SE3(pose[n].inverse()), nodes_[n]);
+  }
+  const std::vector<float> transforms_there = packed_transforms(there);
+  const std::vector<float> transforms_back = packed_transforms(back);
+  const auto band = static_cast<float>(old_volume->config().truncation);
   volume_->take(*old_volume, [&](std::size_t brick, const PointLanes& points, PointLanes& places) {
     InfluenceLanes influences;
     influences_.weigh(brick, points, influences);
-    carry_points(transforms, influences, points, places);
+    carry_points(transforms_back, influences, points, places);
     for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
       const Eigen::Vector3f place = places.at(i);
-      if (place.allFinite() && was_of_another(influences.nodes[0][i], place.cast<double>())) {
-        places.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-      }
+      influences.set(i, place.allFinite() ? old_graph->influence(place.cast<double>()) : Influence());
+    }
+    PointLanes again{};
+    carry_points(transforms_there, influences, places, again);
+    for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
+      const bool stays = (again.at(i) - points.at(i)).norm() <= band;
+      if (!stays) places.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
     }
   });
   surface_ = {};

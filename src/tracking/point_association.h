@@ -16,9 +16,9 @@ struct AssociationGates {
 };
 
 /// Fills `terms` but for their textures, and `image` with what `level` of the view's texture shows of each point; NaN
-/// where it does not show it. A point is compared with the plane of the pixel that it falls on; or, where the camera
-/// sees past it, with the plane through the camera and the nearest rim of the silhouette. One item for each point.
-/// Serial.
+/// where it does not show it. A point that faces the camera is compared with the plane of the pixel that it falls on;
+/// any that the camera sees past, with the plane through the camera and the nearest rim of the silhouette. One item for
+/// each point. Serial.
 void associate_points(std::span<const PosedPoint> points, const ObjectView& view, int level,
                       const AssociationGates& gates, std::span<PointTerms> terms, std::span<float> image);
 

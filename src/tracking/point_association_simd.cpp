@@ -59,17 +59,18 @@ public:
     normal_ = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].normal.data(); }).v;
     const F facing = dot(normal_, place_);
     const F least = hn::Mul(constant(kFacingCosine * kFacingCosine), dot(place_, place_));
-    Mask visible = hn::And(hn::Lt(facing, zero()), hn::Ge(hn::Mul(facing, facing), least));
-    visible = hn::And(visible, hn::Gt(place_.z, constant(kNearestDepth)));
+    const Mask faces = hn::And(hn::Lt(facing, zero()), hn::Ge(hn::Mul(facing, facing), least));
+    const Mask visible = hn::Gt(place_.z, constant(kNearestDepth));
     const F inverse_depth = hn::Div(constant(1), hn::IfThenElse(visible, place_.z, constant(1)));
     const F u = hn::MulAdd(hn::Mul(constant(image.fx), place_.x), inverse_depth, constant(image.cx));
     const F v = hn::MulAdd(hn::Mul(constant(image.fy), place_.y), inverse_depth, constant(image.cy));
     const auto within = [&](F at, std::int32_t size) {
       return hn::And(hn::Gt(at, constant(-0.49F)), hn::Lt(at, constant(static_cast<float>(size) - 0.51F)));
     };
-    visible_ = hn::And(visible, hn::And(within(u, view.width), within(v, view.height)));
-    u_ = hn::IfThenElseZero(visible_, u);
-    v_ = hn::IfThenElseZero(visible_, v);
+    in_view_ = hn::And(visible, hn::And(within(u, view.width), within(v, view.height)));
+    visible_ = hn::And(in_view_, faces);
+    u_ = hn::IfThenElseZero(in_view_, u);
+    v_ = hn::IfThenElseZero(in_view_, v);
     const I column = hn::ConvertTo(di, hn::Add(u_, constant(0.5F)));
     const I row = hn::ConvertTo(di, hn::Add(v_, constant(0.5F)));
     pixel_u_ = hn::ConvertTo(df, column);
@@ -83,14 +84,14 @@ public:
 
   HWY_INLINE void compare(const FloatGates& gates) {
     const Floats df;
-    if (hn::AllFalse(df, visible_)) return;
+    if (hn::AllFalse(df, in_view_)) return;
     label_ = read([&](std::size_t pixel) { return view_.mask[pixel]; });
     const F front = hn::GatherIndex(df, view_.depth, pixel_);
     const F margin = hn::Max(constant(0.03F), hn::Mul(constant(3), depth_sigma(place_.z)));
     covered_ = hn::And(hn::Gt(front, zero()), hn::Lt(front, hn::Sub(place_.z, margin)));
     const Mask off_label = hn::Eq(label_, zero());
     find_planes(hn::AndNot(off_label, visible_), gates.plane);
-    const Mask off = hn::And(off_label, visible_);
+    const Mask off = hn::And(off_label, in_view_);
     if (view_.to_silhouette != nullptr && !hn::AllFalse(df, off)) find_rims(off, gates);
   }
 
@@ -182,9 +183,9 @@ private:
   const ViewImages& view_;
   const TextureImage& image_;
   Vec3 place_, normal_;
-  Mask visible_;
+  Mask in_view_, visible_; ///< whichever way they face; towards the camera
   F u_, v_, pixel_u_, pixel_v_;
-  I pixel_; ///< 0 where a point is not visible
+  I pixel_; ///< 0 where a point is not in view
   HWY_ALIGN std::int32_t pixels_[kLanes];
   F label_;
   Mask covered_; ///< something stands before the point

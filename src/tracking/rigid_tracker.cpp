@@ -23,6 +23,7 @@ constexpr double kCertainCorrelation = 0.85; // they are not, however little of 
 constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
 constexpr double kMostOutside = 0.3;         // of the points: they belong to something that is elsewhere
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
+constexpr double kMostlyExplained = 0.9;     // of the label, if what is carried is to have turned otherwise
 constexpr double kPrintShare = 0.25;         // of the pixels with detail: what never had as much is plain
 constexpr double kMostlyPast = 0.5;          // of the surface that faces the camera
 constexpr int kOldestRim = 10;               // frames that a rim is compared with
@@ -95,6 +96,7 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
     } else {
       result.pose.health = Health::kHeld;
     }
+    is_carried_ = false;
     if (result.pose.health == Health::kTracked) {
       unseen_ = 0;
     } else if (++unseen_ > config_.held_frames) {
@@ -144,9 +146,23 @@ void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
   if (is_let_go_) return;
   model_to_world_ = there;
   past_->earlier_model_to_world.reset(); // its motion is what holds it
+  is_carried_ = true;
   Motion::Pose& pose = poses_.back();
+  if (is_visible_) {
+    ObjectView view = view_object(frame, label_);
+    leave_out_shading(view);
+    const SE3 start = frame.camera.camera_to_world.inverse() * model_to_world_;
+    const Candidate found = attempt(view, start, start, {});
+    if (is_found_again(found.quality)) {
+      RigidTrackingResult result;
+      accept(frame, std::move(view), found, result);
+      pose.health = result.pose.health;
+      unseen_ = 0;
+    }
+  } else {
+    pose.health = Health::kHeld;
+  }
   pose.canonical_to_world = canonical_to_world();
-  if (!is_visible_) pose.health = Health::kHeld;
 }
 
 void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
@@ -297,6 +313,8 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
     for (const SE3& start : starts(view, frame.camera.camera_to_world, where)) {
       Candidate other = attempt(view, start, start, {});
       if (other.score < best.score + kClearlyBetter) continue;
+      const bool has_turned_in_hand = is_carried_ && where != Where::kNear;
+      if (has_turned_in_hand && other.quality.explained_share < kMostlyExplained) continue;
       best = std::move(other);
       elsewhere = true;
     }

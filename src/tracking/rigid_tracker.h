@@ -57,7 +57,7 @@ public:
 
   /// To be called after track() where that has not found the object: what holds it has moved like this in the world
   /// since the last frame that did. The object goes along, and is held, until the camera sees past most of where it
-  /// would be: then it was let go, and stays.
+  /// would be: then it was let go, and stays. If the view shows it there, it is tracked again.
   void carry(const ingest::Frame& frame, const SE3& motion);
 
   int label() const { return label_; }
@@ -104,9 +104,10 @@ private:
   int unseen_ = 0;
   bool is_visible_ = false;
   bool wears_print_ = false;
-  bool is_let_go_ = false; ///< by what held it, since it was found last
-  int fused_ = 0;          ///< frames
-  int unfused_ = 0;        ///< tracked frames since the last that was fused
+  bool is_let_go_ = false;  ///< by what held it, since it was found last
+  bool is_carried_ = false; ///< in the last frame, by what holds it
+  int fused_ = 0;           ///< frames
+  int unfused_ = 0;         ///< tracked frames since the last that was fused
   std::vector<Motion::Pose> poses_;
   BendingEvidence bending_;
   FrameMemory memory_;

@@ -108,8 +108,7 @@ TEST(HeldObject, GoesWithTheHandThatHoldsItWhileItIsHidden) {
       EXPECT_EQ(pose.health, Health::kTracked) << i;
     }
     // Where it was seen last it was 55 cm off in the end, and it was not found again.
-    EXPECT_LT((pose.canonical_to_world * first.translation() - truth.translation()).norm(), is_hidden ? 0.03 : 0.045)
-        << i;
+    EXPECT_LT((pose.canonical_to_world * first.translation() - truth.translation()).norm(), 0.03) << i;
   }
 }
 

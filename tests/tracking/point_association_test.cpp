@@ -54,7 +54,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
   Plain result;
   const Eigen::Vector3d place = point.place.cast<double>();
   const Eigen::Vector3d normal = point.normal.cast<double>();
-  if (!(place.z() > 0.05) || normal.dot(place) > -0.17 * place.norm()) return result;
+  if (!(place.z() > 0.05)) return result;
   const Eigen::Vector2d pixel = view.intrinsics.project(place);
   if (!(pixel.x() > -0.49 && pixel.y() > -0.49 && pixel.x() < view.intrinsics.width - 0.51 &&
         pixel.y() < view.intrinsics.height - 0.51)) {
@@ -80,6 +80,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
     result.terms.plane_scale = static_cast<float>(std::sqrt(kShare) * view.intrinsics.fx / place.z());
     return result;
   }
+  if (normal.dot(place) > -0.17 * place.norm()) return result;
   const bool measured = view.planes.weights.at(u, v) > 0;
   if (measured) {
     const Eigen::Vector3d there = view.point(u, v);
@@ -110,7 +111,7 @@ TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
     const Eigen::Vector3d place = view.intrinsics.unproject(
         80 * random.uniform_double() - 8, 60 * random.uniform_double() - 6, 2 + 0.06 * random.normal());
     point.place = place.cast<float>();
-    const Eigen::Vector3d normal(0.4 * random.normal(), 0.4 * random.normal(), random.uniform() < 0.1F ? 1 : -1);
+    const Eigen::Vector3d normal(0.4 * random.normal(), 0.4 * random.normal(), random.uniform() < 0.2F ? 1 : -1);
     point.normal = normal.normalized().cast<float>();
   }
   points[5].place.z() = -2;
