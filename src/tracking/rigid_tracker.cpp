@@ -16,6 +16,7 @@ constexpr int kFirstFused = 8;               // frames: all of them are fused, a
 constexpr int kFusedEvery = 3;               // each so many, and all in which
 constexpr double kKnownShare = 0.97;         // the model explains less than this: new surface came into view
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
+constexpr double kTurnInHand = 0.35;         // likewise: of starts beside where what holds it has it
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
 constexpr int kMostSteps = 3;                // times that motion: for longer, nothing is expected of it
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
@@ -49,6 +50,17 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   config.voxel_size = requested > 0 ? requested : std::clamp(wanted, kMinVoxel, kMaxVoxel);
   config.truncation = std::clamp(4 * sigma, 4 * config.voxel_size, 7 * config.voxel_size);
   return config;
+}
+
+// About each axis, both ways.
+std::vector<Eigen::Matrix3d> turns(double angle) {
+  std::vector<Eigen::Matrix3d> result;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double turned : {-angle, angle}) {
+      result.emplace_back(Eigen::AngleAxisd(turned, Eigen::Vector3d::Unit(axis)));
+    }
+  }
+  return result;
 }
 
 } // namespace
@@ -152,7 +164,11 @@ void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
     ObjectView view = view_object(frame, label_);
     leave_out_shading(view);
     const SE3 start = frame.camera.camera_to_world.inverse() * model_to_world_;
-    const Candidate found = attempt(view, start, start, {});
+    Candidate found = attempt(view, start, start, {});
+    for (const SE3& turned : starts(view, frame.camera.camera_to_world, Where::kInHand)) {
+      Candidate other = attempt(view, turned, turned, {});
+      if (other.score > found.score + kClearlyBetter) found = std::move(other);
+    }
     if (is_found_again(found.quality)) {
       RigidTrackingResult result;
       accept(frame, std::move(view), found, result);
@@ -263,7 +279,8 @@ bool RigidTracker::is_found_again(const PoseQuality& quality) const {
 }
 
 // Other places to look, as poses of the model in the camera: where it was last, and moved so that the visible points'
-// mean meets the measured one, turned as it was last, as each key frame saw it, or farther than a frame's motion goes.
+// mean meets the measured one, turned as it was last, as each key frame saw it, or farther than a frame's motion goes;
+// turned where it is, as what holds it may have turned it unseen.
 std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_to_world, Where where) const {
   std::vector<SE3> result;
   const SE3 last = camera_to_world.inverse() * model_to_world_;
@@ -287,10 +304,12 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
     for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
     break;
   case Where::kTurned:
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double angle : {-kTurn, kTurn}) {
-        add_centred(Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)) * last.linear());
-      }
+    for (const Eigen::Matrix3d& turn : turns(kTurn)) add_centred(turn * last.linear());
+    break;
+  case Where::kInHand:
+    for (const Eigen::Matrix3d& turn : turns(kTurnInHand)) {
+      result.push_back(last);
+      result.back().linear() = turn * last.linear();
     }
     break;
   }
