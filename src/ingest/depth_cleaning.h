@@ -15,6 +15,8 @@ struct DepthCleaning {
 };
 
 /// A copy of `depth` (metres, 0 = none) without
+///  - lone pixels, which jump to each of their four neighbours that is measured; where such a pixel (the sensor's salt)
+///    stands in a surface that goes on around it, its neighbours are kept,
 ///  - pixels at a jump to one of the four neighbours, on both sides of it (edges and flying pixels),
 ///  - surfaces seen at less than `min_incidence`,
 ///  - and, after that, one pixel along every border to something missing or dropped.

@@ -39,12 +39,23 @@ class Cleaner {
 public:
   Cleaner(const DepthImage& depth, const Intrinsics& intrinsics, const DepthCleaning& limits)
       : image_(depth), intrinsics_(intrinsics), limits_(limits), radius_(std::max(limits.slope_radius, 1)),
-        depth_(depth.width(), depth.height(), radius_, 0), steps_(depth.width(), depth.height(), radius_, 0),
-        kept_(depth.width(), depth.height(), 1, 1) {}
+        depth_(depth.width(), depth.height(), radius_, 0), sound_(depth.width(), depth.height(), 1, 0),
+        steps_(depth.width(), depth.height(), radius_, 0), kept_(depth.width(), depth.height(), 1, 1) {}
 
   DepthImage run() {
     for (int v = 0; v < image_.height(); ++v) std::copy_n(image_.pixel(0, v), image_.width(), depth_.row(v));
     for (int v = 0; v < image_.height(); ++v) for_lanes([&](int u) { mark_steps(u, v); });
+    for (int v = 0; v < image_.height(); ++v) {
+      for_lanes([&](int u) { leave_out_lone(u, v); });
+      std::fill_n(sound_.row(v) + image_.width(), kMostLanes, 0.0F);
+    }
+    bool above = false;
+    for (int v = 0; v < image_.height(); ++v) {
+      bool here = false;
+      for_lanes([&](int u) { here = bridge_lone(u, v) || here; });
+      if (here || above) for_lanes([&](int u) { mark_steps(u, v); });
+      above = here;
+    }
     for (int v = 0; v < image_.height(); ++v) {
       // What lies beyond the row is not depth; beyond the picture it does not count as missing.
       for_lanes([&](int u) { keep(u, v); });
@@ -64,6 +75,15 @@ private:
     for (int u = 0; u < image_.width(); u += static_cast<int>(hn::Lanes(Floats()))) each(u);
   }
 
+  /// The depths of two neighbours that may lie on one surface differ by no more.
+  F most_step(F a, F b) const {
+    const F z = hn::Min(a, b);
+    const F beyond = hn::Sub(z, constant(0.4F));
+    const F sigma = hn::MulAdd(hn::Mul(constant(0.0019F), beyond), beyond, constant(0.0012F)); // sensor_noise.h
+    return hn::Max(hn::Mul(constant(static_cast<float>(limits_.max_jump)), z),
+                   hn::Mul(constant(static_cast<float>(limits_.max_jump_sigmas)), sigma));
+  }
+
   void mark_steps(int u, int v) {
     const Floats d;
     const Ints di;
@@ -71,11 +91,7 @@ private:
     const F here = hn::LoadU(d, at);
     const auto step = [&](F before, std::int32_t joined, std::int32_t jump) {
       const F z = hn::Min(here, before);
-      const F beyond = hn::Sub(z, constant(0.4F));
-      const F sigma = hn::MulAdd(hn::Mul(constant(0.0019F), beyond), beyond, constant(0.0012F)); // sensor_noise.h
-      const F limit = hn::Max(hn::Mul(constant(static_cast<float>(limits_.max_jump)), z),
-                              hn::Mul(constant(static_cast<float>(limits_.max_jump_sigmas)), sigma));
-      const Mask goes_on = hn::Le(hn::Abs(hn::Sub(here, before)), limit);
+      const Mask goes_on = hn::Le(hn::Abs(hn::Sub(here, before)), most_step(here, before));
       const I marks = hn::IfThenElse(hn::RebindMask(di, goes_on), hn::Set(di, joined), hn::Set(di, jump));
       return hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(z, zero())), marks);
     };
@@ -88,6 +104,53 @@ private:
     const Ints di;
     const I marks = hn::PromoteTo(di, hn::LoadU(Bytes(), steps));
     return hn::RebindMask(Floats(), hn::Ne(hn::And(marks, hn::Set(di, mark)), hn::Zero(di)));
+  }
+
+  void leave_out_lone(int u, int v) {
+    const Floats d;
+    const Bytes bytes;
+    const std::uint8_t* steps = steps_.row(v) + u;
+    const auto after = [&](std::ptrdiff_t step, std::int32_t marks) {
+      return hn::And(hn::LoadU(bytes, steps + step), hn::Set(bytes, static_cast<std::uint8_t>(marks)));
+    };
+    const auto right = after(1, kAlong | kJumpAlong);
+    const auto below = after(steps_.stride(), kDown | kJumpDown);
+    const Ints di;
+    const I marks = hn::PromoteTo(di, hn::Or(hn::LoadU(bytes, steps), hn::Or(right, below)));
+    // It jumps somewhere, and is joined to nothing.
+    const I joined = hn::And(marks, hn::Set(di, kAlong | kDown));
+    const Mask lone = hn::RebindMask(d, hn::And(hn::Ne(marks, hn::Zero(di)), hn::Eq(joined, hn::Zero(di))));
+    hn::StoreU(hn::IfThenZeroElse(lone, hn::LoadU(d, depth_.row(v) + u)), d, sound_.row(v) + u);
+  }
+
+  /// Gives a lone pixel, for as long as others are judged, the depth of the surface that it stands in; true if any.
+  bool bridge_lone(int u, int v) {
+    const Floats d;
+    float* at = depth_.row(v) + u;
+    const float* sound = sound_.row(v) + u;
+    const F z = hn::LoadU(d, at);
+    const Mask lone = hn::And(hn::Gt(z, zero()), hn::Le(hn::LoadU(d, sound), zero()));
+    if (hn::AllFalse(d, lone)) return false;
+    F sum = zero();
+    F count = zero();
+    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, sound_.stride()}) {
+      const F before = hn::LoadU(d, sound - step);
+      const F after = hn::LoadU(d, sound + step);
+      const Mask on_both_sides = hn::Gt(hn::Min(before, after), zero());
+      sum = hn::Add(sum, hn::IfThenElseZero(on_both_sides, hn::Add(before, after)));
+      count = hn::Add(count, hn::IfThenElseZero(on_both_sides, constant(2)));
+    }
+    Mask bridged = hn::And(lone, hn::Gt(count, zero()));
+    const F mean = hn::Div(sum, hn::Max(count, constant(1)));
+    for (const int side : {-1, 1}) {
+      for (const bool down : {false, true}) {
+        const F other = hn::LoadU(d, sound + side * (down ? sound_.stride() : 1));
+        const Mask jumps = hn::Gt(hn::Abs(hn::Sub(other, mean)), most_step(other, mean));
+        bridged = hn::AndNot(hn::And(hn::Gt(other, zero()), jumps), bridged);
+      }
+    }
+    hn::StoreU(hn::IfThenElse(bridged, mean, z), d, at);
+    return !hn::AllFalse(d, bridged);
   }
 
   /// Least-squares slope of depth per pixel along a line of pixels, over the neighbours that joined steps lead to.
@@ -165,8 +228,8 @@ private:
     const Floats d;
     const float* at = kept_.row(v) + u;
     const auto is_kept = [&](std::ptrdiff_t step) { return hn::Gt(hn::LoadU(d, at + step), zero()); };
-    const Mask inside =
-        hn::And(hn::And(is_kept(-1), is_kept(1)), hn::And(is_kept(-kept_.stride()), is_kept(kept_.stride())));
+    Mask inside = hn::And(hn::And(is_kept(-1), is_kept(1)), hn::And(is_kept(-kept_.stride()), is_kept(kept_.stride())));
+    inside = hn::And(inside, hn::Gt(hn::LoadU(d, sound_.row(v) + u), zero()));
     HWY_ALIGN float eroded[kMostLanes];
     hn::Store(hn::IfThenElseZero(inside, hn::LoadU(d, at)), d, eroded);
     const auto count = std::min(hn::Lanes(d), static_cast<std::size_t>(image_.width() - u));
@@ -178,6 +241,7 @@ private:
   const DepthCleaning& limits_;
   int radius_;
   Padded<float> depth_;
+  Padded<float> sound_; ///< 0 where a pixel is lone
   Padded<std::uint8_t> steps_;
   Padded<float> kept_; ///< 0 where it is not
 };
