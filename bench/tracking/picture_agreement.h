@@ -45,11 +45,9 @@ public:
     return sum / count;
   }
 
-private:
-  static constexpr int kRadius = 7;
-  static constexpr int kStep = 4;
-
+  /// The same around one pixel; nothing if the square leaves the picture, has no texture or was not all added.
   std::optional<double> correlation(int u, int v) const {
+    if (!found_.contains(u - kRadius, v - kRadius) || !found_.contains(u + kRadius, v + kRadius)) return std::nullopt;
     double sums[5] = {};
     for (int y = v - kRadius; y <= v + kRadius; ++y) {
       for (int x = u - kRadius; x <= u + kRadius; ++x) {
@@ -67,6 +65,10 @@ private:
     if (!(spread > 0)) return std::nullopt; // no texture, or a pixel that was not added
     return (sums[4] - sums[0] * sums[1] / kPixels) / std::sqrt(spread);
   }
+
+private:
+  static constexpr int kRadius = 7;
+  static constexpr int kStep = 4;
 
   Intrinsics camera_;
   Image<float> shown_;

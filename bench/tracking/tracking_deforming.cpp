@@ -50,6 +50,8 @@ SceneFlow read_scene_flow(const std::filesystem::path& folder) {
   return flow;
 }
 
+constexpr double kTrueFlowIsCertain = 0.5; // its correlation of what the two pictures show
+
 Comparison compare_flow(const SceneFlow& flow, const std::vector<ingest::Frame>& frames,
                         const tracking::Motion& motion) {
   const ingest::Frame& first = frames.front();
@@ -81,6 +83,16 @@ Comparison compare_flow(const SceneFlow& flow, const std::vector<ingest::Frame>&
   }
   std::printf("# without motion: %s mm; picture repeated: correlation %.3f along the tracks, %.3f along the truth\n",
               still.text().c_str(), tracked.mean(), true_flow.mean());
+  Errors certain;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto agreement = true_flow.correlation(pixels[i][0], pixels[i][1]);
+    if (!agreement || *agreement < kTrueFlowIsCertain) continue;
+    certain.add(tracks[i][1], truths[i]);
+    ++count;
+  }
+  std::printf("# where the truth repeats the picture with a correlation of %.1f at least: %s mm of %zu points of %zu\n",
+              kTrueFlowIsCertain, certain.text().c_str(), count, points.size());
   return all;
 }
 

@@ -1,8 +1,10 @@
 #include "tracking/rigid_tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "ingest/sensor_noise.h"
 #include "tracking/point_selection.h"
@@ -52,13 +54,25 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   return config;
 }
 
+using Axes = std::span<const std::array<int, 3>>;
+constexpr std::array<std::array<int, 3>, 3> kAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+constexpr std::array<std::array<int, 3>, 10> kDiagonals{{{1, 1, 0},
+                                                         {1, -1, 0},
+                                                         {1, 0, 1},
+                                                         {1, 0, -1},
+                                                         {0, 1, 1},
+                                                         {0, 1, -1},
+                                                         {1, 1, 1},
+                                                         {1, 1, -1},
+                                                         {1, -1, 1},
+                                                         {-1, 1, 1}}};
+
 // About each axis, both ways.
-std::vector<Eigen::Matrix3d> turns(double angle) {
+std::vector<Eigen::Matrix3d> turns(Axes axes, double angle) {
   std::vector<Eigen::Matrix3d> result;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double turned : {-angle, angle}) {
-      result.emplace_back(Eigen::AngleAxisd(turned, Eigen::Vector3d::Unit(axis)));
-    }
+  for (const auto& [x, y, z] : axes) {
+    const Eigen::Vector3d axis = Eigen::Vector3d(x, y, z).normalized();
+    for (const double turned : {-angle, angle}) result.emplace_back(Eigen::AngleAxisd(turned, axis));
   }
   return result;
 }
@@ -304,10 +318,13 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
     for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
     break;
   case Where::kTurned:
-    for (const Eigen::Matrix3d& turn : turns(kTurn)) add_centred(turn * last.linear());
+    for (const Eigen::Matrix3d& turn : turns(kAxes, kTurn)) add_centred(turn * last.linear());
+    break;
+  case Where::kTurnedDiagonally:
+    for (const Eigen::Matrix3d& turn : turns(kDiagonals, kTurn)) add_centred(turn * last.linear());
     break;
   case Where::kInHand:
-    for (const Eigen::Matrix3d& turn : turns(kTurnInHand)) {
+    for (const Eigen::Matrix3d& turn : turns(kAxes, kTurnInHand)) {
       result.push_back(last);
       result.back().linear() = turn * last.linear();
     }
@@ -344,6 +361,7 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kNear);
   if (unseen_ > 0) try_starts(Where::kAsBefore);
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
+  if (!believed()) try_starts(Where::kTurnedDiagonally);
   result.quality = best.quality;
   const bool shows_its_texture = best.quality.has_texture() && best.quality.texture_correlation >= kDoubtfulCorrelation;
   if (believed() || shows_its_texture) {

@@ -76,7 +76,7 @@ public:
 private:
   struct Candidate;
   struct Past; ///< what is kept of the last tracked frame
-  enum class Where { kNear, kAsBefore, kTurned, kInHand };
+  enum class Where { kNear, kAsBefore, kTurned, kTurnedDiagonally, kInHand };
 
   void leave_out_shading(ObjectView& view);
   void begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);

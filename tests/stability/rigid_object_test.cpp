@@ -75,9 +75,11 @@ TEST(RigidObject, IsFollowedOverLargeJumpsByItsTexture) {
         EXPECT_EQ(outcome.found, kTrials) << metres << " m, " << degrees << " degrees, hidden for " << hidden;
       }
     }
-    const Outcome far = follow({}, {0.2, 60, hidden});
-    EXPECT_GE(far.found, kTrials - 2);
-    EXPECT_EQ(far.wrong, 0);
+    for (const Jump far : {Jump{0.2, 60, hidden}, Jump{0.4, 30, hidden}, Jump{0.4, 60, hidden}}) {
+      const Outcome outcome = follow({}, far); // some show more new sides than known ones
+      EXPECT_GE(outcome.found, kTrials - 2) << far.metres << " m, " << far.degrees << " degrees, hidden for " << hidden;
+      EXPECT_EQ(outcome.wrong, 0);
+    }
   }
 }
 
@@ -87,7 +89,9 @@ TEST(RigidObject, IsFollowedOverLargeJumpsByItsSilhouette) {
     const Outcome outcome = follow(plain, {metres, 5, 0});
     EXPECT_EQ(outcome.found, kTrials) << metres << " m";
   }
-  EXPECT_GE(follow(plain, {0.1, 30, 0}).found, kTrials - 2); // of its sides, some look alike
+  for (const Jump far : {Jump{0.1, 30, 0}, Jump{0.4, 5, 0}}) {
+    EXPECT_GE(follow(plain, far).found, kTrials - 2) << far.metres << " m"; // of its sides, some look alike
+  }
 }
 
 } // namespace
