@@ -19,7 +19,9 @@ class BodyBinding {
 public:
   /// Binds the nodes that are not yet known (`nodes` has all, known or not) to the bones of the body's surface that is
   /// nearest to them. A node too far from the body is bound to nothing, and goes with the pelvis where it must go.
-  void bind(const PosedBody& body, std::span<const SE3> nodes);
+  /// So are known ones bound anew that the view shows (`seen`, for each known node, in [0, 1]) clearly nearer to other
+  /// bones: the body was wrong when they were bound.
+  void bind(const PosedBody& body, std::span<const SE3> nodes, std::span<const double> seen);
 
   /// Where a node lies beside its bones, anew: the more of it the view shows (`seen`, for each node, in [0, 1]), the
   /// nearer it comes to where `nodes` are.
@@ -35,6 +37,12 @@ public:
   std::vector<NodePull> pulls(const Bones& bones, const std::array<LimbHealth, kLimbs>& limbs, const SE3& from_world,
                               double sigma) const;
 
+  /// Whether two nodes do not hold each other however near they are: one is of an arm, the other of anything else, but
+  /// for upper arms and the trunk. (Legs may be in one skirt.)
+  bool are_apart(std::size_t a, std::size_t b) const;
+
+  /// The bone that carries the node; nothing if it is not bound.
+  std::optional<Joint> bone_of(std::size_t node) const;
   /// The limb that carries the node; nothing for trunk and head, or if it is not bound.
   std::optional<Limb> limb_of(std::size_t node) const;
 
@@ -47,7 +55,8 @@ private:
     SE3 beside_bone;               ///< in the space of the bone (or of the pelvis)
     Eigen::Vector3d beside_second; ///< its place in the space of the second bone
   };
-  static Joint bone_of(const Bound& bound);
+  static Joint holder_of(const Bound& bound);
+  static Bound bound_to(const PosedBody& body, const std::optional<BoneHold>& hold, const SE3& node);
 
   std::vector<Bound> nodes_;
 };

@@ -1,6 +1,7 @@
 // Where limbs are when a frame comes in: a hand that hits out, or stops, is not where its own velocity leads to. Bones,
 // which are searched for limbs (limb_search.h), say where else to begin, and the view decides.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +11,8 @@ namespace kinora::tracking {
 namespace {
 
 constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
-constexpr double kClearlyBetter = 0.1; // of the limb's surface that would face the camera
-constexpr double kMostly = 0.5;        // share of a point's weights on the limb
+constexpr double kClearlyBetter = 0.1; // of the bones' surface that would face the camera
+constexpr double kMostly = 0.5;        // share of a point's weights on the bones
 
 } // namespace
 
@@ -19,27 +20,38 @@ void DeformingTracker::place_limbs(const ObjectView& view, const SE3& world_to_c
   const std::vector<SE3> placed = placed_by_bones();
   if (placed.empty()) return;
   for (const Limb limb : kEveryLimb) {
-    std::vector<SE3> moved = nodes;
-    std::vector<std::uint8_t> of_limb(nodes.size(), 0);
-    double apart = 0;
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      if (body_.limb_of(n) != limb) continue;
-      of_limb[n] = 1;
-      moved[n] = placed[n];
-      apart = std::max(apart, (placed[n] * nodes_[n] - nodes[n] * nodes_[n]).norm());
+    const LimbChain& chain = chain_of(limb);
+    const std::array bones = {chain.ball, chain.hinge, chain.end};
+    for (std::size_t first = 0; first < bones.size(); ++first) {
+      place_bones(std::span(bones).subspan(first), placed, view, world_to_camera, nodes);
     }
-    if (apart < kApart) continue;
-    const auto is_of_limb = [&](const Influence& influence) {
-      double weight = 0;
-      for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-        if (of_limb[static_cast<std::size_t>(influence.nodes[k])] != 0) weight += influence.weights[k];
-      }
-      return weight > kMostly;
-    };
-    const double before = shown_share(view, states_in(world_to_camera, nodes), is_of_limb);
-    if (shown_share(view, states_in(world_to_camera, moved), is_of_limb) > before + kClearlyBetter) {
-      nodes = std::move(moved);
+  }
+}
+
+// `placed`: where the bones have all nodes.
+void DeformingTracker::place_bones(std::span<const Joint> bones, std::span<const SE3> placed, const ObjectView& view,
+                                   const SE3& world_to_camera, std::vector<SE3>& nodes) const {
+  std::vector<SE3> moved = nodes;
+  std::vector<std::uint8_t> is_moved(nodes.size(), 0);
+  double apart = 0;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const std::optional<Joint> bone = body_.bone_of(n);
+    if (!bone || std::find(bones.begin(), bones.end(), *bone) == bones.end()) continue;
+    is_moved[n] = 1;
+    moved[n] = placed[n];
+    apart = std::max(apart, (placed[n] * nodes_[n] - nodes[n] * nodes_[n]).norm());
+  }
+  if (apart < kApart) return;
+  const auto goes_along = [&](const Influence& influence) {
+    double weight = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
+      if (is_moved[static_cast<std::size_t>(influence.nodes[k])] != 0) weight += influence.weights[k];
     }
+    return weight > kMostly;
+  };
+  const double before = shown_share(view, states_in(world_to_camera, nodes), goes_along);
+  if (shown_share(view, states_in(world_to_camera, moved), goes_along) > before + kClearlyBetter) {
+    nodes = std::move(moved);
   }
 }
 

@@ -59,7 +59,8 @@ void DeformingTracker::follow_back(std::size_t number, const ingest::Frame& fram
   config.plane_gate = kPlaneGate;
   config.prior_sigma = kPriorSigma;
   const std::vector<NodePull> binding = body_.pulls(number, frame.camera.camera_to_world.inverse());
-  const DeformingAlignment alignment = align_deforming({nodes_, edges(), selection.points}, selection.textures, view,
+  const std::vector<GraphEdge> holding = holding_edges(binding);
+  const DeformingAlignment alignment = align_deforming({nodes_, holding, selection.points}, selection.textures, view,
                                                        start, guessed, spacing_, config, binding);
   const SE3 camera_to_world = world_to_camera.inverse();
   for (std::size_t n = 0; n < nodes.size(); ++n) {

@@ -72,10 +72,11 @@ std::vector<NodeStates> DeformingTracker::recalled(const ObjectView& view) const
 
 DeformingAlignment DeformingTracker::align_recalled(const ObjectView& view, std::span<const NodePull> binding,
                                                     DeformingAlignment best) const {
+  const std::vector<GraphEdge> holding = holding_edges(binding);
   double most = shown_share(view, best.nodes);
   for (const NodeStates& pose : recalled(view)) {
     const DeformingSelection facing = select_facing(surface_.points(), surface_.skin(), view, pose, config_.max_points);
-    const LayerModel model{nodes_, edges(), facing.points};
+    const LayerModel model{nodes_, holding, facing.points};
     DeformingAlignment aligned =
         align_from_afar(model, facing, view, search_layer(model, facing.textures, view, pose).states, binding);
     const double shown = shown_share(view, aligned.nodes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -207,6 +208,18 @@ std::vector<SE3> DeformingTracker::placed_by_bones() const {
   return nodes;
 }
 
+// Edges but those between surfaces that only happen to be side by side, by what the bones tell where they have a say.
+std::vector<GraphEdge> DeformingTracker::holding_edges(std::span<const NodePull> binding) const {
+  const auto is_pulled = [&](std::size_t node) { return node < binding.size() && binding[node].scale > 0; };
+  std::vector<GraphEdge> holding;
+  std::copy_if(edges().begin(), edges().end(), std::back_inserter(holding), [&](const GraphEdge& edge) {
+    const auto a = static_cast<std::size_t>(edge.a);
+    const auto b = static_cast<std::size_t>(edge.b);
+    return !(is_pulled(a) && is_pulled(b) && body_.are_apart(a, b));
+  });
+  return holding;
+}
+
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
          quality.empty_share() <= config_.max_empty_share;
@@ -248,8 +261,9 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const NodeStates prior = states_in(world_to_camera, expected);
   DeformingSelection selection = select_facing(surface_.points(), surface_.skin(), view, prior, config_.max_points);
   selection.add_last_view(past_->view, then);
-  const LayerModel model{nodes_, edges(), selection.points};
   const std::vector<NodePull> binding = pulls(frame.camera.camera_to_world.inverse(), objects);
+  const std::vector<GraphEdge> holding = holding_edges(binding);
+  const LayerModel model{nodes_, holding, selection.points};
   DeformingAlignment alignment =
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
@@ -265,7 +279,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       const NodeStates start = states_in(world_to_camera, placed);
       const DeformingSelection facing =
           select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points);
-      elsewhere = align_from_afar({nodes_, edges(), facing.points}, facing, view, start, binding);
+      elsewhere = align_from_afar({nodes_, holding, facing.points}, facing, view, start, binding);
       if (shown_share(view, elsewhere.nodes) > shown_share(view, alignment.nodes)) alignment = std::move(elsewhere);
     }
     result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);

@@ -112,8 +112,11 @@ private:
                       std::vector<SE3>& nodes) const;
   void place_layer(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const;
   void place_limbs(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const;
+  void place_bones(std::span<const Joint> bones, std::span<const SE3> placed, const ObjectView& view,
+                   const SE3& world_to_camera, std::vector<SE3>& nodes) const;
   std::vector<NodePull> pulls(const SE3& from_world, std::span<const NearbyObject> objects) const;
   std::vector<SE3> placed_by_bones() const;
+  std::vector<GraphEdge> holding_edges(std::span<const NodePull> binding) const;
   SE3 relative_to_origin(const ingest::Frame& frame) const;
   NodeStates states_in(const SE3& world_to_camera, const std::vector<SE3>& nodes) const;
   void follow_back(std::size_t number, const ingest::Frame& frame, Future& future);

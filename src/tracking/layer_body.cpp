@@ -73,7 +73,7 @@ void LayerBody::learn(std::span<const SE3> nodes, std::span<const double> seen) 
   const PosedBody body = pose_body(tracker_.state().pose, tracker_.state().shape);
   if (last_.refitted) binding_ = {};
   binding_.renew(body.bones, nodes, seen);
-  binding_.bind(body, nodes);
+  binding_.bind(body, nodes, seen);
 }
 
 } // namespace kinora::tracking

@@ -44,8 +44,12 @@ public:
   std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
   /// Where the bones would have each node in a frame, as a place and a turn; none if there is no person in it.
   std::vector<SE3> placed(std::size_t frame) const;
+  /// The bone that carries a node; nothing if none does.
+  std::optional<Joint> bone_of(std::size_t node) const { return binding_.bone_of(node); }
   /// The limb that carries a node; nothing for trunk and head.
   std::optional<Limb> limb_of(std::size_t node) const { return binding_.limb_of(node); }
+  /// As BodyBinding::are_apart.
+  bool are_apart(std::size_t a, std::size_t b) const { return binding_.are_apart(a, b); }
   /// Whether the last frame shows the lower bones of a limb, and the body can be trusted.
   bool shows(Limb limb) const;
   /// Where the nodes are in the last frame, a place and a turn, and how much of each the view shows (both one for each

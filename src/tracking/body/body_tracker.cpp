@@ -24,6 +24,7 @@ constexpr double kJump = 0.05;        // metres beyond what is expected: from le
 constexpr double kVelocityKept = 0.8; // of a frame's velocity in the next
 constexpr double kMargin = 3;         // energy that another pose of a limb must save
 constexpr double kJumpCost = 20;      // and per metre that it is away
+constexpr double kGuessJumpCost = 5;  // from where nothing has shown it
 constexpr std::array<Limb, 2> kArms = {kLeftArm, kRightArm};
 
 bool is_below(int joint, Joint ancestor) {
@@ -182,9 +183,10 @@ void BodyTracker::learn_shape(const BodyEvidence& evidence, const BodyState& in_
 
 void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state,
                                BodyTrackingResult& result) {
-  constexpr double kUnexplained = 3; // patches
-  constexpr double kEmpty = 0.25;    // of the rest
-  constexpr int kPause = 3;          // frames after a search in vain
+  constexpr double kUnexplained = 3;            // patches
+  constexpr double kUnexplainedBesideGuess = 1; // likewise
+  constexpr double kEmpty = 0.25;               // of the rest
+  constexpr int kPause = 3;                     // frames after a search in vain
   jumped_.fill(false);
   std::array<LimbSight, kLimbs> sights;
   const auto look = [&](const Chunk& limbs) {
@@ -196,17 +198,22 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
     const LimbSight& sight = sights[limb];
     const bool holds =
         std::any_of(prior.hands.begin(), prior.hands.end(), [&](const HeldHand& held) { return held.arm == limb; });
-    const bool doubtful = sight.unexplained > kUnexplained || sight.empty > kEmpty * (sight.seen + sight.hidden) ||
+    // Where a limb was not seen, it is only guessed to be.
+    const bool guessed = limbs_[limb] != LimbHealth::kSeen && health_of(sight) != LimbHealth::kSeen;
+    const bool doubtful = sight.unexplained > (guessed ? kUnexplainedBesideGuess : kUnexplained) ||
+                          sight.empty > kEmpty * (sight.seen + sight.hidden) ||
                           (sight.detected_elsewhere > 0 && !holds);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
     } else if (doubtful && config_.use_searches) {
-      jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, kMargin, kJumpCost, state);
+      jumped_[limb] =
+          search_limb(limb, evidence, prior, config_.energy, kMargin, guessed ? kGuessJumpCost : kJumpCost, state);
       if (jumped_[limb]) parallel_for(sights.size(), 1, look); // it may hide others, or explain what they did
       if (!jumped_[limb]) search_pause_[limb] = kPause;
     }
     result.limbs[limb] = health_of(sight);
   }
+  limbs_ = result.limbs;
 }
 
 double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const {

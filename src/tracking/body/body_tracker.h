@@ -80,6 +80,7 @@ private:
   EarlierPoses earlier_;                             ///< in which it was tracked
   BodyPrior known_;                                  ///< of the measures
   int shape_frames_ = 0;
+  std::array<LimbHealth, kLimbs> limbs_{}; ///< in the last frame
   std::array<bool, kLimbs> jumped_{};      ///< found by a search in this frame
   std::array<int, kLimbs> search_pause_{}; ///< frames until it is worth another search
 };

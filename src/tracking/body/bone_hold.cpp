@@ -5,18 +5,26 @@
 namespace kinora::tracking {
 namespace {
 
+constexpr double kFarAway = 1e9; // metres
+
 bool are_neighbours(Joint a, Joint b) { return joints()[a].parent == b || joints()[b].parent == a; }
 
 } // namespace
 
+double distance_to_bone(const PosedBody& body, Joint bone, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d local = body.bones[bone].inverse() * point;
+  double nearest = kFarAway;
+  for (std::size_t i = 0; i < kBodyParts; ++i) {
+    if (body_parts()[i].bone == bone) nearest = std::min(nearest, closest_surface(body.parts[i], local).distance);
+  }
+  return nearest;
+}
+
 std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach) {
   constexpr double kBlend = 0.05; // metres that one bone is nearer than the other where it begins to hold alone
   std::array<double, kJoints> distances;
-  distances.fill(1e9);
-  for (std::size_t i = 0; i < kBodyParts; ++i) {
-    const Joint bone = body_parts()[i].bone;
-    const Eigen::Vector3d local = body.bones[bone].inverse() * point;
-    distances[bone] = std::min(distances[bone], closest_surface(body.parts[i], local).distance);
+  for (int j = 0; j < kJoints; ++j) {
+    distances[static_cast<std::size_t>(j)] = distance_to_bone(body, static_cast<Joint>(j), point);
   }
   const auto nearest = std::min_element(distances.begin(), distances.end());
   if (*nearest > reach) return std::nullopt;

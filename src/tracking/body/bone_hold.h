@@ -13,6 +13,9 @@ struct BoneHold {
   double weight; ///< in [0.5, 1]
 };
 
+/// Metres from a point to the surface about a bone, negative within it; a large number if no surface is about it.
+double distance_to_bone(const PosedBody& body, Joint bone, const Eigen::Vector3d& point);
+
 /// The bones of a point beside the body; nothing if it is farther than `reach` metres from the body's surface.
 std::optional<BoneHold> hold_of(const PosedBody& body, const Eigen::Vector3d& point, double reach = 0.08);
 

@@ -25,6 +25,15 @@ TEST(BoneHold, GivesAPointToTheBoneThatItLiesOn) {
   EXPECT_LT(joint->weight, 0.8);
 }
 
+TEST(BoneHold, KnowsHowFarABonesSurfaceIs) {
+  const PosedBody body = somebody();
+  const Eigen::Vector3d inside = body.bones[kLeftElbow] * Eigen::Vector3d(0.13, 0, 0);
+  const Eigen::Vector3d beside = body.bones[kLeftElbow] * Eigen::Vector3d(0.13, 0, 0.14);
+  EXPECT_LT(distance_to_bone(body, kLeftElbow, inside), -0.02);
+  EXPECT_NEAR(distance_to_bone(body, kLeftElbow, beside), 0.1, 0.03);
+  EXPECT_GT(distance_to_bone(body, kRightElbow, beside), 0.3);
+}
+
 TEST(BoneHold, GivesWhatIsFarFromTheBodyToNoBone) {
   const PosedBody body = somebody();
   EXPECT_FALSE(hold_of(body, body.bones[kHead] * Eigen::Vector3d(0, 0.5, 0)));
