@@ -10,9 +10,12 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
-constexpr double kClearlyBetter = 0.1; // of the bones' surface that would face the camera
-constexpr double kMostly = 0.5;        // share of a point's weights on the bones
+constexpr double kApart = 0.03; // metres between both places: nearer, either leads to the other
+// How much more of the bones' surface that would face the camera the view must show at the other place: as much as that
+// is away in metres, or else legs take a skirt along.
+constexpr double kClearlyBetter = 0.1;
+constexpr double kSurelyBetter = 0.3;
+constexpr double kMostly = 0.5; // share of a point's weights on the bones
 
 } // namespace
 
@@ -50,7 +53,8 @@ void DeformingTracker::place_bones(std::span<const Joint> bones, std::span<const
     return weight > kMostly;
   };
   const double before = shown_share(view, states_in(world_to_camera, nodes), goes_along);
-  if (shown_share(view, states_in(world_to_camera, moved), goes_along) > before + kClearlyBetter) {
+  const double after = shown_share(view, states_in(world_to_camera, moved), goes_along);
+  if (after > before + std::clamp(apart, kClearlyBetter, kSurelyBetter)) {
     nodes = std::move(moved);
   }
 }
