@@ -10,11 +10,9 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr double kApart = 0.03; // metres between both places: nearer, either leads to the other
-// How much more of the bones' surface that would face the camera the view must show at the other place: as much as that
-// is away in metres, or else legs take a skirt along.
-constexpr double kClearlyBetter = 0.1;
-constexpr double kSurelyBetter = 0.3;
+constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
+constexpr double kClearlyBetter = 0.1; // of the bones' surface that would face the camera
+constexpr double kFar = 1.5;    // likewise, for each metre between both places, times what is seen where it is expected
 constexpr double kMostly = 0.5; // share of a point's weights on the bones
 
 } // namespace
@@ -54,7 +52,8 @@ void DeformingTracker::place_bones(std::span<const Joint> bones, std::span<const
   };
   const double before = shown_share(view, states_in(world_to_camera, nodes), goes_along);
   const double after = shown_share(view, states_in(world_to_camera, moved), goes_along);
-  if (after > before + std::clamp(apart, kClearlyBetter, kSurelyBetter)) {
+  // What is mostly seen where it is expected is not far from there: a skirt, when bones lead to a leg under it.
+  if (after > before + kClearlyBetter + kFar * before * apart) {
     nodes = std::move(moved);
   }
 }
