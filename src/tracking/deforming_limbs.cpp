@@ -12,8 +12,7 @@ namespace {
 
 constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
 constexpr double kClearlyBetter = 0.1; // of the bones' surface that would face the camera
-constexpr double kFar = 1.5;    // likewise, for each metre between both places, times what is seen where it is expected
-constexpr double kMostly = 0.5; // share of a point's weights on the bones
+constexpr double kMostly = 0.5;        // share of a point's weights on the bones
 
 } // namespace
 
@@ -52,10 +51,8 @@ void DeformingTracker::place_bones(std::span<const Joint> bones, std::span<const
   };
   const double before = shown_share(view, states_in(world_to_camera, nodes), goes_along);
   const double after = shown_share(view, states_in(world_to_camera, moved), goes_along);
-  // What is mostly seen where it is expected is not far from there: a skirt, when bones lead to a leg under it.
-  if (after > before + kClearlyBetter + kFar * before * apart) {
-    nodes = std::move(moved);
-  }
+  // What is mostly seen where it is expected is not far from there, in metres: a skirt, when legs move under it.
+  if (after > before + kClearlyBetter + before * apart) nodes = std::move(moved);
 }
 
 } // namespace kinora::tracking
