@@ -39,7 +39,7 @@ Json config_json(const fields::TrainerConfig& config) {
             {"empty_rays", config.loss.empty_rays},
             {"depth_clamp", config.loss.depth_clamp},
             {"distance", config.loss.distance}}},
-          {"noise", round4(config.loss.noise)},
+          {"noise", round4(config.loss.noise.scale)},
           {"sampling",
            {{"surface_samples", config.sampling.surface_samples},
             {"free_samples", config.sampling.free_samples},

@@ -105,7 +105,7 @@ public:
     if (value == RayResponse::kDepth) return pixel.depth > 0 ? std::optional(response.value[value]) : std::nullopt;
     return response.value[value] - pixel.color[value] / 255.0;
   }
-  double depth_sigma(std::size_t i) const { return ingest::depth_sigma(probes_[i].depth); }
+  double depth_sigma(std::size_t i) const { return kSensorNoise.sigma(probes_[i].depth); }
 
   /// Typical difference of colour away from the rim, robustly; nothing with too few pixels.
   std::optional<double> color_sigma() const {

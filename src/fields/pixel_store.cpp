@@ -68,7 +68,7 @@ float guessed_depth(const ingest::Frame& frame, int u, int v) {
       }
     }
   }
-  return measured > 0 && least <= three_sigma(best) ? measured : best;
+  return measured > 0 && least <= kSensorNoise.three_sigma(best) ? measured : best;
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/sensor_noise.h"
 #include "fields/turn.h"
 
 namespace kinora::fields {
@@ -56,7 +57,7 @@ struct LossWeights {
   float empty_rays = 0.25F; ///< that are not the layer's own, where there are any
   float depth_clamp = 4.0F;
   float distance = 0.1F;
-  float noise = 1; ///< standard deviation of the layer's measured depths in those of the sensor; bands widen with it
+  SensorNoise noise; ///< of the layer's measured depths; bands widen with it
 };
 
 /// Largest raw density before the exponential: e¹¹ per unit of length is opaque to any sample.

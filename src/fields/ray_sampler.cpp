@@ -38,7 +38,7 @@ template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
 } // namespace
 
 RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                       const SamplingConfig& sampling, float noise)
+                       const SamplingConfig& sampling, SensorNoise noise)
     : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling), noise_(noise),
       per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
       occupancy_(config.occupancy_resolution) {

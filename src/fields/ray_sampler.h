@@ -37,7 +37,7 @@ public:
   /// `pixels` and `motion` must outlive the sampler. `noise`: LossWeights::noise. Throws Error(kUsage) for too many
   /// samples.
   RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-             const SamplingConfig& sampling, float noise = 1);
+             const SamplingConfig& sampling, SensorNoise noise = {});
 
   /// Space around the measured surface of the layer: what a field starts from, and where samples lie.
   const Occupancy& occupancy() const { return occupancy_; }
@@ -95,14 +95,14 @@ private:
   void append_band(const WarpedPixel& chosen, float depth, bool closely, Random& random, RayTarget& target,
                    RayBatch& batch) const;
   RaySample sample_at(const FieldRay& ray, float depth, float depth_step) const;
-  float band_at(float depth) const { return std::max(three_sigma(depth, noise_), least_band_); } // surface_band()
+  float band_at(float depth) const { return std::max(noise_.three_sigma(depth), least_band_); } // surface_band()
 
   const PixelStore& pixels_;
   int label_;
   const tracking::Motion& motion_;
   FieldConfig config_;
   SamplingConfig sampling_;
-  float noise_;
+  SensorNoise noise_;
   float per_density_length_; // 1 / metres
   float least_band_;
   // Own pixels with depth, in the order of the places that they show. Of a layer that is still or rigid, rays are made

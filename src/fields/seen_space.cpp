@@ -189,7 +189,7 @@ struct FrameLooks {
   bool any_empty = false;
 
   void gather(const PixelStore& pixels, const StoredFrame& frame, int label, bool deforms, const FieldConfig& config,
-              float noise) {
+              SensorNoise noise) {
     const auto width = static_cast<std::size_t>(frame.camera.intrinsics.width);
     at.assign(width * static_cast<std::size_t>(frame.camera.intrinsics.height), {});
     without_depth.clear();
@@ -214,7 +214,8 @@ struct FrameLooks {
 } // namespace
 
 SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth, float noise) {
+                             const FieldConfig& config, const Occupancy& occupancy, float near_depth,
+                             SensorNoise noise) {
   constexpr float kPieceCells = 2; // so far a ray is taken as straight
   const bool deforms = motion.kind() == tracking::MotionKind::kDeforming;
   Parts<UnmeasuredPiece> unmeasured;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/large_buffer.h"
+#include "core/sensor_noise.h"
 #include "fields/field.h"
 #include "fields/occupancy.h"
 #include "fields/pixel_store.h"
@@ -34,6 +35,7 @@ struct SeenSpace {
 /// (empty_until), those of a layer that deforms up to the band about it: own rays of others have free samples. Not
 /// every cell is carried into every frame where that would be more than some millions. `noise`: LossWeights::noise.
 SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth, float noise = 1);
+                             const FieldConfig& config, const Occupancy& occupancy, float near_depth,
+                             SensorNoise noise = {});
 
 } // namespace kinora::fields

@@ -68,7 +68,7 @@ struct Votes {
 
 /// What one pixel tells of a cell at a depth.
 Votes look_at(const StoredPixel& pixel, int label, float depth, float thickness) {
-  const float tolerance = three_sigma(depth) + thickness;
+  const float tolerance = kSensorNoise.three_sigma(depth) + thickness;
   if (pixel.label != label) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
   if (pixel.depth == 0) return {};
   const float beyond = std::abs(pixel.depth) - depth;

@@ -3,20 +3,14 @@
 
 #include <algorithm>
 
+#include "core/sensor_noise.h"
 #include "fields/field.h"
 #include "fields/pixel_store.h"
-#include "ingest/sensor_noise.h"
 
 namespace kinora::fields {
 
 /// Metres: beyond all that is modelled.
 inline constexpr float kFarthest = 1e6F;
-
-/// Metres: three standard deviations of a measurement at a depth, where a layer's are `noise` times those of the
-/// sensor (LossWeights::noise).
-inline float three_sigma(float depth, float noise = 1) {
-  return noise * static_cast<float>(3.0 * ingest::depth_sigma(depth));
-}
 
 /// Metres: the least half width of the band around a measured depth: four cells of the finest level, and room for a few
 /// centimetres of pose error where the layer is large.
@@ -25,16 +19,16 @@ inline float least_band(const FieldConfig& config) {
 }
 
 /// Metres: half width of the band around a measured depth, three standard deviations or the least.
-inline float surface_band(const FieldConfig& config, float depth, float noise = 1) {
-  return std::max(three_sigma(depth, noise), least_band(config));
+inline float surface_band(const FieldConfig& config, float depth, SensorNoise noise = {}) {
+  return std::max(noise.three_sigma(depth), least_band(config));
 }
 
 /// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
 /// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
-inline float empty_until(const StoredPixel& pixel, float noise = 1) {
-  if (pixel.depth > 0) return pixel.depth - three_sigma(pixel.depth, noise);
-  if (pixel.depth < 0) return -pixel.depth - 2 * three_sigma(-pixel.depth, noise);
+inline float empty_until(const StoredPixel& pixel, SensorNoise noise = {}) {
+  if (pixel.depth > 0) return pixel.depth - noise.three_sigma(pixel.depth);
+  if (pixel.depth < 0) return -pixel.depth - 2 * noise.three_sigma(-pixel.depth);
   return pixel.label == 0 ? kFarthest : 0;
 }
 

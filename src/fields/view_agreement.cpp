@@ -35,17 +35,18 @@ public:
     const double v = k.fy * p.y() / p.z() + k.cy + 0.5;
     const auto depth = static_cast<float>(p.z());
     // The point itself may be off by the sensor's noise, which this camera may see from the side.
-    const int reach = 1 + static_cast<int>(std::ceil(ingest::depth_sigma(p.z()) * k.fx / p.z()));
+    const int reach = 1 + static_cast<int>(std::ceil(kSensorNoise.sigma(p.z()) * k.fx / p.z()));
     if (!(u >= reach && v >= reach && u < k.width - reach && v < k.height - reach)) return std::nullopt;
     if (map_.at(static_cast<int>(u), static_cast<int>(v)) == nullptr) return std::nullopt;
     Look look{true, 0};
     if (const float seen = depth_between(u - 0.5, v - 0.5, label); seen > depth) {
-      look.before = 3 * (seen - depth) / three_sigma(depth);
+      look.before = 3 * (seen - depth) / kSensorNoise.three_sigma(depth);
     }
     for (int y = static_cast<int>(v) - reach; y <= static_cast<int>(v) + reach; ++y) {
       for (int x = static_cast<int>(u) - reach; x <= static_cast<int>(u) + reach; ++x) {
         const StoredPixel* pixel = map_.at(x, y);
-        look.through = look.through && (pixel == nullptr || depth + three_sigma(depth) < empty_before(*pixel, label));
+        look.through =
+            look.through && (pixel == nullptr || depth + kSensorNoise.three_sigma(depth) < empty_before(*pixel, label));
       }
     }
     return look;
@@ -69,7 +70,7 @@ private:
 
   static float empty_before(const StoredPixel& pixel, int label) {
     if (pixel.label != label) return empty_until(pixel);
-    return pixel.depth > 0 ? pixel.depth - three_sigma(pixel.depth) : 0;
+    return pixel.depth > 0 ? pixel.depth - kSensorNoise.three_sigma(pixel.depth) : 0;
   }
 
   const StoredFrame& frame_;
@@ -125,7 +126,7 @@ LossWeights weights_for(const ViewAgreement& agreement) {
   weights.opacity *= 1 + trust(kRough);
   weights.depth *= 1 + trust(kRough);
   weights.empty_rays /= 1 + trust(kDoubt);
-  weights.noise = static_cast<float>(std::clamp(agreement.noise, 1.0, kMostNoise));
+  weights.noise.scale = static_cast<float>(std::clamp(agreement.noise, 1.0, kMostNoise));
   return weights;
 }
 

@@ -35,7 +35,7 @@ bool is_lost(const tracking::Motion& motion, const StoredFrame& frame) {
 } // namespace
 
 LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config, float noise) {
+                                              const FieldConfig& config, SensorNoise noise) {
   Parts<WarpedPixel> own;
   const auto table = std::make_shared<const tracking::InfluenceTable>(motion.graph());
   for (const StoredFrame& frame : pixels.frames()) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/sensor_noise.h"
 #include "fields/field.h"
 #include "fields/occupancy.h"
 #include "fields/pixel_store.h"
@@ -24,6 +25,6 @@ struct WarpedPixel {
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost
 /// frames and those that no node carries are left out. `noise`: LossWeights::noise.
 LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config, float noise = 1);
+                                              const FieldConfig& config, SensorNoise noise = {});
 
 } // namespace kinora::fields

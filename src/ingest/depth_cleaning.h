@@ -3,13 +3,14 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::ingest {
 
 /// Limits in terms of the sensor's noise (sensor_noise.h) and of the viewing geometry.
 struct DepthCleaning {
-  double max_jump = 0.03;        ///< of depth: a larger step to a neighbour is an edge …
-  double max_jump_sigmas = 4.25; ///< … but never less than this many standard deviations (3·√2: of a difference)
+  double max_jump = 0.03;                           ///< of depth: a larger step to a neighbour is an edge …
+  double max_jump_sigmas = kThreeSigmaOfDifference; ///< … but never less than this many standard deviations
   double min_incidence = 0.1745; ///< radians between ray and surface: below, the surface is seen too flat
   int slope_radius = 4;          ///< pixels to either side from which a surface's slope is estimated
 };

@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 // after highway.h
+#include "core/sensor_noise_simd.h"
 #include "core/vectors_simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -78,10 +79,8 @@ private:
   /// The depths of two neighbours that may lie on one surface differ by no more.
   F most_step(F a, F b) const {
     const F z = hn::Min(a, b);
-    const F beyond = hn::Sub(z, constant(0.4F));
-    const F sigma = hn::MulAdd(hn::Mul(constant(0.0019F), beyond), beyond, constant(0.0012F)); // sensor_noise.h
     return hn::Max(hn::Mul(constant(static_cast<float>(limits_.max_jump)), z),
-                   hn::Mul(constant(static_cast<float>(limits_.max_jump_sigmas)), sigma));
+                   hn::Mul(constant(static_cast<float>(limits_.max_jump_sigmas)), depth_sigma(z)));
   }
 
   void mark_steps(int u, int v) {

@@ -86,7 +86,7 @@ private:
     constexpr int kSide = 2 * kSeedRadius + 1;
     if (moments.count() < 0.8 * kSide * kSide) return std::nullopt;
     const PlaneFit fit = moments.fit();
-    if (fit.residual > kSeedFlatness * depth_sigma(z)) return std::nullopt;
+    if (fit.residual > kSeedFlatness * kSensorNoise.sigma(z)) return std::nullopt;
     return fit.plane;
   }
 
@@ -106,7 +106,7 @@ private:
           const Eigen::Vector3d at = point(q.u, q.v);
           // The noise lies along the ray.
           const double along = plane.distance(at) / std::max(0.2, std::abs(plane.normal.dot(at.normalized())));
-          if (std::abs(along) > kReach * depth_sigma(at.z())) continue;
+          if (std::abs(along) > kReach * kSensorNoise.sigma(at.z())) continue;
           seen.at(q.u, q.v) = 1;
           face.push_back(q);
         }

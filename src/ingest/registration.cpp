@@ -5,16 +5,15 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "ingest/sensor_noise.h"
+#include "ingest/depth_cleaning.h"
 
 namespace kinora::ingest {
 namespace {
 
 constexpr std::size_t kRowsPerChunk = 16;
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-/// A step of depth larger than this part of it, or this many standard deviations, is an edge (as in depth_cleaning.h).
-constexpr float kMaxJump = 0.03F;
-constexpr double kMaxJumpSigmas = 4.25;
+/// What is an edge is one here as well.
+constexpr DepthCleaning kEdges;
 /// A triangle of neighbours is never larger than this in colour pixels, unless the cameras do not match.
 constexpr float kMaxTriangle = 64;
 
@@ -111,7 +110,8 @@ bool joined(const Vertex& a, const Vertex& b) {
   const float z = std::min(a.source, b.source);
   if (!(z > 0)) return false;
   const float step = std::abs(a.source - b.source);
-  return step <= kMaxJump * z || step <= static_cast<float>(kMaxJumpSigmas * depth_sigma(z));
+  return step <= static_cast<float>(kEdges.max_jump) * z ||
+         step <= static_cast<float>(kEdges.max_jump_sigmas * kSensorNoise.sigma(z));
 }
 
 bool joined(const Vertex& a, const Vertex& b, const Vertex& c) { return joined(a, b) && joined(b, c) && joined(a, c); }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/sensor_noise.h"
 #include "ingest/frame.h"
-#include "ingest/sensor_noise.h"
 
 namespace kinora::ingest {
 
@@ -45,6 +45,6 @@ struct SeenPoint {
 std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point);
 
 /// Two measurements of one surface, at different times or in neighbouring pixels, differ by less (metres).
-constexpr double same_surface_tolerance(double z) { return std::max(0.012, 3 * depth_sigma(z)); }
+constexpr double same_surface_tolerance(double z) { return std::max(0.012, 3 * kSensorNoise.sigma(z)); }
 
 } // namespace kinora::ingest

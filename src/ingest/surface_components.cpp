@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::ingest {
 namespace {
@@ -31,7 +31,7 @@ private:
 
 bool hang_together(float a, float b, int distance) {
   const double z = std::min(a, b);
-  const double limit = std::max({0.025, 0.02 * z, 4.25 * depth_sigma(z)});
+  const double limit = std::max({0.025, 0.02 * z, kThreeSigmaOfDifference * kSensorNoise.sigma(z)});
   return std::abs(a - b) <= limit * (1 + 0.25 * (distance - 1));
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking {
 namespace {
@@ -140,7 +140,7 @@ std::vector<Pair> like_pairs(const SurfaceFeatures& a, const SurfaceFeatures& b)
     const Eigen::Vector3d p = a.positions.col(i).cast<double>();
     const Eigen::Vector3d q = b.positions.col(j).cast<double>();
     const double farther = std::max(p.z(), q.z());
-    pairs.push_back({p, q, kTolerance * farther + 3 * ingest::depth_sigma(farther)});
+    pairs.push_back({p, q, kTolerance * farther + 3 * kSensorNoise.sigma(farther)});
   }
   return pairs;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/point_selection.h"
 #include "tracking/statistics.h"
 
@@ -140,7 +140,7 @@ double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intri
     const Eigen::Vector3d before = point.position.cast<double>();
     const Eigen::Vector3d after = motion * before;
     if (before.z() < 0.05 || after.z() < 0.05) continue;
-    const double noise = (after.z() - before.z()) / ingest::depth_sigma(before.z());
+    const double noise = (after.z() - before.z()) / kSensorNoise.sigma(before.z());
     squares += (intrinsics.project(after) - intrinsics.project(before)).squaredNorm() + noise * noise;
     count += 1;
   }

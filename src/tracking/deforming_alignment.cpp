@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/parallel.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/point_association.h"
 #include "tracking/residuals.h"
 #include "tracking/statistics.h"
@@ -230,13 +230,13 @@ struct Judgement {
 
 void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
   if (seen.pixel_u < 0) return;
-  const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
+  const double behind = seen.place.z() + std::max(0.05, 4 * kSensorNoise.sigma(seen.place.z()));
   if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
     ++sum.counts.in_empty;
   }
   if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
   const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
-  const double tolerance = 0.005 + 3 * ingest::depth_sigma(measured.z());
+  const double tolerance = 0.005 + 3 * kSensorNoise.sigma(measured.z());
   const double distance = seen.normal.dot(seen.place - measured);
   // Behind what is measured it may be hidden by another part of the layer.
   if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) return;

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/deforming_selection.h"
 #include "tracking/layer_search.h"
 #include "tracking/layer_view.h"
@@ -30,7 +30,7 @@ constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
   const double footprint = view.centroid.z() / view.intrinsics.fx;
-  const double sigma = ingest::depth_sigma(view.centroid.z());
+  const double sigma = kSensorNoise.sigma(view.centroid.z());
   TsdfConfig config;
   config.voxel_size = requested > 0 ? requested : std::clamp(std::max(1.2 * footprint, sigma), 0.002, 0.04);
   config.truncation = std::clamp(4 * sigma, 4 * config.voxel_size, 7 * config.voxel_size);

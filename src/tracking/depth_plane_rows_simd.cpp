@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 // after highway.h
+#include "core/sensor_noise_simd.h"
 #include "core/vectors_simd.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,12 +20,6 @@ using namespace vectors::HWY_NAMESPACE;
 constexpr int kRadius = static_cast<int>(PlaneRows::kRadius);
 constexpr float kMinNeighbours = 6;
 constexpr float kLeastAcross = 0.05F; // of the spread of pixels: less is a line, which leaves the slope across it open
-
-// sigma(z) as in ingest/sensor_noise.h
-HWY_INLINE F depth_sigma(F z) {
-  const F beyond = hn::Sub(z, constant(0.4F));
-  return hn::MulAdd(hn::Mul(constant(0.0019F), beyond), beyond, constant(0.0012F));
-}
 
 /// Over the neighbours that lie within the gate, du and dv from the pixel, and inverse depth w.
 struct Sums {

@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include "core/sensor_noise_simd.h"
 #include "tracking/point_blend_simd.h"
 #include "tracking/texture_simd.h"
 
@@ -37,15 +38,8 @@ namespace kinora::tracking::HWY_NAMESPACE {
 
 constexpr float kFacingCosine = 0.17F; // 80°
 constexpr float kNormalCosine = 0.7F;  // 45°
-constexpr float kMinIncidence = 0.3F;
 constexpr float kNearestDepth = 0.05F; // metres
 constexpr float kRim = 1;              // pixels that a silhouette may be wrong by
-
-/// As ingest::depth_sigma().
-HWY_INLINE F depth_sigma(F z) {
-  const F beyond = hn::Sub(z, constant(0.4F));
-  return hn::MulAdd(hn::Mul(constant(0.0019F), beyond), beyond, constant(0.0012F));
-}
 
 /// Some points side by side, and what is compared with them.
 class AssociationLanes {
@@ -144,7 +138,7 @@ private:
     const F through = dot(plane.v, point);
     const F squared = hn::IfThenElse(measured, dot(point, point), one);
     const F incidence = hn::Div(hn::Abs(through), hn::Sqrt(squared));
-    const F deviation = hn::Mul(depth_sigma(point.z), hn::Max(constant(kMinIncidence), incidence));
+    const F deviation = depth_sigma_across(point.z, incidence);
     plane_.v = choose(matches, plane.v, plane_.v);
     plane_.w = hn::IfThenElse(matches, hn::Neg(through), plane_.w);
     plane_scale_ = hn::IfThenElseZero(matches, hn::Div(one, hn::IfThenElse(matches, deviation, one)));

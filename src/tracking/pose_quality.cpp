@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/statistics.h"
 
 namespace kinora::tracking {
@@ -21,7 +21,7 @@ bool is_outside(const ProjectedPoint& p, const ObjectView& view) {
   if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
   const double z = p.point.z();
   const double measured = view.depth.at(p.pixel_u, p.pixel_v);
-  return !(measured > 0) || measured > z + std::max(0.03, 3 * ingest::depth_sigma(z));
+  return !(measured > 0) || measured > z + std::max(0.03, 3 * kSensorNoise.sigma(z));
 }
 
 /// Pearson's correlation, from sums.
@@ -61,7 +61,7 @@ public:
   void add(const ProjectedPoint& p) {
     const double z = p.point.z();
     const double measured = view_.point(p.pixel_u, p.pixel_v).z();
-    if (std::abs(measured - z) < std::max(0.03, 3 * ingest::depth_sigma(z))) {
+    if (std::abs(measured - z) < std::max(0.03, 3 * kSensorNoise.sigma(z))) {
       covered_.at(p.pixel_u / cell_, p.pixel_v / cell_) = 1;
     }
   }

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "core/se3.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/object_view.h"
 
 namespace kinora::tracking {
@@ -120,7 +120,7 @@ inline std::optional<Residual> geometric_residual(const ProjectedPoint& p, const
   if (cosine < gates.normal_cosine) return std::nullopt;
   Residual r;
   r.value = p.normal.dot(p.point - measured);
-  r.sigma = ingest::depth_sigma(measured.z()) * std::max(0.3, std::abs(p.normal.dot(measured)) / measured.norm());
+  r.sigma = kSensorNoise.sigma_across(measured.z(), std::abs(p.normal.dot(measured)) / measured.norm());
   r.jacobian.head<3>() = p.normal;
   // The normal turns with the model: d(n·(x − q)) = n·δ + (ω×n)·(x − q) + n·(ω×(x − c)) = n·δ + ω·((q − c)×n).
   r.jacobian.tail<3>() = (measured - pivot.centre).cross(p.normal) / pivot.radius;
@@ -135,7 +135,7 @@ inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, con
   if (!view.detail.empty() && view.detail.at(p.pixel_u, p.pixel_v) == 0) return std::nullopt;
   const double z = p.point.z();
   const float front = view.depth.at(p.pixel_u, p.pixel_v);
-  if (front > 0 && front < z - std::max(0.03, 3 * ingest::depth_sigma(z))) return std::nullopt;
+  if (front > 0 && front < z - std::max(0.03, 3 * kSensorNoise.sigma(z))) return std::nullopt;
   const TextureSample image = view.sample_texture(level, p.u, p.v);
   const double fx = view.intrinsics.fx / z;
   const double fy = view.intrinsics.fy / z;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <span>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/point_selection.h"
 
 namespace kinora::tracking {
@@ -46,7 +46,7 @@ TsdfConfig choose_volume(const ObjectView& view, double requested) {
   }
   const double size = 3.0 * std::sqrt(squared / static_cast<double>(view.depth_pixels));
   const double footprint = view.centroid.z() / view.intrinsics.fx;
-  const double sigma = ingest::depth_sigma(view.centroid.z());
+  const double sigma = kSensorNoise.sigma(view.centroid.z());
   const double wanted = std::max({1.1 * footprint, 1.1 * sigma, size / 100});
   TsdfConfig config;
   config.voxel_size = requested > 0 ? requested : std::clamp(wanted, kMinVoxel, kMaxVoxel);
@@ -160,7 +160,7 @@ bool RigidTracker::is_seen_past(const ingest::Frame& frame, const SE3& model_to_
     const auto v = static_cast<int>(std::floor(pixel.y() + 0.5));
     if (!frame.depth.contains(u, v)) continue;
     ++facing;
-    past += frame.depth.at(u, v) > place.z() + std::max(0.03, 3 * ingest::depth_sigma(place.z())) ? 1 : 0;
+    past += frame.depth.at(u, v) > place.z() + std::max(0.03, 3 * kSensorNoise.sigma(place.z())) ? 1 : 0;
   }
   return static_cast<double>(past) > kMostlyPast * static_cast<double>(facing);
 }

@@ -79,7 +79,7 @@ template <class Each> void for_each_rim_pixel(const ObjectView& view, const Each
       if (!is_border(view.mask, u, v)) continue;
       const Around around = look_around(view, u, v);
       const double length = around.outward.norm();
-      const double nearer = std::max(kNearer, 2 * ingest::depth_sigma(around.depth));
+      const double nearer = std::max(kNearer, 2 * kSensorNoise.sigma(around.depth));
       const bool is_hidden = around.nearest > 0 && around.nearest < around.depth - nearer;
       if (around.depth <= 0 || length < 1 || is_hidden) continue;
       const Eigen::Vector2d outward = around.outward / length;

@@ -10,8 +10,8 @@
 #include "core/camera.h"
 #include "core/image_codec.h"
 #include "core/random.h"
+#include "core/sensor_noise.h"
 #include "formats/sample_capture.h"
-#include "ingest/sensor_noise.h"
 
 namespace kinora::test {
 
@@ -126,7 +126,7 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
       for (int c = 0; c < 3; ++c) {
         color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(shown[c] + random.normal(), 0.0, 255.0));
       }
-      const double noisy = hit.depth + random.normal() * ingest::depth_sigma(hit.depth);
+      const double noisy = hit.depth + random.normal() * kSensorNoise.sigma(hit.depth);
       depth.at(u, v) = static_cast<std::uint16_t>(std::lround(1000 * noisy));
       labels.at(u, v) = static_cast<std::uint8_t>(hit.label);
     }

@@ -66,7 +66,7 @@ PixelStore noisy(double deviations) {
     ingest::Frame frame = scene.frame(i, 0.05 * (i - 6));
     Random random(5, static_cast<std::uint64_t>(i));
     for (float& depth : frame.depth.values()) {
-      depth += static_cast<float>(deviations * ingest::depth_sigma(depth) * random.normal());
+      depth += static_cast<float>(deviations * kSensorNoise.sigma(depth) * random.normal());
     }
     frame.clean_depth = frame.depth;
     store.add(frame, i);
@@ -82,9 +82,9 @@ TEST(ViewAgreement, MeasuresNoiseAndWidensBandsWithIt) {
     adapt_to(agreement, trainer);
     EXPECT_FALSE(trainer.exact_depth);
   }
-  EXPECT_EQ(weights_for({1000, 0, 0.4}).noise, 1);
-  EXPECT_EQ(weights_for({1000, 0, 2.5}).noise, 2.5F);
-  EXPECT_LT(weights_for({1000, 0, 1000}).noise, 10);
+  EXPECT_EQ(weights_for({1000, 0, 0.4}).noise.scale, 1);
+  EXPECT_EQ(weights_for({1000, 0, 2.5}).noise.scale, 2.5F);
+  EXPECT_LT(weights_for({1000, 0, 1000}).noise.scale, 10);
   const PixelStore store = noisy(3);
   const FieldConfig config = choose_field_config(store, kBall, tracking::Motion::still());
   const RaySampler narrow(store, kBall, tracking::Motion::still(), config, {});

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "support/every_instruction_set.h"
 
 namespace kinora::ingest {
@@ -25,7 +25,7 @@ DepthImage plane(double z, double angle, double sigmas = 0) {
       const double x = (u - kCamera.cx) / kCamera.fx;
       const double measured = z * std::cos(angle) / (std::cos(angle) + x * std::sin(angle));
       if (measured > 0.2 && measured < 15)
-        depth.at(u, v) = static_cast<float>(measured + sigmas * depth_sigma(measured) * random.normal());
+        depth.at(u, v) = static_cast<float>(measured + sigmas * kSensorNoise.sigma(measured) * random.normal());
     }
   }
   return depth;
@@ -159,7 +159,7 @@ private:
 
   bool near_enough(float a, float b) const {
     const double z = std::min(a, b);
-    return std::abs(a - b) <= std::max(limits_.max_jump * z, limits_.max_jump_sigmas * depth_sigma(z));
+    return std::abs(a - b) <= std::max(limits_.max_jump * z, limits_.max_jump_sigmas * kSensorNoise.sigma(z));
   }
 
   static float or_none(const DepthImage& depth, int u, int v) { return depth.contains(u, v) ? depth.at(u, v) : 0; }
@@ -311,7 +311,7 @@ TEST_P(DepthCleaningOnEveryInstructionSet, KeepsWhatAPlainLoopKeeps) {
         const double z = is_near ? 0.9 + 0.002 * (u - 20) * (u - 20) : 1.6 + 0.03 * v;
         const std::uint64_t fate = random.below(40);
         if (fate == 0) continue;
-        depth.at(u, v) = static_cast<float>(z + (fate < 3 ? 0.3 : 0) + depth_sigma(z) * random.normal());
+        depth.at(u, v) = static_cast<float>(z + (fate < 3 ? 0.3 : 0) + kSensorNoise.sigma(z) * random.normal());
       }
     }
     const DepthCleaning limits;

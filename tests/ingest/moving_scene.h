@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "core/random.h"
+#include "core/sensor_noise.h"
 #include "ingest/segmenter.h"
-#include "ingest/sensor_noise.h"
 
 namespace kinora::ingest {
 
@@ -76,7 +76,7 @@ struct MovingScene {
           color[0] = 40, color[1] = 60, color[2] = 160;
           if (truth != nullptr) truth->at(u, v) = 1;
         }
-        frame.depth.at(u, v) = static_cast<float>(z + depth_sigma(z) * random.normal());
+        frame.depth.at(u, v) = static_cast<float>(z + kSensorNoise.sigma(z) * random.normal());
         for (int c = 0; c < 3; ++c)
           frame.color.at(u, v, c) = static_cast<std::uint8_t>(color[c] + static_cast<int>(random.below(7)) - 3);
       }

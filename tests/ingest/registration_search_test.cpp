@@ -7,8 +7,8 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "core/sensor_noise.h"
 #include "ingest/registration_json.h"
-#include "ingest/sensor_noise.h"
 
 namespace kinora::ingest {
 namespace {
@@ -67,7 +67,7 @@ public:
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
         const double z = corner_depth(pose.translation(), pose.linear() * k.unproject(u, v, 1));
-        frame.depth.at(u, v) = static_cast<float>(z + depth_sigma(z) * random.normal());
+        frame.depth.at(u, v) = static_cast<float>(z + kSensorNoise.sigma(z) * random.normal());
         const Eigen::Vector3d ray = pose.linear() * scan_.color.unproject(u, v, 1);
         const double light = 110 + 25 * paper(pose.translation() + corner_depth(pose.translation(), ray) * ray);
         for (int c = 0; c < 3; ++c) {

@@ -219,11 +219,11 @@ TEST(FlatFaces, AreFoundOnABoardAndNotOnARoundBody) {
       const Eigen::Vector2d off((u - 35) / 140.0, (v - 60) / 140.0);
       const double square = 0.18 * 0.18 - off.squaredNorm();
       if (square < 0.005) continue;
-      depth.at(u, v) = static_cast<float>(1.2 - std::sqrt(square) + 0.3 * depth_sigma(1) * random.normal());
+      depth.at(u, v) = static_cast<float>(1.2 - std::sqrt(square) + 0.3 * kSensorNoise.sigma(1) * random.normal());
     }
     for (int u = 100; u < 140; ++u)
       if (v >= 40 && v < 80)
-        depth.at(u, v) = static_cast<float>(1 + 0.002 * (u - 120) + depth_sigma(1) * random.normal());
+        depth.at(u, v) = static_cast<float>(1 + 0.002 * (u - 120) + kSensorNoise.sigma(1) * random.normal());
   }
   for (std::size_t i = 0; i < depth.pixel_count(); ++i) foreground.data()[i] = depth.data()[i] > 0 ? 1 : 0;
   const Mask faces = flat_faces(depth, foreground, k);

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "core/sensor_noise.h"
 #include "ingest/depth_cleaning.h"
-#include "ingest/sensor_noise.h"
 #include "tracking/body/person_camera.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/seen_errors.h"
@@ -69,7 +69,7 @@ Fate nothing(ingest::Frame&, Random&) { return Fate::kArrives; }
 
 Fate triple_noise(ingest::Frame& frame, Random& random) {
   for (float& z : frame.depth.values()) {
-    if (z > 0) z += static_cast<float>(std::sqrt(8.0) * ingest::depth_sigma(z) * random.normal());
+    if (z > 0) z += static_cast<float>(std::sqrt(8.0) * kSensorNoise.sigma(z) * random.normal());
   }
   return Fate::kArrives;
 }

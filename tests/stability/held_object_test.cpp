@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "tracking/body/synthetic_body.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/synthetic_scene.h"
@@ -68,7 +68,7 @@ ingest::Frame frame_at(int frame, bool is_let_go) {
         picture.labels.at(u, v) = 0;
         for (int c = 0; c < 3; ++c) picture.color.at(u, v, c) = 60;
       }
-      z += static_cast<float>(ingest::depth_sigma(z) * random.normal());
+      z += static_cast<float>(kSensorNoise.sigma(z) * random.normal());
     }
   }
   picture.clean_depth = picture.depth;

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "core/sensor_noise.h"
 #include "ingest/depth_cleaning.h"
-#include "ingest/sensor_noise.h"
 #include "tracking/body/limb_poses.h"
 #include "tracking/body/person_camera.h"
 #include "tracking/deforming_tracker.h"
@@ -40,7 +40,7 @@ void draw(const testing::Shape& stick, const SE3& to_camera, std::uint8_t label,
       const auto z = testing::intersect(stick, to_stick.translation(), ray);
       float& depth = frame.depth.at(u, v);
       if (!z || (frame.labels.at(u, v) != 0 && depth > 0 && depth < static_cast<float>(*z))) continue;
-      depth = static_cast<float>(*z + ingest::depth_sigma(*z) * random.normal());
+      depth = static_cast<float>(*z + kSensorNoise.sigma(*z) * random.normal());
       frame.labels.at(u, v) = label;
       const double along = (to_stick.translation() + *z * ray).y();
       for (int c = 0; c < 3; ++c)

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -81,7 +81,7 @@ ingest::Frame render_plate(const Plate& plate, const SE3& camera_to_world, int i
         frame.labels.at(u, v) = 1;
         for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = 200;
       }
-      if (options.noise > 0) z += options.noise * ingest::depth_sigma(z) * random.normal();
+      if (options.noise > 0) z += options.noise * kSensorNoise.sigma(z) * random.normal();
       frame.depth.at(u, v) = static_cast<float>(z);
     }
   }

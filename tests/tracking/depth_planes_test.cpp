@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "support/every_instruction_set.h"
 #include "tracking/synthetic_scene.h"
 
@@ -128,7 +128,7 @@ PlainPlane fit_plainly(const DepthImage& depth, const Intrinsics& camera, const 
   PlainPlane result;
   if (!usable(u, v)) return result;
   const double z = depth.at(u, v);
-  const double gate = 4 * ingest::depth_sigma(z) + 6 / camera.fx * z;
+  const double gate = 4 * kSensorNoise.sigma(z) + 6 / camera.fx * z;
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   Eigen::Vector3d values = Eigen::Vector3d::Zero();
   for (int dv = -2; dv <= 2; ++dv) {
@@ -151,7 +151,7 @@ PlainPlane fit_plainly(const DepthImage& depth, const Intrinsics& camera, const 
   const Eigen::Vector3d inverse(a, b, fit[0] - a * ray.x() - b * ray.y());
   const Eigen::Vector3d normal = -inverse.normalized();
   result.plane = {normal.x(), normal.y(), normal.z(), 1 / inverse.norm()};
-  const double ratio = ingest::depth_sigma(1) / ingest::depth_sigma(1 / fit[0]);
+  const double ratio = kSensorNoise.sigma(1) / kSensorNoise.sigma(1 / fit[0]);
   result.weight = fit[0] / inverse.norm() / ray.norm() * ratio * ratio;
   return result;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -31,7 +31,7 @@ DepthImage measured(const DepthImage& truth, Random& random) {
       if (other != z && fate < kLost) continue;
       double seen = z;
       if (other != z && fate < kLost + kFlying) seen += random.uniform_double() * static_cast<double>(other - z);
-      seen += ingest::depth_sigma(seen) * random.normal();
+      seen += kSensorNoise.sigma(seen) * random.normal();
       depth.at(u, v) = static_cast<float>(std::round(1e3 * seen) / 1e3);
     }
   }

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 #include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
@@ -63,7 +63,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
   const int u = static_cast<int>(std::lround(pixel.x()));
   const int v = static_cast<int>(std::lround(pixel.y()));
   const float front = view.depth.at(u, v);
-  const bool covered = front > 0 && front < place.z() - std::max(0.03, 3 * ingest::depth_sigma(place.z()));
+  const bool covered = front > 0 && front < place.z() - std::max(0.03, 3 * kSensorNoise.sigma(place.z()));
   if (view.mask.at(u, v) == 0) {
     const std::int16_t* offset = view.to_silhouette.pixel(u, v);
     const Eigen::Vector2d inwards(offset[0], offset[1]);
@@ -89,7 +89,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
       result.terms.plane_normal = plane.cast<float>();
       result.terms.plane_offset = static_cast<float>(-plane.dot(there));
       result.terms.plane_scale = static_cast<float>(
-          1 / (ingest::depth_sigma(there.z()) * std::max(0.3, std::abs(plane.dot(there)) / there.norm())));
+          1 / (kSensorNoise.sigma(there.z()) * std::max(0.3, std::abs(plane.dot(there)) / there.norm())));
       result.terms.on_surface = true;
     }
   }
@@ -164,9 +164,8 @@ TEST_P(PointAssociationTest, TexturesAreThoseOfAPlainLoop) {
     const int v = static_cast<int>(std::lround(pixel.y()));
     const bool inside = place.z() > 0 && pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
                         pixel.y() < view.intrinsics.height - 1;
-    const bool there =
-        inside && view.mask.at(u, v) == 2 && view.planes.weights.at(u, v) > 0 &&
-        std::abs(view.point(u, v).z() - place.z()) <= std::max(0.015, 3 * ingest::depth_sigma(place.z()));
+    const bool there = inside && view.mask.at(u, v) == 2 && view.planes.weights.at(u, v) > 0 &&
+                       std::abs(view.point(u, v).z() - place.z()) <= std::max(0.015, 3 * kSensorNoise.sigma(place.z()));
     for (std::size_t level = 0; level < shown[p].size(); ++level) {
       ASSERT_EQ(std::isnan(shown[p][level]), !there) << p;
       if (there) {

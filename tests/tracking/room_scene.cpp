@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -95,7 +95,7 @@ ingest::Frame render_room(const SE3& camera_to_world, int index, const RoomOptio
       const Hit hit = look(camera_to_world.translation(), ray, options, boxes);
       const double level = 255 * (options.covered ? 0 : options.light) * hit.grey + random.normal();
       for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(level, 0.0, 255.0));
-      const double sigma = ingest::depth_sigma(hit.z);
+      const double sigma = kSensorNoise.sigma(hit.z);
       const double squared = frame.camera.intrinsics.unproject(u, v, 1.0).head<2>().squaredNorm();
       const double z = hit.z * (1 + options.bow * squared) + options.noise * sigma * random.normal();
       frame.depth.at(u, v) = options.covered ? 0.0F : static_cast<float>(z);

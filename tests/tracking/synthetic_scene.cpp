@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -112,7 +112,7 @@ ingest::Frame render_frame(const Shape& shape, const SE3& object_to_world, const
         frame.labels.at(u, v) = options.occluder_has_label ? 1 : (hit ? kLabel : 0);
         for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = 200;
       }
-      if (options.noise > 0) z += options.noise * ingest::depth_sigma(z) * random.normal();
+      if (options.noise > 0) z += options.noise * kSensorNoise.sigma(z) * random.normal();
       frame.depth.at(u, v) = static_cast<float>(z);
     }
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking {
 namespace {
@@ -84,7 +84,7 @@ SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const
   if (!view.mask.contains(u, v)) return r;
   r.weight = sample.area * (cosine - kFacingCosine) / (config.patch * config.patch);
   const double measured = view.depth.at(u, v);
-  const double tolerance = std::max(0.01, 1.5 * ingest::depth_sigma(p.z()));
+  const double tolerance = std::max(0.01, 1.5 * kSensorNoise.sigma(p.z()));
   if (measured > 0 && measured < p.z() - tolerance) {
     r.sight = Sight::kHidden;
     return r;

@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "ingest/sensor_noise.h"
+#include "core/sensor_noise.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -58,7 +58,7 @@ ingest::Frame render_body(const BodyState& state, const BodyScene& scene) {
   });
   Random random(scene.seed);
   for (float& z : frame.depth.values()) {
-    z += static_cast<float>(scene.noise * ingest::depth_sigma(z) * random.normal());
+    z += static_cast<float>(scene.noise * kSensorNoise.sigma(z) * random.normal());
   }
   if (scene.cover) {
     for (int v = scene.cover->v0; v < scene.cover->v1; ++v) {
