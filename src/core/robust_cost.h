@@ -44,7 +44,7 @@ struct GemanMcClure {
 
   /// `squared`: r²
   double cost(double squared) const { return squared / (1 + squared / (cutoff * cutoff)) / (sigma * sigma); }
-  /// Of r² in the sum of squares that is minimised, times σ².
+  /// Of r²/σ² in the sum of squares that is minimised.
   double weight(double squared) const {
     const double share = 1 / (1 + squared / (cutoff * cutoff));
     return share * share;

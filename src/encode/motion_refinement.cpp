@@ -33,7 +33,6 @@ constexpr double kOpacitySigma = 0.3;
 constexpr double kLeastColorSigma = 0.01;
 constexpr double kRigidity = 0.1;     // standard deviation of a neighbour's place, in units of the nodes' spacing
 constexpr double kPriorSigma = 0.01;  // metres from where the tracker had a node
-constexpr double kHuber = 1.5;        // standard deviations
 constexpr double kMostDeviations = 3; // a residual costs no more than so many
 
 /// A pixel and the depth about which its ray is looked at.
@@ -266,8 +265,7 @@ private:
     std::vector<tracking::PointTerms> terms;
     add_rows(view, states, color_sigma, points, terms);
     const tracking::ObjectView no_textures;
-    tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures,
-                                       {kRigidity * spacing_, kPriorSigma, kHuber});
+    tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures, {kRigidity * spacing_, kPriorSigma});
     problem.terms() = std::move(terms);
     problem.set_prior(states);
     double before = 0;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/robust_cost.h"
 #include "tracking/camera_keyframe.h"
 
 namespace kinora::tracking {
@@ -13,17 +14,11 @@ namespace {
 constexpr int kColumns = 8;
 constexpr int kRows = 6;
 constexpr Gates kGates{0.10, 0.7};
-constexpr double kHuber = 1.5;
-constexpr double kLargestCost = 2 * kHuber * kHuber;
+constexpr TruncatedHuber kCost{kHuberThreshold};
 constexpr double kSignificant = 3; // standard errors
 constexpr int kMinSamples = 8;
 constexpr double kChance = 1e-4; // of as many cells agreeing if each fell on either side alike
 constexpr int kMajority = 4;     // cells for it to each one against it
-
-double huber(double r) {
-  const double a = std::abs(r);
-  return std::min(kLargestCost, a <= kHuber ? 0.5 * r * r : kHuber * (a - 0.5 * kHuber));
-}
 
 /// The gains of one cell's points.
 struct Cell {
@@ -106,11 +101,11 @@ StillnessVotes compare_with_still(std::span<const ModelPoint> points, const Obje
     const auto t_moved = photometric_residual(*moved, point, view, Pivot(), 0, moved_texture.light);
     double gain = 0;
     if (g_still || g_moved) {
-      gain += (g_still ? huber(g_still->value / g_still->sigma) : kLargestCost) -
-              (g_moved ? huber(g_moved->value / g_moved->sigma) : kLargestCost);
+      gain += (g_still ? kCost.cost(g_still->value / g_still->sigma) : kCost.max_cost()) -
+              (g_moved ? kCost.cost(g_moved->value / g_moved->sigma) : kCost.max_cost());
     }
     if (t_still && t_moved) {
-      gain += huber(t_still->value / moved_texture.sigma) - huber(t_moved->value / moved_texture.sigma);
+      gain += kCost.cost(t_still->value / moved_texture.sigma) - kCost.cost(t_moved->value / moved_texture.sigma);
     }
     if (g_still || g_moved || (t_still && t_moved)) cell.add(gain);
   }

@@ -1,7 +1,6 @@
 #include "tracking/deforming_problem.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -12,16 +11,6 @@ namespace {
 
 constexpr std::size_t kPointsPerChunk = 1024;
 constexpr std::size_t kNodesPerChunk = 16;
-
-double huber(double value, double bend) {
-  const double size = std::abs(value);
-  return size <= bend ? 0.5 * value * value : bend * (size - 0.5 * bend);
-}
-
-double huber_weight(double value, double bend) {
-  const double size = std::abs(value);
-  return size <= bend ? 1.0 : bend / size;
-}
 
 template <class Items> auto part_of(const Items& items, const Chunk& chunk) {
   return std::span(items).subspan(chunk.begin, chunk.end - chunk.begin);
@@ -125,9 +114,10 @@ double DeformingProblem::pulls_energy(const NodeStates& states) const {
 }
 
 double DeformingProblem::pull_energy(std::span<const NodePull> pulls, const NodeStates& states) const {
+  const Huber huber{weights_.huber};
   double sum = 0;
   for (std::size_t i = 0; i < pulls.size(); ++i) {
-    sum += huber(pulls[i].scale * (states.positions[i] - pulls[i].place).norm(), weights_.huber);
+    sum += huber.cost(pulls[i].scale * (states.positions[i] - pulls[i].place).norm());
   }
   return sum;
 }
@@ -226,7 +216,7 @@ void DeformingProblem::add_edges(std::size_t node, const NodeStates& states) {
 
 void DeformingProblem::add_pull(std::size_t node, const NodePull& pull, const NodeStates& states) {
   const Eigen::Vector3d off = states.positions[node] - pull.place;
-  const double weight = huber_weight(pull.scale * off.norm(), weights_.huber) * pull.scale * pull.scale;
+  const double weight = Huber{weights_.huber}.weight(pull.scale * off.norm()) * pull.scale * pull.scale;
   Block::Matrix own_block = system_.blocks[pattern_.diagonal(node)].matrix();
   own_block.diagonal().head<3>().array() += static_cast<float>(weight);
   system_.gradient[node].head<3>() += weight * off;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/robust_cost.h"
 #include "tracking/block_system.h"
 #include "tracking/edge_terms.h"
 #include "tracking/layer_pose.h"
@@ -26,9 +27,9 @@ struct NodePull {
 };
 
 struct ProblemWeights {
-  double rigidity_sigma = 0.005; ///< metres that two nodes may disagree about a neighbour's place
-  double prior_sigma = 0.05;     ///< metres from the predicted place of a node; holds what nothing else does
-  double huber = 1.5;            ///< standard deviations from which on all terms grow linearly
+  double rigidity_sigma = 0.005;  ///< metres that two nodes may disagree about a neighbour's place
+  double prior_sigma = 0.05;      ///< metres from the predicted place of a node; holds what nothing else does
+  double huber = kHuberThreshold; ///< standard deviations from which on all terms grow linearly
 };
 
 /// The layer's part that does not change while a view is solved. All references must outlive the problem.
@@ -56,7 +57,7 @@ public:
   void set_binding(std::span<const NodePull> binding) { binding_.assign(binding.begin(), binding.end()); }
   void set_rigidity_sigma(double sigma) { weights_.rigidity_sigma = sigma; }
 
-  /// Half the sum of squares of all terms, in standard deviations, with Huber's bend.
+  /// Half the sum of squares of all terms, in standard deviations, with Huber's cost.
   /// `pose`, here and below: the model's points under some states of its nodes.
   double energy(const LayerPose& pose) const;
   /// Gauss–Newton system about `pose`, weights as Huber has them there; and the energy there. Same bits for any

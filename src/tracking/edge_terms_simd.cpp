@@ -6,18 +6,18 @@
 
 #include <hwy/highway.h>
 
+#include "core/robust_cost_simd.h"
 #include "tracking/point_blend_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 
-double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRow* nodes, float sigma, float huber,
+double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRow* nodes, float sigma, float threshold,
                       EdgeResiduals* residuals) {
   const Floats df;
   const F per_sigma = constant(1 / sigma);
   const F information = constant(1 / (sigma * sigma));
-  const F bend = constant(huber);
-  const F half = constant(0.5F);
+  const HuberLanes huber(threshold);
   F energy = zero();
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(df)) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(df));
@@ -35,11 +35,9 @@ double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRow* no
     for (const std::size_t way : {std::size_t{0}, std::size_t{1}}) {
       const Vec3& residual = way == 0 ? there : back;
       const F size = hn::Mul(per_sigma, hn::Sqrt(dot(residual, residual)));
-      const F loss = hn::IfThenElse(hn::Le(size, bend), hn::Mul(half, hn::Mul(size, size)),
-                                    hn::Mul(bend, hn::NegMulAdd(half, bend, size)));
-      energy = hn::Add(energy, hn::IfThenElseZero(in_range, loss));
+      energy = hn::Add(energy, hn::IfThenElseZero(in_range, huber.cost(size)));
       if (residuals == nullptr) continue;
-      const F weight = hn::Mul(information, hn::Div(bend, hn::Max(size, bend)));
+      const F weight = hn::Mul(information, huber.weight(size));
       store_rows({residual, weight}, here, [&](std::size_t lane) { return residuals[begin + lane][way].value.data(); });
     }
   }

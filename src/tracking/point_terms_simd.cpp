@@ -6,6 +6,7 @@
 
 #include <hwy/highway.h>
 
+#include "core/robust_cost_simd.h"
 #include "tracking/point_blend_simd.h"
 #include "tracking/texture_simd.h"
 
@@ -13,18 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 
 constexpr float kNearest = 0.05F; // metres before the camera
-
-HWY_INLINE F huber_energy(F value, F bend) {
-  const F size = hn::Abs(value);
-  const F half = constant(0.5F);
-  return hn::IfThenElse(hn::Le(size, bend), hn::Mul(half, hn::Mul(value, value)),
-                        hn::Mul(bend, hn::NegMulAdd(half, bend, size)));
-}
-
-HWY_INLINE F huber_weight(F value, F bend) {
-  const F size = hn::Abs(value);
-  return hn::Div(bend, hn::Max(size, bend));
-}
 
 /// The residuals of some points side by side.
 struct Residuals {
@@ -72,9 +61,8 @@ HWY_INLINE Residuals residuals_at(const PosedPoint* points, const PointTerms* te
   return r;
 }
 
-HWY_INLINE F energy_at(const Residuals& r, F bend) {
-  return hn::Add(huber_energy(r.plane, bend),
-                 hn::Add(huber_energy(r.textures[0], bend), huber_energy(r.textures[1], bend)));
+HWY_INLINE F energy_at(const Residuals& r, const HuberLanes& huber) {
+  return hn::Add(huber.cost(r.plane), hn::Add(huber.cost(r.textures[0]), huber.cost(r.textures[1])));
 }
 
 struct RowLanes {
@@ -82,16 +70,16 @@ struct RowLanes {
   Vec3 gradient;
 };
 
-HWY_INLINE RowLanes plane_row(const Residuals& r, F bend) {
-  const F root = hn::Sqrt(huber_weight(r.plane, bend));
+HWY_INLINE RowLanes plane_row(const Residuals& r, const HuberLanes& huber) {
+  const F root = hn::Sqrt(huber.weight(r.plane));
   return {hn::Mul(root, r.plane), mul(hn::Mul(root, r.plane_scale), r.plane_normal)};
 }
 
-HWY_INLINE RowLanes texture_row(const Residuals& r, F bend) {
+HWY_INLINE RowLanes texture_row(const Residuals& r, const HuberLanes& huber) {
   F information = zero();
   F sum = zero();
   for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
-    const F weighted = hn::Mul(huber_weight(r.textures[t], bend), r.texture_scales[t]);
+    const F weighted = hn::Mul(huber.weight(r.textures[t]), r.texture_scales[t]);
     information = hn::MulAdd(weighted, r.texture_scales[t], information);
     sum = hn::MulAdd(weighted, r.textures[t], sum);
   }
@@ -136,25 +124,25 @@ private:
 };
 
 double add_energies(const PosedPoint* points, const PointTerms* terms, std::size_t count, const TextureImage& image,
-                    float huber) {
-  const F bend = constant(huber);
+                    float threshold) {
+  const HuberLanes huber(threshold);
   F sum = zero();
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(Floats()));
-    sum = hn::Add(sum, energy_at(residuals_at<false>(points + begin, terms + begin, here, image), bend));
+    sum = hn::Add(sum, energy_at(residuals_at<false>(points + begin, terms + begin, here, image), huber));
   }
   return static_cast<double>(hn::GetLane(hn::SumOfLanes(Floats(), sum)));
 }
 
 double rows_in_lanes(const PosedPoint* points, const PointTerms* terms, std::size_t count, const TextureImage& image,
-                     float huber, PointRows* rows) {
-  const F bend = constant(huber);
+                     float threshold, PointRows* rows) {
+  const HuberLanes huber(threshold);
   F sum = zero();
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(Floats()));
     const Residuals r = residuals_at<true>(points + begin, terms + begin, here, image);
-    sum = hn::Add(sum, energy_at(r, bend));
-    const RowLanes row[] = {plane_row(r, bend), texture_row(r, bend)};
+    sum = hn::Add(sum, energy_at(r, huber));
+    const RowLanes row[] = {plane_row(r, huber), texture_row(r, huber)};
     for (std::size_t i = 0; i < PointJacobians::kRows; ++i) {
       store_rows({row[i].gradient, row[i].residual}, here,
                  [&](std::size_t lane) { return rows[begin + lane][i].gradient.data(); });
@@ -164,16 +152,16 @@ double rows_in_lanes(const PosedPoint* points, const PointTerms* terms, std::siz
 }
 
 double jacobians_in_lanes(const SkinnedPoint* skinned, const NodeRow* nodes, const PosedPoint* points,
-                          const PointTerms* terms, std::size_t count, const TextureImage& image, float huber,
+                          const PointTerms* terms, std::size_t count, const TextureImage& image, float threshold,
                           PointJacobians* jacobians) {
   const Floats df;
-  const F bend = constant(huber);
+  const HuberLanes huber(threshold);
   F sum = zero();
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(df)) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(df));
     const Residuals r = residuals_at<true>(points + begin, terms + begin, here, image);
-    sum = hn::Add(sum, energy_at(r, bend));
-    const RowLanes row[] = {plane_row(r, bend), texture_row(r, bend)};
+    sum = hn::Add(sum, energy_at(r, huber));
+    const RowLanes row[] = {plane_row(r, huber), texture_row(r, huber)};
     HWY_ALIGN float residuals[PointJacobians::kRows][hn::MaxLanes(df)];
     HWY_ALIGN float used[hn::MaxLanes(df)];
     hn::Store(row[0].residual, df, residuals[0]);

@@ -8,16 +8,17 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/parallel.h"
+#include "core/robust_cost.h"
 
 namespace kinora::tracking {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kHuber = 1.5;
-constexpr double kTextureHuber = 2;   // of the texture, whose noise is that of its flat parts: its edges tell most
-constexpr double kFittingCost = 0.5;  // mean of a point that fits, at a standard deviation of 1
-constexpr double kFlatTexture = 0.01; // per pixel; below, the gradient is mostly noise
+constexpr TruncatedHuber kRimCost{kHuberThreshold};
+constexpr TruncatedHuber kTextureCost{2}; // of the texture, whose noise is that of its flat parts: its edges tell most
+constexpr double kFittingCost = 0.5;      // mean of a point that fits, at a standard deviation of 1
+constexpr double kFlatTexture = 0.01;     // per pixel; below, the gradient is mostly noise
 constexpr std::size_t kPointsPerChunk = 640;
 constexpr double kFirstDamping = 1e-3;
 constexpr double kRefusedDamping = 0.3; // at least, after a step that does not pay: with less the next is the same
@@ -25,7 +26,7 @@ constexpr double kRefusedDamping = 0.3; // at least, after a step that does not 
 struct Stage {
   int level;
   Gates gates;
-  double huber; ///< of the distances, in σ: far from the solution, few distances are within the noise
+  TruncatedHuber cost; ///< of the distances, in σ: far from the solution, few distances are within the noise
   int iterations;
   double still;           ///< metres: a step so short is the last
   std::size_t max_points; ///< about
@@ -33,23 +34,10 @@ struct Stage {
 };
 
 constexpr std::array<Stage, 3> kStages = {{
-    {2, {0.10, 0.70}, 12, 15, 5e-4, 600, 24},
-    {1, {0.05, 0.80}, 4, 12, 2e-4, 600, 10},
-    {0, {0.03, 0.866}, kHuber, 10, 5e-5, std::numeric_limits<std::size_t>::max(), 4},
+    {2, {0.10, 0.70}, {12}, 15, 5e-4, 600, 24},
+    {1, {0.05, 0.80}, {4}, 12, 2e-4, 600, 10},
+    {0, {0.03, 0.866}, {kHuberThreshold}, 10, 5e-5, std::numeric_limits<std::size_t>::max(), 4},
 }};
-
-// Of a point without correspondence, and the most that a point with one can cost: neither losing nor finding a bad
-// correspondence pays.
-double largest_cost(double limit) { return 2 * limit * limit; }
-
-double huber(double r, double limit) {
-  const double a = std::abs(r);
-  return std::min(largest_cost(limit), a <= limit ? 0.5 * r * r : limit * (a - 0.5 * limit));
-}
-double huber_weight(double r, double limit) {
-  const double a = std::abs(r);
-  return a <= limit ? 1.0 : limit / a;
-}
 
 /// The quadratic model of the cost about one pose.
 struct System {
@@ -66,13 +54,13 @@ struct System {
   std::size_t rim = 0;
 
   Matrix6 information() const { return depth_information + texture_information + rim_information; }
-  void add(const Residual& r, double sigma, double limit, double share, Matrix6& information) {
+  void add(const Residual& r, double sigma, const TruncatedHuber& robust, double share, Matrix6& information) {
     const double normalised = r.value / sigma;
-    const double weight = share * huber_weight(normalised, limit) / (sigma * sigma);
+    const double weight = share * robust.weight(normalised) / (sigma * sigma);
     const Twist weighted = weight * r.jacobian;
     information += weighted * r.jacobian.transpose();
     gradient += weighted * r.value;
-    cost += share * huber(normalised, limit);
+    cost += share * robust.cost(normalised);
   }
   void add(const System& other) {
     depth_information += other.depth_information;
@@ -90,21 +78,21 @@ void add_point(const ModelPoint& point, const ObjectView& view, const SE3& pose,
   const double photometric_share = config.photometric_share;
   const auto p = project(point, view, pose);
   if (!p) {
-    system.cost += config.unseen_cost * (largest_cost(stage.huber) + photometric_share * kFittingCost);
+    system.cost += config.unseen_cost * (stage.cost.max_cost() + photometric_share * kFittingCost);
     return;
   }
   if (const auto r = geometric_residual(*p, view, pivot, stage.gates)) {
-    system.add(*r, r->sigma, stage.huber, 1.0, system.depth_information);
-    system.normal_information += huber_weight(r->value / r->sigma, stage.huber) / (r->sigma * r->sigma);
+    system.add(*r, r->sigma, stage.cost, 1.0, system.depth_information);
+    system.normal_information += stage.cost.weight(r->value / r->sigma) / (r->sigma * r->sigma);
     ++system.geometric;
   } else {
     const bool unseen = view.planes.weights.at(p->pixel_u, p->pixel_v) <= 0;
-    system.cost += (unseen ? config.unseen_cost : 1.0) * largest_cost(stage.huber);
+    system.cost += (unseen ? config.unseen_cost : 1.0) * stage.cost.max_cost();
   }
   if (const auto r = photometric_residual(*p, point, view, pivot, stage.level, texture.light)) {
     const double footprint = p->point.z() / view.intrinsics.fx;
     if (r->jacobian.head<3>().norm() * footprint > kFlatTexture) {
-      system.add(*r, texture.sigma, kTextureHuber, photometric_share, system.texture_information);
+      system.add(*r, texture.sigma, kTextureCost, photometric_share, system.texture_information);
       ++system.photometric;
     }
   } else {
@@ -117,14 +105,14 @@ void add_rim(const RimPair& rim, const ObjectView& view, const SE3& pose, const 
   for (RimPoint point : rim.earlier) {
     point.place = pose * point.place;
     if (const auto r = rim.now.residual(point, view, pivot, stage.rim_reach)) {
-      system.add(*r, r->sigma, kHuber, config.rim_share, system.rim_information);
+      system.add(*r, r->sigma, kRimCost, config.rim_share, system.rim_information);
       const Matrix6 product = r->jacobian * r->counterpart.transpose();
-      system.rim_support += 0.5 * config.rim_share * huber_weight(r->value, kHuber) * (product + product.transpose());
+      system.rim_support += 0.5 * config.rim_share * kRimCost.weight(r->value) * (product + product.transpose());
       const double focal = view.intrinsics.fx / point.place.z();
       system.rim_normal_information += config.rim_share * focal * focal;
       ++system.rim;
     } else {
-      system.cost += config.rim_share * largest_cost(kHuber);
+      system.cost += config.rim_share * kRimCost.max_cost();
     }
   }
 }

@@ -51,24 +51,18 @@ void add(const BodyInCamera& body, const PartResidual& r, Accumulator& sum) {
   part.gradient += r.weight * r.value * row;
 }
 
-// Slope of the robust loss against that of the square.
-double robust_weight(double squared, const BodyEnergyConfig& config) {
-  const double share = 1 / (1 + squared / (config.cutoff * config.cutoff));
-  return share * share;
-}
-
 // `found`: the part that the point lies on, or −1.
 void add_point(const BodyInCamera& body, const MeasuredPoint& point, int found, const BodyEnergyConfig& config,
                Accumulator& sum) {
   if (found < 0) {
-    sum.energy += point.weight * robust_loss(kAnyCost, config);
+    sum.energy += point.weight * robust_cost(config).cost(kAnyCost);
     return;
   }
   const auto part = static_cast<std::size_t>(found);
   const ClosestSurface surface = closest_surface(body.body().parts[part], body.to_bone(part) * point.position);
   const double squared = surface.distance * surface.distance;
-  sum.energy += point.weight * robust_loss(squared, config);
-  const double weight = point.weight * robust_weight(squared, config) / (config.sigma * config.sigma);
+  sum.energy += point.weight * robust_cost(config).cost(squared);
+  const double weight = point.weight * robust_cost(config).weight(squared) / (config.sigma * config.sigma);
   const Vec position = body.bone(part) * position_of(body.body().parts[part], surface.point);
   add(body, {part, -surface.distance, position, body.bone(part).linear() * surface.normal, surface.point, weight}, sum);
 }
@@ -78,8 +72,8 @@ void add_sample(const BodyInCamera& body, const BodySample& sample, const Object
   const SampleResidual r = look_at(body, sample, view, config);
   if (r.sight != Sight::kEmpty) return;
   const double squared = r.value * r.value;
-  sum.energy += r.weight * robust_loss(squared, config);
-  const double weight = r.weight * robust_weight(squared, config) / (config.sigma * config.sigma);
+  sum.energy += r.weight * robust_cost(config).cost(squared);
+  const double weight = r.weight * robust_cost(config).weight(squared) / (config.sigma * config.sigma);
   const Vec position = body.bone(sample.part) * position_of(body.body().parts[sample.part], sample.point);
   add(body, {sample.part, r.value, position, r.direction, sample.point, weight}, sum);
 }
@@ -97,7 +91,7 @@ void add_held_hand(const BodyInCamera& body, const HeldHand& held, const BodyEne
   sum.energy += holding_energy(held, body.body(), config);
   const Vec heel = heel_of_hand(body.body(), held.arm);
   const Vec off = heel - held.place;
-  const double weight = kHoldingWeight * robust_weight(off.squaredNorm(), config) / (config.sigma * config.sigma);
+  const double weight = kHoldingWeight * robust_cost(config).weight(off.squaredNorm()) / (config.sigma * config.sigma);
   for (int axis = 0; axis < 3; ++axis) {
     add(body, {hand_part(held.arm), off[axis], heel, Vec::Unit(axis), heel_point(), weight}, sum);
   }

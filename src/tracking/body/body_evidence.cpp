@@ -102,8 +102,4 @@ SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const
   return r;
 }
 
-double robust_loss(double squared, const BodyEnergyConfig& config) {
-  return squared / (1 + squared / (config.cutoff * config.cutoff)) / (config.sigma * config.sigma);
-}
-
 } // namespace kinora::tracking

@@ -1,12 +1,12 @@
 // What one view says of a posed body: which part a measured point lies on, and which of the body's points the camera
 // sees, sees past, or cannot see.
-// Sources: Tagliasacchi et al., "Robust Articulated-ICP for Real-Time Hand Tracking", SGP 2015; Geman and McClure, 1987
-// (robust loss).
+// Source: Tagliasacchi et al., "Robust Articulated-ICP for Real-Time Hand Tracking", SGP 2015.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
+#include "core/robust_cost.h"
 #include "tracking/body/body_model.h"
 #include "tracking/body/detected_joints.h"
 #include "tracking/body/pose_prior.h"
@@ -16,7 +16,7 @@ namespace kinora::tracking {
 
 struct BodyEnergyConfig {
   double sigma = 0.02;         ///< metres: cloth, muscle and hair against rounded cones
-  double cutoff = 0.06;        ///< metres: what lies farther away counts little (scale of the Geman–McClure loss)
+  double cutoff = 0.06;        ///< metres: what lies farther away counts little (GemanMcClure)
   double patch = 0.04;         ///< metres: errors nearer to each other are not independent
   double normal_length = 0.05; ///< metres that a right angle between both normals is worth
   PosePriorConfig poses;
@@ -86,7 +86,7 @@ struct SampleResidual {
 SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
                        const BodyEnergyConfig& config);
 
-/// Geman–McClure: near value² / σ² for small values, below cutoff² / σ² for all.
-double robust_loss(double squared, const BodyEnergyConfig& config);
+/// Of distances in metres.
+inline GemanMcClure robust_cost(const BodyEnergyConfig& config) { return {config.sigma, config.cutoff}; }
 
 } // namespace kinora::tracking

@@ -66,13 +66,11 @@ RayDistance::RayDistance(const Vec& place, const Eigen::Vector2d& ray)
 
 double energy_of(const SightedJoint& sighted, const PosedBody& body, const DetectedJointsConfig& config) {
   const RayDistance distance(place_of(landmark_of(sighted.joint), body), sighted.ray);
-  const double squared = distance.value.squaredNorm();
-  return sighted.weight * squared / (1 + squared / (config.cutoff * config.cutoff)) / (config.sigma * config.sigma);
+  return sighted.weight * robust_cost(config).cost(distance.value.squaredNorm());
 }
 
 double slope_of(const SightedJoint& sighted, double squared, const DetectedJointsConfig& config) {
-  const double share = 1 / (1 + squared / (config.cutoff * config.cutoff));
-  return sighted.weight * share * share / (config.sigma * config.sigma);
+  return sighted.weight * robust_cost(config).weight(squared) / (config.sigma * config.sigma);
 }
 
 std::vector<SightedJoint> believable(std::span<const SightedJoint> sighted, std::span<const SightedJoint> before,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/robust_cost.h"
 #include "ingest/joint_detection.h"
 #include "tracking/body/body_model.h"
 
@@ -16,9 +17,11 @@ namespace kinora::tracking {
 struct DetectedJointsConfig {
   double weight = 2;      ///< of a joint of score 1, in patches of measured surface
   double sigma = 0.04;    ///< metres: where annotators see a joint, and where the model has it
-  double cutoff = 0.12;   ///< metres: what lies farther away counts little (scale of the Geman–McClure loss)
+  double cutoff = 0.12;   ///< metres: what lies farther away counts little (GemanMcClure)
   double min_score = 0.3; ///< joints below are not used
 };
+/// Of distances in metres, by a joint's weight.
+inline GemanMcClure robust_cost(const DetectedJointsConfig& config) { return {config.sigma, config.cutoff}; }
 
 /// A detected joint as the body is told of it.
 struct SightedJoint {
@@ -47,7 +50,7 @@ struct RayDistance {
   Eigen::Vector2d value;
 };
 
-/// Geman–McClure, as for the surface.
+/// The robust cost of its distance, by its weight.
 double energy_of(const SightedJoint& sighted, const PosedBody& body, const DetectedJointsConfig& config);
 /// Slope of that by the squared distance.
 double slope_of(const SightedJoint& sighted, double squared, const DetectedJointsConfig& config);

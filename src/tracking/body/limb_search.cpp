@@ -94,12 +94,12 @@ double limb_energy(const LimbChain& chain, const std::vector<Candidate>& points,
   for (const Candidate& c : points) {
     BodyInCamera::Match match(c.cost);
     for (const std::size_t part : chain.parts) body.match(part, c.point, config.normal_length, match);
-    energy += c.point.weight * robust_loss(cut(match.squared_distance(), config), config);
+    energy += c.point.weight * robust_cost(config).cost(cut(match.squared_distance(), config));
   }
   for (const std::size_t part : chain.parts) {
     for (const BodySample& sample : samples_of(part)) {
       const SampleResidual r = look_at(body, sample, *evidence.view, config);
-      if (r.sight == Sight::kEmpty) energy += r.weight * robust_loss(r.value * r.value, config);
+      if (r.sight == Sight::kEmpty) energy += r.weight * robust_cost(config).cost(r.value * r.value);
     }
   }
   return energy;
