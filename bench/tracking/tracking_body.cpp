@@ -156,13 +156,13 @@ void run(const std::string& folder, int label) {
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     processor.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
     explained += result.explained;
-    empty += result.empty;
+    empty += result.free_space_share;
     if (result.health != tracking::Health::kTracked) ++not_tracked;
     if (!tracker.started()) continue;
     const tracking::Bones bones = tracking::place_bones(tracker.state().pose, tracker.state().shape);
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
       std::printf("health,%d,%s,%.3f,%.3f", frame->index, std::string(tracking::name_of(result.health)).c_str(),
-                  result.explained, result.empty);
+                  result.explained, result.free_space_share);
       for (const tracking::LimbHealth limb : result.limbs) std::printf(",%s", std::string(name_of(limb)).c_str());
       std::printf(",%.1f\n", milliseconds.back());
     }

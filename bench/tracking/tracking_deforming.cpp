@@ -171,7 +171,7 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
               "settled in %.2f s\n",
               frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * tracker.node_spacing(),
               std::string(tracking::name_of(tracker.body().verdict())).c_str(), tracker.body().explained(),
-              tracker.body().empty(), 1e-3 * settling);
+              tracker.body().free_space(), 1e-3 * settling);
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;

@@ -63,7 +63,7 @@ void follow(const bench::Setting& knobs) {
     if (!each) continue;
     std::printf("# frame %d: %s, %zu nodes, inliers %.3f of %zu, empty %.3f, correlation %.3f, %.0f ms\n", i,
                 std::string(name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
-                result.quality.on_label, result.quality.empty_share(), result.quality.texture_correlation,
+                result.quality.on_label, result.quality.free_space_share(), result.quality.texture_correlation,
                 processor.back());
   }
   tracker.settle_past();
@@ -73,7 +73,7 @@ void follow(const bench::Setting& knobs) {
       bench::compare_tracks(testing::track_person(scene, kPoints, camera, scene.fast_parts), motion, numbers, each);
   const LayerBody& body = tracker.body();
   std::printf("# body: %s, explained %.3f, empty %.3f; %zu nodes\n", std::string(name_of(body.verdict())).c_str(),
-              body.explained(), body.empty(), motion.graph()->nodes().size());
+              body.explained(), body.free_space(), motion.graph()->nodes().size());
   std::printf("%s,", std::string(scene.name).c_str());
   for (const auto& [name, value] : knobs) {
     if (name != "scene") std::printf("%g,", value);

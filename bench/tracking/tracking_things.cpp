@@ -73,7 +73,7 @@ struct Followed {
           "correlation %.2f, explained %.2f, outside %.2f, %.1f ms\n",
           frame.index, thing->label, std::string(name_of(result.pose.health)).c_str(), pixels, distance, rotation, tilt,
           turn, result.weak_directions, quality.inlier_share(), quality.texture_correlation, quality.explained_share,
-          quality.outside_share(), processor.back());
+          quality.free_space_share(), processor.back());
     }
     if (pixels < 0.2 * most_pixels) return;
     ++seen;

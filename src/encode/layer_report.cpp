@@ -80,7 +80,7 @@ Json body_json(const tracking::LayerBody& body) {
   return {{"verdict", tracking::name_of(body.verdict())},
           {"why", why()},
           {"explained", round4(body.explained())},
-          {"empty", round4(body.empty())},
+          {"empty", round4(body.free_space())},
           {"detected_joints", round4(body.detected())}};
 }
 

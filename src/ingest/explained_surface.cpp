@@ -12,8 +12,9 @@ namespace {
 constexpr int kColumns = 8;
 constexpr int kRows = 6;
 constexpr std::array<std::size_t, 2> kLater{2, 6}; ///< views
-constexpr double kOutOfRange = 1.5;                ///< distance of what is not measured, over the farthest that is
-constexpr int kLeastTexture = 8;                   ///< pixels of a cell that tell
+constexpr DepthMargin kMargin{2 * kSameSurface.metres, 2 * kSameSurface.sigmas};
+constexpr double kOutOfRange = 1.5; ///< distance of what is not measured, over the farthest that is
+constexpr int kLeastTexture = 8;    ///< pixels of a cell that tell
 
 struct Cell {
   int explained = 0;
@@ -49,10 +50,9 @@ Surface compare(const SegmentationView& a, const SegmentationView& b) {
       const double z = a.depth.at(u, v) > 0 ? static_cast<double>(a.depth.at(u, v)) : far;
       const auto seen = seen_point(b.intrinsics, a_to_b * a.intrinsics.unproject(u, v, z));
       if (!seen) continue;
-      const double tolerance = 2 * same_surface_tolerance(seen->z);
       const double there = b.depth.at(seen->u, seen->v);
-      if (there > 0 && there < seen->z - tolerance) continue; // hidden
-      const bool at_depth = there == 0 || a.depth.at(u, v) == 0 || there <= seen->z + tolerance;
+      if (is_occluded(seen->z, there, kMargin)) continue;
+      const bool at_depth = there == 0 || a.depth.at(u, v) == 0 || !violates_free_space(seen->z, there, kMargin);
       const int number = (v * kRows / a.depth.height()) * kColumns + u * kColumns / a.depth.width();
       Cell& cell = cells[static_cast<std::size_t>(number)];
       ++cell.seen;

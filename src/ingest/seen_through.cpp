@@ -40,7 +40,7 @@ bool looks_through(const Sample& sample, const Eigen::Vector3d& point, float rea
   if (!sample.view->depth.contains(u, v)) return false;
   const double measured = sample.view->depth.at(u, v);
   if (measured == kUnmeasured) return reading == kUnmeasured;
-  return measured > seen.z() + same_surface_tolerance(seen.z());
+  return violates_free_space(seen.z(), measured, kSameSurface);
 }
 
 } // namespace

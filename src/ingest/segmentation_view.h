@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/sensor_noise.h"
+#include "core/free_space.h"
 #include "ingest/frame.h"
 
 namespace kinora::ingest {
@@ -45,6 +45,7 @@ struct SeenPoint {
 std::optional<SeenPoint> seen_point(const Intrinsics& intrinsics, const Eigen::Vector3d& point);
 
 /// Two measurements of one surface, at different times or in neighbouring pixels, differ by less (metres).
-constexpr double same_surface_tolerance(double z) { return std::max(0.012, 3 * kSensorNoise.sigma(z)); }
+constexpr DepthMargin kSameSurface{0.012, 3};
+constexpr double same_surface_tolerance(double z) { return kSameSurface.at(z); }
 
 } // namespace kinora::ingest

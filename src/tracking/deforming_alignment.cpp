@@ -19,6 +19,7 @@ constexpr std::size_t kPointsPerChunk = 1024;
 constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kNearest = 0.05;      // metres
+constexpr DepthMargin kDeformedMargin{0.05, 4};
 
 struct Stage {
   int level;
@@ -208,7 +209,7 @@ struct Judgement {
   void add(const Judgement& other) {
     counts.on_label += other.counts.on_label;
     counts.inliers += other.counts.inliers;
-    counts.in_empty += other.counts.in_empty;
+    counts.free_space_violations += other.counts.free_space_violations;
     textured += other.textured;
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
   }
@@ -230,9 +231,9 @@ struct Judgement {
 
 void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
   if (seen.pixel_u < 0) return;
-  const double behind = seen.place.z() + std::max(0.05, 4 * kSensorNoise.sigma(seen.place.z()));
-  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
-    ++sum.counts.in_empty;
+  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 &&
+      violates_free_space(seen.place.z(), view.depth.at(seen.pixel_u, seen.pixel_v), kDeformedMargin)) {
+    ++sum.counts.free_space_violations;
   }
   if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
   const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
@@ -321,7 +322,8 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
       associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
       result.seen = shares.of([&](std::size_t p) { return terms[p].on_surface; });
-      const auto looked_at = shares.of([&](std::size_t p) { return terms[p].on_surface || terms[p].seen_past; });
+      const auto looked_at =
+          shares.of([&](std::size_t p) { return terms[p].on_surface || terms[p].violates_free_space; });
       problem.set_binding(bowed(binding, looked_at));
       if (!damped.step(problem, config, pose, result.energies)) break;
       const std::size_t tries = result.energies.size();

@@ -42,15 +42,16 @@ struct DeformingAlignment {
 
 /// How well node states explain a view.
 struct DeformingQuality {
-  std::size_t on_label = 0;       ///< points that face the camera and fall on a measured pixel of the label
-  std::size_t inliers = 0;        ///< of these, within 3σ + 5 mm and 45°
-  std::size_t in_empty = 0;       ///< points off the label where the camera sees past them
-  double texture_correlation = 0; ///< of image and fused texture; 0 if there is too little texture to tell
+  std::size_t on_label = 0;              ///< points that face the camera and fall on a measured pixel of the label
+  std::size_t inliers = 0;               ///< of these, within 3σ + 5 mm and 45°
+  std::size_t free_space_violations = 0; ///< points off the label where the camera sees past them
+  double texture_correlation = 0;        ///< of image and fused texture; 0 if there is too little texture to tell
   double inlier_share() const {
     return on_label > 0 ? static_cast<double>(inliers) / static_cast<double>(on_label) : 0.0;
   }
-  double empty_share() const {
-    return in_empty > 0 ? static_cast<double>(in_empty) / static_cast<double>(on_label + in_empty) : 0.0;
+  double free_space_share() const {
+    if (free_space_violations == 0) return 0;
+    return static_cast<double>(free_space_violations) / static_cast<double>(on_label + free_space_violations);
   }
 };
 

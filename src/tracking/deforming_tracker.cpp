@@ -25,7 +25,7 @@ constexpr double kVelocityShare = 0.8; // of the last motion that the next one i
 constexpr double kJump = 0.05;         // metres beyond what is expected: from less, alignment finds back
 constexpr double kMoreShown = 0.1;     // share of the surface that would face the camera
 constexpr int kPassesWhenFound = 3;
-constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
+constexpr double kMuchFreeSpace = 0.25;    // share of the model in empty space: other places are tried as well
 constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
@@ -222,7 +222,7 @@ std::vector<GraphEdge> DeformingTracker::holding_edges(std::span<const NodePull>
 
 bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
-         quality.empty_share() <= config_.max_empty_share;
+         quality.free_space_share() <= config_.max_free_space;
 }
 
 // Without a frame just before, there is farther to go.
@@ -268,7 +268,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
       align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   const bool doubtful =
-      result.quality.empty_share() > kMuchEmpty ||
+      result.quality.free_space_share() > kMuchFreeSpace ||
       (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
   if (config_.use_searches && (unseen_ > 0 || doubtful || !is_healthy(result.quality))) {
     DeformingAlignment elsewhere =
@@ -296,7 +296,7 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i] = renormalized(camera_to_world * alignment.nodes.transforms[i].to_se3());
   }
-  if (result.quality.empty_share() <= kMuchEmpty) library_.add(records_.size() - 1, world_to_camera, nodes);
+  if (result.quality.free_space_share() <= kMuchFreeSpace) library_.add(records_.size() - 1, world_to_camera, nodes);
   past_->has_earlier = unseen_ == 0;
   past_->earlier_time = past_->time;
   past_->time = frame.time;

@@ -34,7 +34,7 @@ struct DeformingTrackerConfig {
   std::size_t min_pixels = 60;    ///< fewer: the deformation is held
   std::size_t max_points = 6000;  ///< model points used for alignment
   double min_inlier_share = 0.5;  ///< of the points that fall on the layer; below, the deformation is not believed
-  double max_empty_share = 0.5;   ///< of the points in view, where the camera sees past them; above, likewise
+  double max_free_space = 0.5;    ///< of the points in view, where the camera sees past them; above, likewise
   int held_frames = 30;           ///< unseen for longer: lost
   int fuse_interval = 4;          ///< frames from one to the next that is fused where the surface was seen often
   bool use_body = true;           ///< false: no skeleton is looked for

@@ -18,7 +18,7 @@ std::string_view name_of(BodyVerdict verdict) {
 
 BodyVerdict LayerBody::verdict() const {
   if (frames_ < config_.deciding_frames) return BodyVerdict::kUndecided;
-  const bool fits = explained() >= config_.min_explained && empty() <= config_.max_empty;
+  const bool fits = explained() >= config_.min_explained && free_space() <= config_.max_free_space;
   return fits ? BodyVerdict::kPerson : BodyVerdict::kNobody;
 }
 
@@ -34,7 +34,7 @@ void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double
   if (last_.health == Health::kHeld) return;
   ++frames_;
   explained_ += last_.explained;
-  empty_ += last_.empty;
+  free_space_ += last_.free_space_share;
   detected_ += static_cast<double>(last_.detected);
 }
 

@@ -23,10 +23,10 @@ std::string_view name_of(BodyVerdict verdict);
 
 struct LayerBodyConfig {
   BodyTrackerConfig tracker;
-  int deciding_frames = 10;    ///< in which the body is only looked at
-  double min_explained = 0.75; ///< of what is measured, in the mean over all frames so far
-  double max_empty = 0.15;     ///< of the body that nothing hides, likewise
-  double binding_sigma = 0.02; ///< metres
+  int deciding_frames = 10;     ///< in which the body is only looked at
+  double min_explained = 0.75;  ///< of what is measured, in the mean over all frames so far
+  double max_free_space = 0.15; ///< of the body that nothing hides, likewise
+  double binding_sigma = 0.02;  ///< metres
 };
 
 /// Places are in the world, metres. Not thread-safe. Same views, same bits, for any number of threads.
@@ -62,7 +62,7 @@ public:
   /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.
   std::optional<JointPaths> joint_paths() const;
   double explained() const { return frames_ > 0 ? explained_ / frames_ : 0.0; }
-  double empty() const { return frames_ > 0 ? empty_ / frames_ : 0.0; }
+  double free_space() const { return frames_ > 0 ? free_space_ / frames_ : 0.0; }
   double detected() const { return frames_ > 0 ? detected_ / frames_ : 0.0; } ///< joints that a detector has found
 
 private:
@@ -75,9 +75,9 @@ private:
     std::array<LimbHealth, kLimbs> limbs;
     bool trusted; ///< it goes on from the frame before, and lies on what is seen
   };
-  std::vector<std::optional<Record>> records_;      ///< of all frames; nothing before the first that shows a body
-  int frames_ = 0;                                  ///< that count
-  double explained_ = 0, empty_ = 0, detected_ = 0; ///< sums
+  std::vector<std::optional<Record>> records_;           ///< of all frames; nothing before the first that shows a body
+  int frames_ = 0;                                       ///< that count
+  double explained_ = 0, free_space_ = 0, detected_ = 0; ///< sums
 };
 
 } // namespace kinora::tracking

@@ -8,9 +8,11 @@
 
 #include <hwy/highway.h>
 
+#include "core/free_space_simd.h"
 #include "core/sensor_noise_simd.h"
 #include "tracking/point_blend_simd.h"
 #include "tracking/texture_simd.h"
+#include "tracking/visibility.h"
 
 #ifndef KINORA_TRACKING_POINT_ASSOCIATION_ONCE
 #define KINORA_TRACKING_POINT_ASSOCIATION_ONCE
@@ -36,10 +38,11 @@ struct FloatGates {
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 
-constexpr float kFacingCosine = 0.17F; // 80°
-constexpr float kNormalCosine = 0.7F;  // 45°
-constexpr float kNearestDepth = 0.05F; // metres
-constexpr float kRim = 1;              // pixels that a silhouette may be wrong by
+constexpr float kFacingCosine = 0.17F;          // 80°
+constexpr float kNormalCosine = 0.7F;           // 45°
+constexpr float kNearestDepth = 0.05F;          // metres
+constexpr DepthMargin kTextureMargin{0.015, 3}; // of a surface that shows a point's texture
+constexpr float kRim = 1;                       // pixels that a silhouette may be wrong by
 
 /// Some points side by side, and what is compared with them.
 class AssociationLanes {
@@ -73,7 +76,7 @@ public:
     hn::Store(pixel_, di, pixels_);
     plane_ = {{zero(), zero(), zero()}, zero()};
     plane_scale_ = label_ = zero();
-    covered_ = on_surface_ = seen_past_ = shown_ = hn::Lt(zero(), zero());
+    covered_ = on_surface_ = violates_free_space_ = shown_ = hn::Lt(zero(), zero());
   }
 
   HWY_INLINE void compare(const FloatGates& gates) {
@@ -81,8 +84,7 @@ public:
     if (hn::AllFalse(df, in_view_)) return;
     label_ = read([&](std::size_t pixel) { return view_.mask[pixel]; });
     const F front = hn::GatherIndex(df, view_.depth, pixel_);
-    const F margin = hn::Max(constant(0.03F), hn::Mul(constant(3), depth_sigma(place_.z)));
-    covered_ = hn::And(hn::Gt(front, zero()), hn::Lt(front, hn::Sub(place_.z, margin)));
+    covered_ = is_occluded(place_.z, front, kPoseMargin);
     const Mask off_label = hn::Eq(label_, zero());
     find_planes(hn::AndNot(off_label, visible_), gates.plane);
     const Mask off = hn::And(off_label, in_view_);
@@ -97,7 +99,7 @@ public:
     HWY_ALIGN float values[kLanes];
     hn::Store(plane_scale_, df, scales);
     hn::Store(hn::IfThenElseZero(on_surface_, constant(1)), df, surface);
-    hn::Store(hn::IfThenElseZero(seen_past_, constant(1)), df, past);
+    hn::Store(hn::IfThenElseZero(violates_free_space_, constant(1)), df, past);
     F value = hn::NaN(df);
     if (!hn::AllFalse(df, shown_)) value = hn::IfThenElse(shown_, TextureLanes(image_, u_, v_).sample(0), value);
     hn::Store(value, df, values);
@@ -106,7 +108,7 @@ public:
       terms[lane].expected = terms[lane].texture_scale = {};
       terms[lane].plane_scale = scales[lane];
       terms[lane].on_surface = surface[lane] != 0;
-      terms[lane].seen_past = past[lane] != 0;
+      terms[lane].violates_free_space = past[lane] != 0;
       image[lane] = values[lane];
     }
   }
@@ -145,7 +147,7 @@ private:
     on_surface_ = matches;
     // A surface that is measured elsewhere along the ray shows another point's texture.
     const Mask contradicted = hn::AndNot(matches, measured);
-    seen_past_ = hn::AndNot(covered_, contradicted);
+    violates_free_space_ = hn::AndNot(covered_, contradicted);
     const Mask well_within = hn::And(on_label, hn::Eq(label_, constant(2)));
     shown_ = hn::AndNot(covered_, hn::AndNot(contradicted, well_within));
   }
@@ -156,7 +158,7 @@ private:
     const F inwards_v = read([&](std::size_t pixel) { return view_.to_silhouette[2 * pixel + 1]; });
     const F squared = hn::MulAdd(inwards_u, inwards_u, hn::Mul(inwards_v, inwards_v));
     const Mask past = hn::AndNot(covered_, hn::And(off_label, hn::Ge(squared, constant(kRim * kRim))));
-    seen_past_ = hn::Or(seen_past_, past);
+    violates_free_space_ = hn::Or(violates_free_space_, past);
     const F one = constant(1);
     const F per_length = hn::Div(one, hn::Sqrt(hn::IfThenElse(past, squared, one)));
     const F outwards_u = hn::Neg(hn::Mul(inwards_u, per_length));
@@ -185,7 +187,7 @@ private:
   Mask covered_; ///< something stands before the point
   Quat plane_;
   F plane_scale_;
-  Mask on_surface_, seen_past_;
+  Mask on_surface_, violates_free_space_;
   Mask shown_; ///< the texture is that of the point
 };
 
@@ -224,8 +226,8 @@ HWY_INLINE void show_in_lanes(const PosedPoint* points, std::size_t count, const
     const Vec3 ray{hn::Mul(hn::Sub(hn::ConvertTo(df, column), constant(camera.cx)), constant(1 / camera.fx)),
                    hn::Mul(hn::Sub(hn::ConvertTo(df, row), constant(camera.cy)), constant(1 / camera.fy)), one};
     const F depth = hn::Neg(hn::Div(plane.w, hn::IfThenElse(measured, dot(plane.v, ray), one)));
-    const F tolerance = hn::Max(constant(0.015F), hn::Mul(constant(3), depth_sigma(place.z)));
-    const Mask there = hn::And(measured, hn::Le(hn::Abs(hn::Sub(depth, place.z)), tolerance));
+    const F off = hn::Abs(hn::Sub(depth, place.z));
+    const Mask there = hn::And(measured, hn::Le(off, margin_at(kTextureMargin, place.z)));
     for (std::size_t level = 0; level < levels.size() && !hn::AllFalse(df, there); ++level) {
       const F value = TextureLanes(levels[level], u, v).sample(0);
       hn::Store(hn::IfThenElse(there, value, hn::NaN(df)), df, values[level]);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/sensor_noise.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -106,8 +106,7 @@ void remove_occluders(std::span<const SurfacePoint> surface, const SE3& model_to
     for (int u = 0; u < view.intrinsics.width; ++u) {
       const float model = nearest.at(u / kCell, v / kCell);
       if (model == 0 || planes.weights.at(u, v) <= 0) continue;
-      const double margin = std::max(0.03, 3 * kSensorNoise.sigma(model));
-      if (view.point(u, v).z() < model - margin) planes.weights.at(u, v) = 0;
+      if (is_occluded(model, view.point(u, v).z(), kPoseMargin)) planes.weights.at(u, v) = 0;
     }
   }
 }

@@ -21,8 +21,8 @@ struct PointTerms {
   std::array<float, kTextures> expected{};                ///< textures at the point
   std::array<float, kTextures> texture_scale{};
   float plane_scale = 0;
-  bool on_surface = false; ///< the plane is of measured surface, no border of a silhouette
-  bool seen_past = false;  ///< the camera sees what lies behind the point
+  bool on_surface = false;          ///< the plane is of measured surface, no border of a silhouette
+  bool violates_free_space = false; ///< the camera sees what lies behind the point
 };
 
 /// A residual and its derivative by the point's place, times the root of its weight. All textures are one row, as their

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/sensor_noise.h"
 #include "tracking/statistics.h"
 
 namespace kinora::tracking {
@@ -15,13 +14,13 @@ constexpr double kMinSamples = 30;
 constexpr int kRim = 2; // pixels that a silhouette may be wrong by
 
 // Beside the label, where the camera sees past it: what is measured there lies behind, or is background out of range.
-bool is_outside(const ProjectedPoint& p, const ObjectView& view) {
+bool violates_free_space(const ProjectedPoint& p, const ObjectView& view) {
   if (view.to_silhouette.empty()) return false;
   const std::int16_t* offset = view.to_silhouette.pixel(p.pixel_u, p.pixel_v);
   if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
   const double z = p.point.z();
   const double measured = view.depth.at(p.pixel_u, p.pixel_v);
-  return !(measured > 0) || measured > z + std::max(0.03, 3 * kSensorNoise.sigma(z));
+  return !(measured > 0) || kinora::violates_free_space(z, measured, kPoseMargin);
 }
 
 /// Pearson's correlation, from sums.
@@ -61,7 +60,7 @@ public:
   void add(const ProjectedPoint& p) {
     const double z = p.point.z();
     const double measured = view_.point(p.pixel_u, p.pixel_v).z();
-    if (std::abs(measured - z) < std::max(0.03, 3 * kSensorNoise.sigma(z))) {
+    if (std::abs(measured - z) < kPoseMargin.at(z)) {
       covered_.at(p.pixel_u / cell_, p.pixel_v / cell_) = 1;
     }
   }
@@ -94,7 +93,7 @@ PoseQuality judge_pose(std::span<const ModelPoint> points, const ObjectView& vie
   for (const ModelPoint& point : points) {
     const auto p = project(point, view, model_to_camera);
     if (!p) continue;
-    quality.outside += is_outside(*p, view) ? 1 : 0;
+    quality.free_space_violations += violates_free_space(*p, view) ? 1 : 0;
     if (view.planes.weights.at(p->pixel_u, p->pixel_v) > 0) {
       ++quality.on_label;
       coverage.add(*p);

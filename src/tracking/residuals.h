@@ -13,6 +13,7 @@
 #include "core/se3.h"
 #include "core/sensor_noise.h"
 #include "tracking/object_view.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 
@@ -73,7 +74,7 @@ using LightOffsets = std::array<double, ModelPoint::kDirections>;
 
 /// Texture of the image minus that of the model and the light's offset; sigma is 1. Nothing if the point has no texture
 /// at that level, lies within two pixels of the label's border or where the view has no detail, or something measured
-/// stands before it by more than max(3 cm, 3σ).
+/// stands before it by more than kPoseMargin.
 std::optional<Residual> photometric_residual(const ProjectedPoint& projected, const ModelPoint& model,
                                              const ObjectView& view, const Pivot& pivot, int level,
                                              const LightOffsets& light = {});
@@ -135,7 +136,7 @@ inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, con
   if (!view.detail.empty() && view.detail.at(p.pixel_u, p.pixel_v) == 0) return std::nullopt;
   const double z = p.point.z();
   const float front = view.depth.at(p.pixel_u, p.pixel_v);
-  if (front > 0 && front < z - std::max(0.03, 3 * kSensorNoise.sigma(z))) return std::nullopt;
+  if (is_occluded(z, front, kPoseMargin)) return std::nullopt;
   const TextureSample image = view.sample_texture(level, p.u, p.v);
   const double fx = view.intrinsics.fx / z;
   const double fy = view.intrinsics.fy / z;

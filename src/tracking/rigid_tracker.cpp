@@ -24,11 +24,11 @@ constexpr int kMostSteps = 3;                // times that motion: for longer, n
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
 constexpr double kCertainCorrelation = 0.85; // they are not, however little of the label is covered
 constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
-constexpr double kMostOutside = 0.3;         // of the points: they belong to something that is elsewhere
+constexpr double kMaxFreeSpaceShare = 0.3;   // of the points: they belong to something that is elsewhere
 constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
 constexpr double kMostlyExplained = 0.9;     // of the label, if what is carried is to have turned otherwise
 constexpr double kPrintShare = 0.25;         // of the pixels with detail: what never had as much is plain
-constexpr double kMostlyPast = 0.5;          // of the surface that faces the camera
+constexpr double kLetGoShare = 0.5;          // of the surface that faces the camera, in free space
 constexpr int kOldestRim = 10;               // frames that a rim is compared with
 constexpr double kRimTurn = 0.2;             // radians from which on another is
 constexpr double kRimChange = 0.1;           // and the change of the label's pixels
@@ -147,11 +147,11 @@ void RigidTracker::leave_out_shading(ObjectView& view) {
 
 SE3 RigidTracker::canonical_to_world() const { return model_to_world_ * Eigen::Translation3d(-volume_->origin()); }
 
-bool RigidTracker::is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const {
+bool RigidTracker::is_in_free_space(const ingest::Frame& frame, const SE3& model_to_world) const {
   const SE3 to_camera = frame.camera.camera_to_world.inverse() * model_to_world;
   const Intrinsics& camera = frame.camera.intrinsics;
   std::size_t facing = 0;
-  std::size_t past = 0;
+  std::size_t violations = 0;
   for (const SurfacePoint& point : surface_) {
     const Eigen::Vector3d place = to_camera * point.position.cast<double>();
     if (place.z() <= 0 || place.dot(to_camera.linear() * point.normal.cast<double>()) >= 0) continue;
@@ -160,15 +160,15 @@ bool RigidTracker::is_seen_past(const ingest::Frame& frame, const SE3& model_to_
     const auto v = static_cast<int>(std::floor(pixel.y() + 0.5));
     if (!frame.depth.contains(u, v)) continue;
     ++facing;
-    past += frame.depth.at(u, v) > place.z() + std::max(0.03, 3 * kSensorNoise.sigma(place.z())) ? 1 : 0;
+    violations += violates_free_space(place.z(), frame.depth.at(u, v), kPoseMargin) ? 1 : 0;
   }
-  return static_cast<double>(past) > kMostlyPast * static_cast<double>(facing);
+  return static_cast<double>(violations) > kLetGoShare * static_cast<double>(facing);
 }
 
 void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
   if (volume_ == nullptr || unseen_ == 0 || is_let_go_) return;
   const SE3 there = renormalized(motion * past_->model_to_world);
-  is_let_go_ = is_seen_past(frame, there);
+  is_let_go_ = is_in_free_space(frame, there);
   if (is_let_go_) return;
   model_to_world_ = there;
   past_->earlier_model_to_world.reset(); // its motion is what holds it
@@ -266,13 +266,13 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
   candidate.quality = judge_pose(candidate.seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
-      quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.outside_share();
+      quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.free_space_share();
   return candidate;
 }
 
 bool RigidTracker::is_healthy(const PoseQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
-         quality.outside_share() <= kMostOutside &&
+         quality.free_space_share() <= kMaxFreeSpaceShare &&
          (!quality.has_texture() || quality.texture_correlation >= config_.min_correlation);
 }
 
@@ -280,7 +280,7 @@ bool RigidTracker::is_healthy(const PoseQuality& quality) const {
 // silhouette says so.
 bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
   if (quality.has_texture() && quality.texture_correlation < kDoubtfulCorrelation) return true;
-  if (quality.outside_share() > past_->quality.outside_share() + kOtherSilhouette) return true;
+  if (quality.free_space_share() > past_->quality.free_space_share() + kOtherSilhouette) return true;
   return quality.texture_correlation <= kCertainCorrelation &&
          quality.explained_share < past_->quality.explained_share - kOtherSilhouette;
 }
@@ -288,7 +288,7 @@ bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
 // Without the support of the last frame the view itself must be convincing.
 bool RigidTracker::is_found_again(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
-         quality.outside_share() <= past_->quality.outside_share() + kOtherSilhouette &&
+         quality.free_space_share() <= past_->quality.free_space_share() + kOtherSilhouette &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 

@@ -83,7 +83,7 @@ private:
   void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
   void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
-  bool is_seen_past(const ingest::Frame& frame, const SE3& model_to_world) const;
+  bool is_in_free_space(const ingest::Frame& frame, const SE3& model_to_world) const;
   SE3 canonical_to_world() const;
   SE3 predicted(double time) const;
   Candidate attempt(const ObjectView& view, const SE3& start, const SE3& prior, const RimSource& rims) const;

@@ -4,16 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "core/free_space.h"
 #include "tracking/silhouette.h"
 
 namespace kinora::tracking {
 namespace {
 
-constexpr int kAround = 3;             // pixels, over which the depth at the border is taken
-constexpr int kThinnest = 2;           // pixels, over which its direction is: handles are thin
-constexpr double kNearer = 0.01;       // metres: what lies before the layer by more hides it
-constexpr double kDirection = 0.707;   // cosine
-constexpr double kMostSideways = 0.95; // of a normal
+constexpr int kAround = 3;              // pixels, over which the depth at the border is taken
+constexpr int kThinnest = 2;            // pixels, over which its direction is: handles are thin
+constexpr DepthMargin kMargin{0.01, 2}; // what lies before the layer by more hides it
+constexpr double kDirection = 0.707;    // cosine
+constexpr double kMostSideways = 0.95;  // of a normal
 
 bool is_border(const LabelImage& mask, int u, int v) {
   return mask.at(u, v) == 1 && u > 0 && v > 0 && u + 1 < mask.width() && v + 1 < mask.height() &&
@@ -79,8 +80,7 @@ template <class Each> void for_each_rim_pixel(const ObjectView& view, const Each
       if (!is_border(view.mask, u, v)) continue;
       const Around around = look_around(view, u, v);
       const double length = around.outward.norm();
-      const double nearer = std::max(kNearer, 2 * kSensorNoise.sigma(around.depth));
-      const bool is_hidden = around.nearest > 0 && around.nearest < around.depth - nearer;
+      const bool is_hidden = is_occluded(around.depth, around.nearest, kMargin);
       if (around.depth <= 0 || length < 1 || is_hidden) continue;
       const Eigen::Vector2d outward = around.outward / length;
       each(u, v, depth_at_rim(view, around, outward), outward);

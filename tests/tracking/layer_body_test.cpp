@@ -65,7 +65,7 @@ std::vector<ingest::Frame> plate() {
 
 TEST(LayerBody, KnowsAPersonAndItsJoints) {
   const LayerBody body = body_after(person(), 1);
-  EXPECT_EQ(body.verdict(), BodyVerdict::kPerson) << body.explained() << ' ' << body.empty();
+  EXPECT_EQ(body.verdict(), BodyVerdict::kPerson) << body.explained() << ' ' << body.free_space();
   const auto paths = body.joint_paths();
   ASSERT_TRUE(paths);
   ASSERT_EQ(paths->places.size(), 12U);
@@ -79,7 +79,7 @@ TEST(LayerBody, KnowsAPersonAndItsJoints) {
 
 TEST(LayerBody, TakesNoClothForAPerson) {
   const LayerBody body = body_after(plate(), 2);
-  EXPECT_EQ(body.verdict(), BodyVerdict::kNobody) << body.explained() << ' ' << body.empty();
+  EXPECT_EQ(body.verdict(), BodyVerdict::kNobody) << body.explained() << ' ' << body.free_space();
   EXPECT_FALSE(body.joint_paths());
 }
 

@@ -68,7 +68,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
     const std::int16_t* offset = view.to_silhouette.pixel(u, v);
     const Eigen::Vector2d inwards(offset[0], offset[1]);
     if (inwards.norm() < 1 || covered) return result;
-    result.terms.seen_past = true;
+    result.terms.violates_free_space = true;
     const Eigen::Vector2d outwards = -inwards.normalized();
     const Eigen::Vector2d rim = Eigen::Vector2d(u - view.intrinsics.cx, v - view.intrinsics.cy) + inwards + outwards;
     const Eigen::Vector3d through =
@@ -94,7 +94,7 @@ Plain plain_association(const PosedPoint& point, const ObjectView& view, int lev
     }
   }
   const bool contradicted = measured && !result.terms.on_surface;
-  result.terms.seen_past = contradicted && !covered;
+  result.terms.violates_free_space = contradicted && !covered;
   if (!contradicted && view.mask.at(u, v) == 2 && !covered) {
     result.image = view.sample_texture(level, pixel.x(), pixel.y()).value;
   }
@@ -125,7 +125,7 @@ TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
     for (std::size_t p = 0; p < points.size(); ++p) {
       const Plain plain = plain_association(points[p], view, level);
       EXPECT_EQ(terms[p].on_surface, plain.terms.on_surface) << p;
-      EXPECT_EQ(terms[p].seen_past, plain.terms.seen_past) << p;
+      EXPECT_EQ(terms[p].violates_free_space, plain.terms.violates_free_space) << p;
       EXPECT_LT((terms[p].plane_normal - plain.terms.plane_normal).norm(), 1e-5F) << p;
       EXPECT_NEAR(terms[p].plane_offset, plain.terms.plane_offset, 1e-5) << p;
       EXPECT_NEAR(terms[p].plane_scale, plain.terms.plane_scale, 1e-4 * plain.terms.plane_scale) << p;
@@ -185,7 +185,7 @@ TEST_P(PointAssociationTest, FindsNothingInAnEmptyView) {
   associate_points(points, view, 0, {}, terms, image);
   for (std::size_t p = 0; p < points.size(); ++p) {
     EXPECT_EQ(terms[p].plane_scale, 0);
-    EXPECT_FALSE(terms[p].seen_past);
+    EXPECT_FALSE(terms[p].violates_free_space);
     EXPECT_TRUE(std::isnan(image[p]));
   }
 }

@@ -70,7 +70,7 @@ void add_point(const BodyInCamera& body, const MeasuredPoint& point, int found, 
 void add_sample(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
                 const BodyEnergyConfig& config, Accumulator& sum) {
   const SampleResidual r = look_at(body, sample, view, config);
-  if (r.sight != Sight::kEmpty) return;
+  if (r.sight != Sight::kFreeSpace) return;
   const double squared = r.value * r.value;
   sum.energy += r.weight * robust_cost(config).cost(squared);
   const double weight = r.weight * robust_cost(config).weight(squared) / (config.sigma * config.sigma);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/sensor_noise.h"
+#include "core/free_space.h"
 
 namespace kinora::tracking {
 namespace {
@@ -11,13 +11,14 @@ namespace {
 using Vec = Eigen::Vector3d;
 
 constexpr double kFacingCosine = 0.2;
+constexpr DepthMargin kMargin{0.01, 1.5};
 
 // The silhouette is left: how far, and which way on the picture.
 void leave_silhouette(const Vec& p, const std::int16_t* offset, const Intrinsics& camera, SampleResidual& r) {
   const Vec away(-offset[0] / camera.fx, -offset[1] / camera.fy, 0); // in the plane at distance 1
   const double size = away.norm();
   const Vec across(away.x() / size, away.y() / size, -(away.x() * p.x() + away.y() * p.y()) / (size * p.z()));
-  r.sight = Sight::kEmpty;
+  r.sight = Sight::kFreeSpace;
   r.value = size * p.z();
   r.direction = across;
 }
@@ -84,17 +85,16 @@ SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const
   if (!view.mask.contains(u, v)) return r;
   r.weight = sample.area * (cosine - kFacingCosine) / (config.patch * config.patch);
   const double measured = view.depth.at(u, v);
-  const double tolerance = std::max(0.01, 1.5 * kSensorNoise.sigma(p.z()));
-  if (measured > 0 && measured < p.z() - tolerance) {
+  if (is_occluded(p.z(), measured, kMargin)) {
     r.sight = Sight::kHidden;
     return r;
   }
   const std::int16_t* offset = view.to_silhouette.pixel(u, v);
   if (offset[0] != 0 || offset[1] != 0) {
     leave_silhouette(p, offset, view.intrinsics, r);
-  } else if (measured > p.z() + tolerance) {
-    r.sight = Sight::kEmpty; // and must go back along the ray
-    r.value = (measured - tolerance - p.z()) / p.z() * p.norm();
+  } else if (violates_free_space(p.z(), measured, kMargin)) {
+    r.sight = Sight::kFreeSpace; // and must go back along the ray
+    r.value = (measured - kMargin.at(p.z()) - p.z()) / p.z() * p.norm();
     r.direction = -p / p.norm();
   } else {
     r.sight = view.mask.at(u, v) != 0 ? Sight::kSeen : Sight::kHidden;

@@ -72,14 +72,14 @@ private:
 
 /// What the view says about a point of the body's surface.
 enum class Sight {
-  kUnseen, ///< it faces away or lies outside the picture
-  kSeen,   ///< the view shows the person there
-  kHidden, ///< behind something, be it the person
-  kEmpty   ///< the camera sees past it
+  kUnseen,   ///< it faces away or lies outside the picture
+  kSeen,     ///< the view shows the person there
+  kHidden,   ///< behind something, be it the person
+  kFreeSpace ///< violated: the camera sees past it
 };
 struct SampleResidual {
   Sight sight = Sight::kUnseen;
-  double value = 0;          ///< metres by which it stands in what the camera sees to be empty
+  double value = 0;          ///< metres by which it violates free space
   Eigen::Vector3d direction; ///< unit: value grows by direction · movement
   double weight = 0;         ///< area across the ray in patches
 };

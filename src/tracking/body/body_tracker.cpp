@@ -127,7 +127,7 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   result.refitted = fresh_;
   parallel_for(2, 1, [&](const Chunk& which) {
     if (which.begin == 0) result.explained = explained_share(evidence, state);
-    if (which.begin == 1) result.empty = empty_share(evidence, state);
+    if (which.begin == 1) result.free_space_share = free_space_share(evidence, state);
   });
   result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
   if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
@@ -185,7 +185,7 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
                                BodyTrackingResult& result) {
   constexpr double kUnexplained = 3;            // patches
   constexpr double kUnexplainedBesideGuess = 1; // likewise
-  constexpr double kEmpty = 0.25;               // of the rest
+  constexpr double kMuchFreeSpace = 0.25;       // of the rest
   constexpr int kPause = 3;                     // frames after a search in vain
   jumped_.fill(false);
   std::array<LimbSight, kLimbs> sights;
@@ -201,7 +201,7 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
     // Where a limb was not seen, it is only guessed to be.
     const bool guessed = limbs_[limb] != LimbHealth::kSeen && health_of(sight) != LimbHealth::kSeen;
     const bool doubtful = sight.unexplained > (guessed ? kUnexplainedBesideGuess : kUnexplained) ||
-                          sight.empty > kEmpty * (sight.seen + sight.hidden) ||
+                          sight.free_space > kMuchFreeSpace * (sight.seen + sight.hidden) ||
                           (sight.detected_elsewhere > 0 && !holds);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
@@ -230,16 +230,16 @@ double BodyTracker::explained_share(const BodyEvidence& evidence, const BodyStat
   return total > 0 ? explained / total : 0.0;
 }
 
-double BodyTracker::empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const {
+double BodyTracker::free_space_share(const BodyEvidence& evidence, const BodyState& in_camera) const {
   const BodyInCamera body(in_camera);
   double total = 0;
-  double empty = 0;
+  double violating = 0;
   for (const BodySample& sample : body_samples()) {
     const SampleResidual r = look_at(body, sample, *evidence.view, config_.energy);
-    if (r.sight == Sight::kSeen || r.sight == Sight::kEmpty) total += r.weight;
-    if (r.sight == Sight::kEmpty && r.value > config_.energy.sigma) empty += r.weight;
+    if (r.sight == Sight::kSeen || r.sight == Sight::kFreeSpace) total += r.weight;
+    if (r.sight == Sight::kFreeSpace && r.value > config_.energy.sigma) violating += r.weight;
   }
-  return total > 0 ? empty / total : 1.0;
+  return total > 0 ? violating / total : 1.0;
 }
 
 } // namespace kinora::tracking

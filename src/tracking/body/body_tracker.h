@@ -34,9 +34,9 @@ struct BodyTrackingResult {
   Health health = Health::kLost;
   std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
   double explained = 0;                   ///< share of the measured surface that the body lies on
-  double empty = 0;         ///< share of the body's surface, of what nothing hides, that the camera sees past
-  std::size_t detected = 0; ///< joints that a detector has found
-  bool refitted = false;    ///< size and pose were fitted anew: what was known of the bones does not go on
+  double free_space_share = 0; ///< share of the body's surface, of what nothing hides, that the camera sees past
+  std::size_t detected = 0;    ///< joints that a detector has found
+  bool refitted = false;       ///< size and pose were fitted anew: what was known of the bones does not go on
 };
 
 /// Not thread-safe. Same views, same bits, for any number of threads.
@@ -65,7 +65,7 @@ private:
   void learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result);
   void search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state, BodyTrackingResult& result);
   double explained_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
-  double empty_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
+  double free_space_share(const BodyEvidence& evidence, const BodyState& in_camera) const;
 
   BodyTrackerConfig config_;
   bool started_ = false;

@@ -99,7 +99,7 @@ double limb_energy(const LimbChain& chain, const std::vector<Candidate>& points,
   for (const std::size_t part : chain.parts) {
     for (const BodySample& sample : samples_of(part)) {
       const SampleResidual r = look_at(body, sample, *evidence.view, config);
-      if (r.sight == Sight::kEmpty) energy += r.weight * robust_cost(config).cost(r.value * r.value);
+      if (r.sight == Sight::kFreeSpace) energy += r.weight * robust_cost(config).cost(r.value * r.value);
     }
   }
   return energy;
@@ -199,7 +199,7 @@ LimbSight look_at_limb(Limb limb, const BodyEvidence& evidence, const BodyState&
       const SampleResidual r = look_at(body, sample, *evidence.view, config);
       if (r.sight == Sight::kSeen) sight.seen += r.weight;
       if (r.sight == Sight::kHidden) sight.hidden += r.weight;
-      if (r.sight == Sight::kEmpty && r.value > config.sigma) sight.empty += r.weight;
+      if (r.sight == Sight::kFreeSpace && r.value > config.sigma) sight.free_space += r.weight;
     }
   }
   for (const SightedJoint& joint : evidence.joints) {
@@ -231,8 +231,8 @@ std::string_view name_of(LimbHealth health) {
 
 LimbHealth health_of(const LimbSight& sight) {
   constexpr double kEnough = 0.3; // of the surface that faces the camera
-  if (sight.empty > sight.seen + sight.hidden) return LimbHealth::kLost;
-  const bool seen = sight.seen > kEnough * (sight.seen + sight.hidden + sight.empty);
+  if (sight.free_space > sight.seen + sight.hidden) return LimbHealth::kLost;
+  const bool seen = sight.seen > kEnough * (sight.seen + sight.hidden + sight.free_space);
   return seen ? LimbHealth::kSeen : LimbHealth::kHidden;
 }
 

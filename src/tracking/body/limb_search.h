@@ -9,7 +9,7 @@ namespace kinora::tracking {
 /// What the view says of a limb, in patches of its lower and last part's surface, and of points around that no part
 /// explains; and, likewise in patches, of its joints that a detector has found elsewhere.
 struct LimbSight {
-  double seen = 0, hidden = 0, empty = 0;
+  double seen = 0, hidden = 0, free_space = 0;
   double unexplained = 0;
   double detected_elsewhere = 0;
 };
