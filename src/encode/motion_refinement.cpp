@@ -114,7 +114,7 @@ public:
       for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
     }
     if (sizes.size() < RayResponse::kColors * kFewest) return std::nullopt;
-    return std::max(kLeastColorSigma, 1.4826 * tracking::median(sizes));
+    return std::max(kLeastColorSigma, tracking::kDeviationPerMedian * tracking::median(sizes));
   }
 
 private:

@@ -9,7 +9,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr Gates kGates{0.10, 0.7};
 constexpr double kCells = 64;          // on the label
 constexpr int kLeastPoints = 8;        // of a cell
 constexpr int kLeastRegion = 3;        // cells
@@ -110,7 +109,7 @@ RigidContradiction contradiction_of_rigid(std::span<const ModelPoint> points, co
   for (const ModelPoint& point : points) {
     const auto p = project(point, view, model_to_camera);
     if (!p || view.mask.at(p->pixel_u, p->pixel_v) != 2) continue;
-    const auto r = geometric_residual(*p, view, pivot, kGates);
+    const auto r = geometric_residual(*p, view, pivot, kEvaluationGates);
     if (!r) continue;
     samples.push_back({*r, grid.at(p->pixel_u, p->pixel_v)});
     squared += (p->point - pivot.centre).squaredNorm();

@@ -7,6 +7,7 @@
 
 #include "core/random.h"
 #include "core/sensor_noise.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -101,7 +102,7 @@ std::optional<Descriptor> describe(const ObjectView& view, const Eigen::Vector3d
     for (int i = 0; i < SurfaceFeatures::kSide; ++i) {
       constexpr double kMiddle = 0.5 * (SurfaceFeatures::kSide - 1);
       const Eigen::Vector3d sample = point + (i - kMiddle) * along + (j - kMiddle) * across;
-      if (sample.z() < 0.05) return std::nullopt;
+      if (sample.z() < kNearestDepth) return std::nullopt;
       const Eigen::Vector2d pixel = view.intrinsics.project(sample);
       if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= view.intrinsics.width - 1 &&
             pixel.y() <= view.intrinsics.height - 1)) {

@@ -7,6 +7,7 @@
 #include "core/sensor_noise.h"
 #include "tracking/point_selection.h"
 #include "tracking/statistics.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -139,7 +140,7 @@ double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intri
   for (const ModelPoint& point : points) {
     const Eigen::Vector3d before = point.position.cast<double>();
     const Eigen::Vector3d after = motion * before;
-    if (before.z() < 0.05 || after.z() < 0.05) continue;
+    if (before.z() < kNearestDepth || after.z() < kNearestDepth) continue;
     const double noise = (after.z() - before.z()) / kSensorNoise.sigma(before.z());
     squares += (intrinsics.project(after) - intrinsics.project(before)).squaredNorm() + noise * noise;
     count += 1;

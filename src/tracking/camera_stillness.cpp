@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kColumns = 8;
 constexpr int kRows = 6;
-constexpr Gates kGates{0.10, 0.7};
 constexpr TruncatedHuber kCost{kHuberThreshold};
 constexpr double kSignificant = 3; // standard errors
 constexpr int kMinSamples = 8;
@@ -95,8 +94,8 @@ StillnessVotes compare_with_still(std::span<const ModelPoint> points, const Obje
     const auto moved = project(point, view, still_to_camera);
     if (!still || !moved) continue;
     Cell& cell = grid.at(*still);
-    const auto g_still = geometric_residual(*still, view, Pivot(), kGates);
-    const auto g_moved = geometric_residual(*moved, view, Pivot(), kGates);
+    const auto g_still = geometric_residual(*still, view, Pivot(), kEvaluationGates);
+    const auto g_moved = geometric_residual(*moved, view, Pivot(), kEvaluationGates);
     const auto t_still = photometric_residual(*still, point, view, Pivot(), 0, still_texture.light);
     const auto t_moved = photometric_residual(*moved, point, view, Pivot(), 0, moved_texture.light);
     double gain = 0;

@@ -16,9 +16,6 @@ namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kPointsPerChunk = 1024;
-constexpr double kFacingCosine = 0.17; // 80°
-constexpr double kNormalCosine = 0.7;  // 45°
-constexpr double kNearest = 0.05;      // metres
 constexpr DepthMargin kDeformedMargin{0.05, 4};
 
 struct Stage {
@@ -41,14 +38,12 @@ Seen look(const PosedPoint& point, const ObjectView& view) {
   Seen seen;
   seen.place = point.place.cast<double>();
   seen.normal = point.normal.cast<double>();
-  if (!(seen.place.z() > kNearest) || seen.normal.dot(seen.place) > -kFacingCosine * seen.place.norm()) return seen;
+  if (!(seen.place.z() > kNearestDepth) || seen.normal.dot(seen.place) > -kFacingCosine * seen.place.norm())
+    return seen;
   const Eigen::Vector2d pixel = view.intrinsics.project(seen.place);
   seen.u = pixel.x();
   seen.v = pixel.y();
-  if (!(seen.u > -0.49 && seen.v > -0.49 && seen.u < view.intrinsics.width - 0.51 &&
-        seen.v < view.intrinsics.height - 0.51)) {
-    return seen;
-  }
+  if (!is_in_picture(seen.u, seen.v, view.intrinsics)) return seen;
   seen.pixel_u = static_cast<int>(std::lround(seen.u));
   seen.pixel_v = static_cast<int>(std::lround(seen.v));
   return seen;
@@ -80,7 +75,7 @@ void set_textures(std::span<const PointTexture> textures, std::span<const float>
     light[d] = median(differences[d]);
     for (const float value : differences[d]) sizes.push_back(std::abs(value - light[d]));
   }
-  const double sigma = std::max(config.texture_sigma, 1.4826 * static_cast<double>(median(sizes)));
+  const double sigma = std::max(config.texture_sigma, kDeviationPerMedian * static_cast<double>(median(sizes)));
   const float scale = static_cast<float>(std::sqrt(config.photometric_share) / sigma);
   for (std::size_t p = 0; p < terms.size(); ++p) {
     if (std::isnan(difference(p))) continue;
@@ -237,7 +232,7 @@ void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view
   }
   if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
   const Eigen::Vector3d measured = view.point(seen.pixel_u, seen.pixel_v);
-  const double tolerance = 0.005 + 3 * kSensorNoise.sigma(measured.z());
+  const double tolerance = inlier_distance(kSensorNoise.sigma(measured.z()));
   const double distance = seen.normal.dot(seen.place - measured);
   // Behind what is measured it may be hidden by another part of the layer.
   if (seen.place.z() > measured.z() + std::max(0.05, 2 * tolerance)) return;

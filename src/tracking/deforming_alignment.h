@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tracking/deforming_problem.h"
+#include "tracking/residuals.h"
 
 namespace kinora::tracking {
 
@@ -24,8 +25,8 @@ struct DeformingAlignmentConfig {
   double prior_sigma = 0.05;      ///< metres
   double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
   double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
-  double texture_sigma = 0.02;    ///< at least; log luminance
-  double plane_gate = 0.1;        ///< metres; measured surface farther away than this is another one
+  double texture_sigma = TextureModel::kMinTextureSigma; ///< at least; log luminance
+  double plane_gate = 0.1; ///< metres; measured surface farther away than this is another one
   int rigid_iterations = 4;
   std::array<int, kStages> iterations{1, 1, 5}; ///< at most, from the coarsest level to the finest
   double worthwhile = 0.005;                    ///< share of the energy that a step saves if another is to follow it

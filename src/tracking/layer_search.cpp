@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "tracking/statistics.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -36,12 +37,9 @@ public:
 
   /// Depth measured behind a place, or 0.
   double depth_at(const Eigen::Vector3d& place, int& u, int& v) const {
-    if (!(place.z() > 0.05)) return 0;
+    if (!(place.z() > kNearestDepth)) return 0;
     const Eigen::Vector2d pixel = view_.intrinsics.project(place);
-    if (!(pixel.x() > -0.49 && pixel.y() > -0.49 && pixel.x() < view_.intrinsics.width - 0.51 &&
-          pixel.y() < view_.intrinsics.height - 0.51)) {
-      return 0;
-    }
+    if (!is_in_picture(pixel.x(), pixel.y(), view_.intrinsics)) return 0;
     u = static_cast<int>(std::lround(pixel.x()));
     v = static_cast<int>(std::lround(pixel.y()));
     return view_.planes.weights.at(u, v) > 0 ? view_.point(u, v).z() : 0.0;

@@ -7,19 +7,19 @@
 #include <optional>
 
 #include "core/parallel.h"
+#include "tracking/residuals.h"
 #include "tracking/statistics.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kLevel = 1;
-constexpr int kRadius = 4;              // of the patch, in its pixels
-constexpr int kReach = 12;              // of the search, likewise
-constexpr int kStride = 2;              // of the search at first
-constexpr double kFound = 0.8;          // correlation of the same texture
-constexpr double kGain = 0.15;          // at least, over that where it is expected
-constexpr double kLeastContrast = 0.02; // of the log luminance: less is no texture
-constexpr double kBeside = 0.02;        // metres between a node and the surface that shows it
+constexpr int kRadius = 4;       // of the patch, in its pixels
+constexpr int kReach = 12;       // of the search, likewise
+constexpr int kStride = 2;       // of the search at first
+constexpr double kFound = 0.8;   // correlation of the same texture
+constexpr double kGain = 0.15;   // at least, over that where it is expected
+constexpr double kBeside = 0.02; // metres between a node and the surface that shows it
 constexpr std::size_t kLeastMatches = 3;
 constexpr double kLeastStep = 0.008; // metres: the solver finds less by itself
 constexpr std::size_t kNodesPerChunk = 16;
@@ -51,7 +51,9 @@ std::optional<Patch> values_at(const TextureLevel& level, const Pixel& at) {
   return patch;
 }
 
-bool has_contrast(float squares) { return squares >= kLeastContrast * kLeastContrast * kPatch; }
+bool has_contrast(float squares) {
+  return squares >= TextureModel::kMinTextureSigma * TextureModel::kMinTextureSigma * kPatch;
+}
 
 // The same with mean zero and length one; nothing without contrast.
 std::optional<Patch> patch_at(const TextureLevel& level, const Pixel& at) {

@@ -38,9 +38,7 @@ struct FloatGates {
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
 
-constexpr float kFacingCosine = 0.17F;          // 80°
-constexpr float kNormalCosine = 0.7F;           // 45°
-constexpr float kNearestDepth = 0.05F;          // metres
+constexpr auto kFacing = static_cast<float>(kFacingCosine);
 constexpr DepthMargin kTextureMargin{0.015, 3}; // of a surface that shows a point's texture
 constexpr float kRim = 1;                       // pixels that a silhouette may be wrong by
 
@@ -55,9 +53,9 @@ public:
     place_ = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].place.data(); }).v;
     normal_ = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].normal.data(); }).v;
     const F facing = dot(normal_, place_);
-    const F least = hn::Mul(constant(kFacingCosine * kFacingCosine), dot(place_, place_));
+    const F least = hn::Mul(constant(kFacing * kFacing), dot(place_, place_));
     const Mask faces = hn::And(hn::Lt(facing, zero()), hn::Ge(hn::Mul(facing, facing), least));
-    const Mask visible = hn::Gt(place_.z, constant(kNearestDepth));
+    const Mask visible = hn::Gt(place_.z, constant(static_cast<float>(kNearestDepth)));
     const F inverse_depth = hn::Div(constant(1), hn::IfThenElse(visible, place_.z, constant(1)));
     const F u = hn::MulAdd(hn::Mul(constant(image.fx), place_.x), inverse_depth, constant(image.cx));
     const F v = hn::MulAdd(hn::Mul(constant(image.fy), place_.y), inverse_depth, constant(image.cy));
@@ -136,7 +134,7 @@ private:
     const Vec3 point = mul(hn::Neg(hn::Div(plane.w, along)), ray);
     const Vec3 off = sub(place_, point);
     Mask matches = hn::And(measured, hn::Le(dot(off, off), constant(gate * gate)));
-    matches = hn::And(matches, hn::Ge(dot(normal_, plane.v), constant(kNormalCosine)));
+    matches = hn::And(matches, hn::Ge(dot(normal_, plane.v), constant(static_cast<float>(kNormalCosine))));
     const F through = dot(plane.v, point);
     const F squared = hn::IfThenElse(measured, dot(point, point), one);
     const F incidence = hn::Div(hn::Abs(through), hn::Sqrt(squared));

@@ -11,7 +11,8 @@ namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kDirections = ModelPoint::kDirections;
-constexpr float kFacingCosine = 0.17F;
+constexpr auto kFacing = static_cast<float>(kFacingCosine);
+constexpr auto kNearest = static_cast<float>(kNearestDepth);
 constexpr int kCell = 4; // pixels; a few of the model's points fall into each cell
 
 struct FloatPose {
@@ -28,8 +29,8 @@ Eigen::Vector2f visible_pixel(const SurfacePoint& surface, const FloatPose& pose
   Eigen::Vector2f nowhere(-1, -1);
   z = p.z();
   const float facing = n.dot(p);
-  const bool faces_away = !(facing < 0) || facing * facing < kFacingCosine * kFacingCosine * p.squaredNorm();
-  if (p.z() < 0.05F || faces_away) return nowhere;
+  const bool faces_away = !(facing < 0) || facing * facing < kFacing * kFacing * p.squaredNorm();
+  if (p.z() < kNearest || faces_away) return nowhere;
   const float u = static_cast<float>(camera.fx) * p.x() / p.z() + static_cast<float>(camera.cx);
   const float v = static_cast<float>(camera.fy) * p.y() / p.z() + static_cast<float>(camera.cy);
   if (!(u >= 0 && v >= 0 && u <= static_cast<float>(camera.width - 1) && v <= static_cast<float>(camera.height - 1))) {

@@ -9,11 +9,10 @@
 #include "core/robust_cost_simd.h"
 #include "tracking/point_blend_simd.h"
 #include "tracking/texture_simd.h"
+#include "tracking/visibility.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
-
-constexpr float kNearest = 0.05F; // metres before the camera
 
 /// The residuals of some points side by side.
 struct Residuals {
@@ -35,7 +34,7 @@ HWY_INLINE Residuals residuals_at(const PosedPoint* points, const PointTerms* te
   HWY_ALIGN float scales[hn::MaxLanes(df)];
   for (std::size_t lane = 0; lane < hn::Lanes(df); ++lane) scales[lane] = lane < count ? terms[lane].plane_scale : 0;
   const Mask in_range = hn::Lt(hn::Iota(df, 0), constant(static_cast<float>(count)));
-  const Mask in_front = hn::And(in_range, hn::Ge(r.place.z, constant(kNearest)));
+  const Mask in_front = hn::And(in_range, hn::Ge(r.place.z, constant(static_cast<float>(kNearestDepth))));
   r.plane_normal = plane.v;
   r.plane_scale = hn::Load(df, scales);
   r.plane = hn::Mul(r.plane_scale, hn::Add(dot(plane.v, r.place), plane.w));

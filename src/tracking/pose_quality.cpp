@@ -9,7 +9,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr Gates kGates{0.10, 0.7};
 constexpr double kMinSamples = 30;
 constexpr int kRim = 2; // pixels that a silhouette may be wrong by
 
@@ -97,8 +96,8 @@ PoseQuality judge_pose(std::span<const ModelPoint> points, const ObjectView& vie
     if (view.planes.weights.at(p->pixel_u, p->pixel_v) > 0) {
       ++quality.on_label;
       coverage.add(*p);
-      const auto r = geometric_residual(*p, view, Pivot(), kGates);
-      if (r && std::abs(r->value) < 3 * r->sigma + 0.005) distances.push_back(std::abs(r->value));
+      const auto r = geometric_residual(*p, view, Pivot(), kEvaluationGates);
+      if (r && std::abs(r->value) < inlier_distance(r->sigma)) distances.push_back(std::abs(r->value));
     }
     if (const auto r = photometric_residual(*p, point, view, Pivot(), 0, texture.light)) {
       const double expected = point.texture[0];

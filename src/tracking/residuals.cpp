@@ -42,7 +42,7 @@ TextureModel measure_texture(std::span<const ModelPoint> points, const ObjectVie
     model.light[i] = median(differences[i]);
     for (const double difference : differences[i]) sizes.push_back(std::abs(difference - model.light[i]));
   }
-  if (!sizes.empty()) model.sigma = std::max(TextureModel::kMinTextureSigma, 1.4826 * median(sizes));
+  if (!sizes.empty()) model.sigma = std::max(TextureModel::kMinTextureSigma, kDeviationPerMedian * median(sizes));
   return model;
 }
 

@@ -64,6 +64,12 @@ struct Gates {
   double normal_cosine; ///< of the angle between both normals
 };
 
+/// Those with which poses that were found are evaluated.
+inline constexpr Gates kEvaluationGates{0.10, kNormalCosine};
+
+/// Metres between the model and what fits it, measured with this standard deviation: 3σ, and 5 mm of the model's own.
+constexpr double inlier_distance(double sigma) { return 3 * sigma + 0.005; }
+
 /// The signed distance in metres of the model's point from the measured point at its pixel, along the model's normal.
 /// Nothing if the pixel is not the label's, has no depth, or lies outside the gates.
 std::optional<Residual> geometric_residual(const ProjectedPoint& projected, const ObjectView& view, const Pivot& pivot,
@@ -96,15 +102,12 @@ inline std::optional<ProjectedPoint> project(const ModelPoint& model, const Obje
   ProjectedPoint p;
   p.point = model_to_camera * model.position.cast<double>();
   p.normal = model_to_camera.linear() * model.normal.cast<double>();
-  constexpr double kFacingCosine = 0.17; // 80°
   const double facing = p.normal.dot(p.point);
   const bool faces_away = !(facing < 0) || facing * facing < kFacingCosine * kFacingCosine * p.point.squaredNorm();
-  if (p.point.z() < 0.05 || faces_away) return std::nullopt;
+  if (p.point.z() < kNearestDepth || faces_away) return std::nullopt;
   p.u = view.intrinsics.fx * p.point.x() / p.point.z() + view.intrinsics.cx;
   p.v = view.intrinsics.fy * p.point.y() / p.point.z() + view.intrinsics.cy;
-  if (!(p.u > -0.49 && p.v > -0.49 && p.u < view.intrinsics.width - 0.51 && p.v < view.intrinsics.height - 0.51)) {
-    return std::nullopt;
-  }
+  if (!is_in_picture(p.u, p.v, view.intrinsics)) return std::nullopt;
   constexpr double kHalfPixel = 0.5; // from a pixel's middle to its rim
   p.pixel_u = static_cast<int>(p.u + kHalfPixel);
   p.pixel_v = static_cast<int>(p.v + kHalfPixel);

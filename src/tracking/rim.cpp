@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/free_space.h"
 #include "tracking/silhouette.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -129,7 +129,7 @@ RimMap::RimMap(const ObjectView& view) {
 std::optional<RimResidual> RimMap::residual(const RimPoint& moved, const ObjectView& view, const Pivot& pivot,
                                             double reach) const {
   const Eigen::Vector3d& p = moved.place;
-  if (empty() || p.z() < 0.05) return std::nullopt;
+  if (empty() || p.z() < kNearestDepth) return std::nullopt;
   const Eigen::Vector2d pixel = view.intrinsics.project(p);
   const auto u = static_cast<int>(std::floor(pixel.x() + 0.5));
   const auto v = static_cast<int>(std::floor(pixel.y() + 0.5));

@@ -14,4 +14,7 @@ template <class Number> Number median(std::vector<Number>& values) {
   return *middle;
 }
 
+/// Standard deviation of normal errors over the median of their sizes: a deviation that outliers leave alone.
+inline constexpr double kDeviationPerMedian = 1.4826;
+
 } // namespace kinora::tracking

@@ -7,13 +7,13 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr int kSide = TsdfVolume::kBrickSide;
 constexpr std::size_t kBricksPerChunk = 64;
-constexpr float kNearest = 0.05F; // metres; nothing nearer to the camera is fused
 
 std::size_t hash_of(const std::array<int, 3>& c) {
   const auto key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(c[0]) & 0x1FFFFFU) |
@@ -173,7 +173,7 @@ void TsdfVolume::update(Brick& brick, const View& view) const {
                                   static_cast<float>(brick.coordinate[2] * kSide + z));
       Eigen::Vector3f p = view.rotation * (first * voxel) + view.translation;
       for (int x = 0; x < kSide; ++x, ++i, p += step) {
-        if (p.z() < kNearest) continue;
+        if (p.z() < static_cast<float>(kNearestDepth)) continue;
         const float inverse = 1.0F / p.z();
         const float u = view.fx * p.x() * inverse + view.cx;
         const float v = view.fy * p.y() * inverse + view.cy;

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "tracking/bent_brick.h"
 #include "tracking/tsdf.h"
+#include "tracking/visibility.h"
 
 namespace kinora::tracking {
 namespace {
@@ -18,7 +19,6 @@ constexpr std::size_t kCell = kSide / (kCorners - 1); // voxels between two plac
 constexpr std::size_t kCentre = BrickCorners::kCount / 2;
 static_assert(kSide == static_cast<int>(BentBrick::kSide));
 constexpr std::size_t kBricksPerChunk = 16;
-constexpr float kNearest = 0.05F; // metres before the camera
 
 std::uint64_t hash_of(const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
   std::uint64_t key = 0;
@@ -133,12 +133,12 @@ std::vector<std::uint8_t> TsdfVolume::integrate_bent(const DepthPlanes& view, co
   for (std::size_t i = 0; i < std::min(touched.size(), resting.size()); ++i) {
     if (resting[i] != 0) touched[i] = 0;
   }
-  const BentView local{to_camera,
-                       {view.planes.data(), view.weights.data(), intensity.empty() ? nullptr : intensity.data(),
-                        places.of_cell.data(), intrinsics.width, intrinsics.height, places.stride,
-                        places.of_cell.width(), static_cast<float>(intrinsics.fx), static_cast<float>(intrinsics.fy),
-                        static_cast<float>(intrinsics.cx), static_cast<float>(intrinsics.cy), kNearest,
-                        static_cast<float>(config_.truncation), reach, config_.max_weight}};
+  const BentView local{
+      to_camera,
+      {view.planes.data(), view.weights.data(), intensity.empty() ? nullptr : intensity.data(), places.of_cell.data(),
+       intrinsics.width, intrinsics.height, places.stride, places.of_cell.width(), static_cast<float>(intrinsics.fx),
+       static_cast<float>(intrinsics.fy), static_cast<float>(intrinsics.cx), static_cast<float>(intrinsics.cy),
+       static_cast<float>(kNearestDepth), static_cast<float>(config_.truncation), reach, config_.max_weight}};
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (touched[i] != 0) update_bent(i, local);

@@ -10,7 +10,7 @@ namespace {
 
 using Vec = Eigen::Vector3d;
 
-constexpr double kFacingCosine = 0.2;
+constexpr double kMinCosine = 0.2;
 constexpr DepthMargin kMargin{0.01, 1.5};
 
 // The silhouette is left: how far, and which way on the picture.
@@ -76,14 +76,14 @@ SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const
   const double facing = outwards.dot(to_camera);
   if (facing <= 0) return r;
   const double cosine = facing / std::sqrt(outwards.squaredNorm() * to_camera.squaredNorm());
-  if (cosine < kFacingCosine) return r;
+  if (cosine < kMinCosine) return r;
   const Vec p = bone * position;
   if (p.z() < 0.1) return r;
   const Eigen::Vector2d pixel = view.intrinsics.project(p);
   const int u = static_cast<int>(std::lround(std::clamp(pixel.x(), -1.0, 1e6)));
   const int v = static_cast<int>(std::lround(std::clamp(pixel.y(), -1.0, 1e6)));
   if (!view.mask.contains(u, v)) return r;
-  r.weight = sample.area * (cosine - kFacingCosine) / (config.patch * config.patch);
+  r.weight = sample.area * (cosine - kMinCosine) / (config.patch * config.patch);
   const double measured = view.depth.at(u, v);
   if (is_occluded(p.z(), measured, kMargin)) {
     r.sight = Sight::kHidden;
