@@ -296,7 +296,7 @@ void train(const fields::PixelStore& pixels, const encode::Layer& layer, const f
   Progress progress;
   fields::TrainingReport report;
   const double begin = thread_seconds();
-  fields::train_field(pixels, layer.label, layer.motion, config, trainer, progress, &report);
+  fields::train_field({pixels, layer.label, layer.motion}, config, trainer, progress, &report);
   const double seconds = thread_seconds() - begin;
   std::printf("rays,seconds,million_rays_per_second,samples_per_ray\n%zu,%.2f,%.3f,%.2f\n", report.rays, seconds,
               static_cast<double>(report.rays) / seconds / 1e6,

@@ -25,22 +25,22 @@ struct Draft {
   DraftReport report;
 };
 
-Draft draft_of(const LayerOutcome& layer_so_far, const TrackedLabel& tracked, const fields::PixelStore& pixels,
+/// With what was chosen for the layer so far.
+Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
                StageTimes& times, Progress& progress) {
   constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
-  const Layer& layer = layer_so_far.layer;
-  fields::TrainerConfig shorter = layer_so_far.trainer;
-  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(layer_so_far.trainer.rays));
+  const std::string& name = outcome.layer.name;
+  fields::TrainerConfig shorter = outcome.trainer;
+  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
   shorter.largest_log2_table_size = 0;
-  progress.stage("training a draft of " + layer.name, shorter.rays);
-  fields::Field field = times.measure("train a draft of " + layer.name, [&] {
-    return fields::train_field(pixels, layer.label, layer.motion, layer_so_far.config, shorter, progress);
-  });
+  progress.stage("training a draft of " + name, shorter.rays);
+  fields::Field field = times.measure(
+      "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });
   DraftReport report{shorter.rays, {}};
-  progress.stage("refining the motion of " + layer.name, pixels.frames().size());
-  tracking::Motion motion = times.measure("refine the motion of " + layer.name, [&] {
-    return refine_motion(field, pixels, layer.label, layer.motion, tracked.bending->edges(),
-                         tracked.bending->node_spacing(), progress, &report.refinement);
+  progress.stage("refining the motion of " + name, observations.pixels.frames().size());
+  tracking::Motion motion = times.measure("refine the motion of " + name, [&] {
+    return refine_motion(field, observations, tracked.bending->edges(), tracked.bending->node_spacing(), progress,
+                         &report.refinement);
   });
   return {std::move(field), std::move(motion), report};
 }
@@ -53,51 +53,52 @@ void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
   trainer.learning_rates.nets *= kRate;
 }
 
+// Asks of the training what the layer's views can hold.
+void compare_views(const fields::LayerObservations& observations, LayerOutcome& outcome) {
+  outcome.agreement = fields::agreement_of_views(observations);
+  fields::adapt_to(outcome.agreement, outcome.trainer);
+}
+
 } // namespace
 
 LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
                          StageTimes& times, Progress& progress) {
   const TrackedLabel& tracked = *job.label;
-  const int label = tracked.plan.label;
+  const tracking::Motion tracked_motion = tracked.motion();
+  const fields::LayerObservations as_tracked{pixels, tracked.plan.label, tracked_motion};
   LayerOutcome outcome;
   Layer& layer = outcome.layer;
   layer.name = job.name;
-  layer.label = label;
-  layer.motion = tracked.motion();
+  layer.label = tracked.plan.label;
   layer.joints = tracked.joints();
-  outcome.why = reason_of(tracked, layer.motion);
-  outcome.config = fields::choose_field_config(pixels, label, layer.motion, &outcome.need);
+  outcome.why = reason_of(tracked, tracked_motion);
+  outcome.config = fields::choose_field_config(as_tracked, &outcome.need);
   outcome.trainer.seed = options.seed;
   outcome.trainer.rays = job.rays;
-  const auto compare_views = [&] {
-    outcome.agreement = fields::agreement_of_views(pixels, label, layer.motion);
-    fields::adapt_to(outcome.agreement, outcome.trainer);
-  };
-  compare_views();
+  compare_views(as_tracked, outcome);
   if (options.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
     outcome.geometry = times.measure("try geometries of " + layer.name, [&] {
-      return fields::try_geometries(pixels, label, layer.motion, outcome.config, outcome.trainer, progress);
+      return fields::try_geometries(as_tracked, outcome.config, outcome.trainer, progress);
     });
   }
   outcome.config.geometry = outcome.geometry.chosen;
-  std::optional<fields::Field> begin_with;
-  if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
-    Draft draft = draft_of(outcome, tracked, pixels, times, progress);
-    layer.motion = std::move(draft.motion);
-    begin_with = std::move(draft.field);
-    outcome.draft = draft.report;
-    compare_views();
-    go_on_from(*outcome.draft, outcome.trainer);
+  std::optional<Draft> draft;
+  if (as_tracked.deforms()) draft = draft_of(outcome, as_tracked, tracked, times, progress);
+  layer.motion = draft ? draft->motion : tracked_motion;
+  const fields::LayerObservations observations{pixels, layer.label, layer.motion};
+  if (draft) {
+    outcome.draft = draft->report;
+    compare_views(observations, outcome);
+    go_on_from(draft->report, outcome.trainer);
   }
   progress.stage("training " + layer.name, outcome.trainer.rays);
   layer.field = times.measure("train " + layer.name, [&] {
-    return fields::train_field(pixels, label, layer.motion, outcome.config, outcome.trainer, progress,
-                               &outcome.training, begin_with ? &*begin_with : nullptr);
+    return fields::train_field(observations, outcome.config, outcome.trainer, progress, &outcome.training,
+                               draft ? &draft->field : nullptr);
   });
-  layer.confidence = times.measure("confidence of " + layer.name, [&] {
-    return fields::confidence_of_views(pixels, label, layer.motion, layer.field);
-  });
+  layer.confidence = times.measure("confidence of " + layer.name,
+                                   [&] { return fields::confidence_of_views(observations, layer.field); });
   return outcome;
 }
 

@@ -40,9 +40,10 @@ void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size
 
 } // namespace
 
-std::vector<LayerPoint> measured_points(const PixelStore& store, int label, const tracking::Motion& motion,
-                                        std::size_t most) {
-  const auto wanted = [&](const StoredPixel& pixel) { return pixel.label == label && pixel.depth > 0; };
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most) {
+  const PixelStore& store = layer.pixels;
+  const tracking::Motion& motion = layer.motion;
+  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth > 0; };
   const auto all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
   const std::size_t stride = std::max<std::size_t>(1, all / most);
   std::shared_ptr<const tracking::InfluenceTable> table;
@@ -51,7 +52,7 @@ std::vector<LayerPoint> measured_points(const PixelStore& store, int label, cons
   std::size_t found = 0;
   for (std::size_t f = 0; f < store.frames().size(); ++f) {
     const StoredFrame& frame = store.frames()[f];
-    if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
+    if (layer.is_lost(frame)) continue;
     const std::size_t first = points.size();
     const double kept = static_cast<double>(frame.end - frame.begin) /
                         (static_cast<double>(frame.camera.intrinsics.width) * frame.camera.intrinsics.height);

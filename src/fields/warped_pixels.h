@@ -6,10 +6,9 @@
 #include <cstdint>
 
 #include "fields/field.h"
+#include "fields/layer_observations.h"
 #include "fields/occupancy.h"
-#include "fields/pixel_store.h"
 #include "fields/turn.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -23,7 +22,7 @@ struct WarpedPixel {
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost
 /// frames and those that no node carries are left out. `noise`: LossWeights::noise.
-LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config, float noise = 1);
+LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, const FieldConfig& config,
+                                              float noise = 1);
 
 } // namespace kinora::fields

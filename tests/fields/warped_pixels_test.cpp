@@ -42,18 +42,18 @@ struct Sheet {
   Occupancy occupancy;
 
   Sheet() {
-    config = choose_field_config(performance.store, 1, performance.motion);
-    occupancy = RaySampler(performance.store, 1, performance.motion, config, {}).occupancy();
+    config = choose_field_config({performance.store, 1, performance.motion});
+    occupancy = RaySampler({performance.store, 1, performance.motion}, config, {}).occupancy();
   }
   SeenSpace space() const {
-    return see_occupied_space(performance.store, 1, performance.motion, config, occupancy, 0.05F);
+    return see_occupied_space({performance.store, 1, performance.motion}, config, occupancy, 0.05F);
   }
 };
 
 TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
   const Sheet sheet;
   const PixelStore& store = sheet.performance.store;
-  const auto own = warp_measured_pixels(store, 1, sheet.performance.motion, sheet.config);
+  const auto own = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
   std::size_t measured = 0;
   for (const StoredPixel& pixel : store.pixels()) measured += pixel.label == 1 && pixel.depth != 0 ? 1 : 0;
   EXPECT_EQ(own.size(), measured);
@@ -103,7 +103,8 @@ TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
   }
   PixelStore store(1'000'000, 1);
   store.add(blind, 4);
-  const SeenSpace space = see_occupied_space(store, 1, sheet.performance.motion, sheet.config, sheet.occupancy, 0.05F);
+  const SeenSpace space =
+      see_occupied_space({store, 1, sheet.performance.motion}, sheet.config, sheet.occupancy, 0.05F);
   EXPECT_GT(space.unmeasured.size(), sheet_pixels * 9 / 10);
   for (const SeenPiece& found : space.unmeasured) {
     const StoredPixel& pixel = store.pixels()[found.pixel];
@@ -121,12 +122,12 @@ TEST(WarpedPixels, AreTheSameForAnyNumberOfThreads) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
   };
   set_thread_count(1);
-  const auto own = warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config);
+  const auto own = warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config);
   const SeenSpace space = sheet.space();
   for (const int threads : {2, 7}) {
     set_thread_count(threads);
     EXPECT_TRUE(
-        bytes_equal(own, warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config)));
+        bytes_equal(own, warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config)));
     EXPECT_TRUE(bytes_equal(space.empty, sheet.space().empty));
   }
   set_thread_count(0);
