@@ -29,7 +29,7 @@ Quality quality_of(const fields::Picture& picture, const ingest::Frame& frame) {
   LabelImage measured(frame.depth.width(), frame.depth.height());
   std::vector<float> errors;
   for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
-    const bool background = frame.labels.empty() || frame.labels.data()[i] == 0;
+    const bool background = !frame.has_labels() || frame.labels.data()[i] == 0;
     if (frame.depth.data()[i] <= 0 || !background) continue;
     measured.data()[i] = 1;
     errors.push_back(std::abs(frame.depth.data()[i] - picture.depth.data()[i]));

@@ -48,7 +48,7 @@ FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& option
     const bool held_out = is_held_out(i, options.holdout);
     add_to_timeline(*frame, held_out, pass.clip);
     if (i == 0 || info.has_poses) pass.clip.camera_to_world.push_back(frame->camera.camera_to_world);
-    const bool labelled = !info.has_masks || !frame->labels.empty();
+    const bool labelled = !info.has_masks || frame->has_labels();
     streams.add(*frame);
     scene.add(*frame, times);
     if (!labelled) {

@@ -56,8 +56,8 @@ std::vector<Probe> choose_probes(const fields::LayerObservations& layer, const f
   std::vector<Probe> own;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
     const fields::StoredPixel& pixel = layer.pixels.pixels()[i];
-    if (layer.is_foreground(pixel) && pixel.depth != 0) {
-      own.push_back({static_cast<std::uint32_t>(i), std::abs(pixel.depth), true, false});
+    if (layer.is_foreground(pixel) && pixel.depth.is_known()) {
+      own.push_back({static_cast<std::uint32_t>(i), pixel.depth.metres(), true, false});
     }
   }
   std::vector<Probe> probes;
@@ -101,7 +101,8 @@ public:
     if (!places_[i].allFinite()) return std::nullopt;
     if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].own ? 1.0 : 0.0);
     if (!has_color(i)) return std::nullopt;
-    if (value == RayResponse::kDepth) return pixel.depth > 0 ? std::optional(response.value[value]) : std::nullopt;
+    if (value == RayResponse::kDepth)
+      return pixel.depth.is_measured() ? std::optional(response.value[value]) : std::nullopt;
     return response.value[value] - pixel.color[value] / 255.0;
   }
   double depth_sigma(std::size_t i) const { return ingest::depth_sigma(probes_[i].depth); }

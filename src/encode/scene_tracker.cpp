@@ -29,7 +29,7 @@ std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& 
     for (int u = 0; u < frame.depth.width(); ++u) {
       const float depth = frame.depth.at(u, v);
       if (!(depth > 0)) continue;
-      Sight& sight = sights[frame.labels.empty() ? 0 : frame.labels.at(u, v)];
+      Sight& sight = sights[frame.label_at(u, v)];
       const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
       ++sight.pixels;
       sight.sum += point;

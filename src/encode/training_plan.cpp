@@ -16,7 +16,7 @@ std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
     std::array<std::size_t, 256> in_frame{};
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const fields::StoredPixel& pixel = pass.pixels.pixels()[i];
-      if (pixel.depth > 0) ++in_frame[pixel.label];
+      if (pixel.depth.is_measured()) ++in_frame[pixel.label];
     }
     for (const auto& [number, label] : pass.labels) {
       const auto f = static_cast<std::size_t>(frame.frame);

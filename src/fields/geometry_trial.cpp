@@ -22,7 +22,9 @@ std::vector<std::size_t> useful_frames(const LayerObservations& layer) {
     const StoredFrame& frame = pixels.frames()[f];
     const auto first = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.begin);
     const auto end = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.end);
-    const auto is_own = [&layer](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth > 0; };
+    const auto is_own = [&layer](const StoredPixel& pixel) {
+      return layer.is_foreground(pixel) && pixel.depth.is_measured();
+    };
     if (!layer.is_lost(frame) && std::any_of(first, end, is_own)) useful.push_back(f);
   }
   return useful;
@@ -62,7 +64,7 @@ private:
     const std::uint8_t* drawn = picture.color.pixel(pixel.u, pixel.v);
     const double opacity = drawn[3] / 255.0;
     const bool own = layer_.is_foreground(pixel);
-    if (own && pixel.depth == 0) return; // nothing tells whether there is anything to be drawn
+    if (own && !pixel.depth.is_known()) return; // nothing tells whether there is anything to be drawn
     const float depth = picture.depth.at(pixel.u, pixel.v);
     if (!own && depth >= empty_until(pixel)) return; // it may well be there, behind what the pixel shows
     for (std::size_t c = 0; c < 3; ++c) {
@@ -70,7 +72,7 @@ private:
       squares_ += difference * difference;
     }
     if (own) ++own_pixels_;
-    if (own && pixel.depth > 0) depths_.push_back(std::abs(depth - pixel.depth));
+    if (own && pixel.depth.is_measured()) depths_.push_back(std::abs(depth - pixel.depth.metres()));
   }
 
   LayerObservations layer_;

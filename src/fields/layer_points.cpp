@@ -43,7 +43,7 @@ void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size
 std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most) {
   const PixelStore& store = layer.pixels;
   const tracking::Motion& motion = layer.motion;
-  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth > 0; };
+  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth.is_measured(); };
   const auto all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
   const std::size_t stride = std::max<std::size_t>(1, all / most);
   std::shared_ptr<const tracking::InfluenceTable> table;
@@ -59,10 +59,10 @@ std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::siz
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const StoredPixel& pixel = store.pixels()[i];
       if (!wanted(pixel) || found++ % stride != 0) continue;
-      const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth);
+      const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth.metres());
       points.push_back({frame.camera.camera_to_world * in_camera,
                         frame.camera.camera_to_world.linear() * -in_camera.normalized(),
-                        pixel.depth / frame.camera.intrinsics.fx, static_cast<double>(stride) / kept, f});
+                        pixel.depth.metres() / frame.camera.intrinsics.fx, static_cast<double>(stride) / kept, f});
     }
     const tracking::Warp warp = motion.warp(frame.frame);
     if (table != nullptr) {

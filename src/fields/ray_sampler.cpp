@@ -65,7 +65,7 @@ void RaySampler::list_own() {
     if (layer_.is_lost(stored)) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
       const StoredPixel& pixel = stored_pixel(static_cast<std::uint32_t>(i));
-      if (layer_.is_foreground(pixel) && pixel.depth != 0) own_.push_back({f, static_cast<std::uint32_t>(i)});
+      if (layer_.is_foreground(pixel) && pixel.depth.is_known()) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
 }
@@ -74,7 +74,7 @@ void RaySampler::list_own() {
 template <class Rays, class Whole> void RaySampler::arrange(Rays& rays, const Whole& whole) {
   const std::vector<std::size_t> ends = order_by_place(rays, [&](const auto& own) {
     const WarpedPixel ray = whole(own);
-    return point_at(ray.ray, std::abs(stored_pixel(ray.pixel).depth));
+    return point_at(ray.ray, stored_pixel(ray.pixel).depth.metres());
   });
   // A place is looked at again and again, from much the same sides: so many looks for each column of its cells tell
   // all.
@@ -92,7 +92,7 @@ template <class Rays, class Whole> void RaySampler::arrange(Rays& rays, const Wh
 }
 
 void RaySampler::mark(const WarpedPixel& own) {
-  const float depth = std::abs(stored_pixel(own.pixel).depth);
+  const float depth = stored_pixel(own.pixel).depth.metres();
   const float band = band_at(depth);
   mark_occupied(occupancy_, own.ray, {depth - band, depth + band});
 }
@@ -133,13 +133,13 @@ RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_st
 }
 
 RaySampler::Draft RaySampler::draft_measured(const WarpedPixel& chosen) const {
-  const float measured = stored_pixel(chosen.pixel).depth;
-  const float depth = std::abs(measured);
-  const float reach = measured > 0 ? band_at(depth) : 2 * band_at(depth);
+  const StoredDepth stored = stored_pixel(chosen.pixel).depth;
+  const float depth = stored.metres();
+  const float reach = stored.is_measured() ? band_at(depth) : 2 * band_at(depth);
   Draft draft{chosen, {}, true};
   // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
   if (warped_own_.empty()) draft.sought[0] = {{sampling_.near_depth, depth - reach}, sampling_.free_samples};
-  if (measured < 0) {
+  if (stored.is_guessed()) {
     draft.sought[1] = {{std::max(sampling_.near_depth, depth - reach), depth + reach}, sampling_.surface_samples};
   }
   return draft;
@@ -193,7 +193,9 @@ void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& ran
       const StoredPixel& pixel = stored_pixel(draft.chosen.pixel);
       for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
       target.turn = unpacked(draft.chosen.turn);
-      if (pixel.depth > 0) append_band(draft.chosen, pixel.depth, closely, random, target, batch);
+      if (pixel.depth.is_measured()) {
+        append_band(draft.chosen, pixel.depth.metres(), closely, random, target, batch);
+      }
     }
     batch.end_ray(target);
   }

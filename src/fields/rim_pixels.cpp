@@ -19,8 +19,8 @@ RimPixels rim_pixels(const LayerObservations& layer, const StoredFrame& frame, c
   RimPixels rim;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
     const StoredPixel& own = pixels.pixels()[i];
-    if (!layer.is_foreground(own) || own.depth == 0) continue;
-    const float depth = std::abs(own.depth);
+    if (!layer.is_foreground(own) || !own.depth.is_known()) continue;
+    const float depth = own.depth.metres();
     const float past = depth + surface_band(config, depth);
     bool is_rim = false;
     for (const auto& [du, dv] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {

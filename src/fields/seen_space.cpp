@@ -200,9 +200,9 @@ struct FrameLooks {
       float empty = 0;
       if (!layer.is_foreground(pixel)) {
         empty = empty_until(pixel, noise);
-      } else if (deforms && pixel.depth > 0) {
-        empty = pixel.depth - surface_band(config, pixel.depth, noise);
-      } else if (layer.label != 0 && pixel.depth == 0) {
+      } else if (deforms && pixel.depth.is_measured()) {
+        empty = pixel.depth.metres() - surface_band(config, pixel.depth.metres(), noise);
+      } else if (layer.label != 0 && !pixel.depth.is_known()) {
         without_depth.push_back(number);
       }
       at[pixel.v * width + pixel.u] = {number, empty};

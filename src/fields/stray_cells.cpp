@@ -70,8 +70,8 @@ struct Votes {
 Votes look_at(const StoredPixel& pixel, const LayerObservations& layer, float depth, float thickness) {
   const float tolerance = three_sigma(depth) + thickness;
   if (!layer.is_foreground(pixel)) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
-  if (pixel.depth == 0) return {};
-  const float beyond = std::abs(pixel.depth) - depth;
+  if (!pixel.depth.is_known()) return {};
+  const float beyond = pixel.depth.metres() - depth;
   return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
 }
 

@@ -33,8 +33,9 @@ inline float surface_band(const FieldConfig& config, float depth, float noise = 
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
 /// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
 inline float empty_until(const StoredPixel& pixel, float noise = 1) {
-  if (pixel.depth > 0) return pixel.depth - three_sigma(pixel.depth, noise);
-  if (pixel.depth < 0) return -pixel.depth - 2 * three_sigma(-pixel.depth, noise);
+  const float depth = pixel.depth.metres();
+  if (pixel.depth.is_measured()) return depth - three_sigma(depth, noise);
+  if (pixel.depth.is_guessed()) return depth - 2 * three_sigma(depth, noise);
   return pixel.label == 0 ? kFarthest : 0;
 }
 

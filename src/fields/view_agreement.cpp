@@ -61,15 +61,16 @@ private:
       const int x = left + corner % 2;
       const int y = top + corner / 2;
       const StoredPixel* pixel = map_.at(x, y);
-      if (pixel == nullptr || !layer_.is_foreground(*pixel) || !(pixel->depth > 0)) return 0;
-      inverse += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) / static_cast<double>(pixel->depth);
+      if (pixel == nullptr || !layer_.is_foreground(*pixel) || !pixel->depth.is_measured()) return 0;
+      inverse += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) / static_cast<double>(pixel->depth.metres());
     }
     return static_cast<float>(1 / inverse);
   }
 
   float empty_before(const StoredPixel& pixel) const {
     if (!layer_.is_foreground(pixel)) return empty_until(pixel);
-    return pixel.depth > 0 ? pixel.depth - three_sigma(pixel.depth) : 0;
+    if (!pixel.depth.is_measured()) return 0;
+    return pixel.depth.metres() - three_sigma(pixel.depth.metres());
   }
 
   LayerObservations layer_;

@@ -43,8 +43,8 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, co
       std::vector<BulkWarp::Ray> rays;
       for (std::size_t i = frame.begin + chunk.begin; i < frame.begin + chunk.end; ++i) {
         const StoredPixel& pixel = pixels.pixels()[i];
-        if (!layer.is_foreground(pixel) || pixel.depth == 0) continue;
-        const float depth = std::abs(pixel.depth);
+        if (!layer.is_foreground(pixel) || !pixel.depth.is_known()) continue;
+        const float depth = pixel.depth.metres();
         const Eigen::Vector3d direction = pixel_ray(frame, pixel);
         rays.push_back(
             {to_array(camera + depth * direction), to_array(direction), surface_band(config, depth, noise), 0});
@@ -57,7 +57,7 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, co
         const BulkWarp::CanonicalRay& back = canonical[k];
         if (std::isnan(back.point[0])) continue;
         const Eigen::Vector3d direction = to_vector(back.direction);
-        const double depth = std::abs(pixels.pixels()[numbers[k]].depth);
+        const double depth = pixels.pixels()[numbers[k]].depth.metres();
         const Eigen::Vector3d origin = to_vector(back.point) + warp.canonical_origin() - depth * direction;
         part.push_back({static_cast<std::uint32_t>(numbers[k]),
                         relative_ray(config.box, origin, direction, to_vector(rays[k].direction).norm()),

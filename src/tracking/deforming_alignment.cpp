@@ -231,7 +231,8 @@ struct Judgement {
 void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
   if (seen.pixel_u < 0) return;
   const double behind = seen.place.z() + std::max(0.05, 4 * ingest::depth_sigma(seen.place.z()));
-  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 && view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
+  if (view.mask.at(seen.pixel_u, seen.pixel_v) == MaskArea::kOutside &&
+      view.depth.at(seen.pixel_u, seen.pixel_v) > behind) {
     ++sum.counts.in_empty;
   }
   if (view.planes.weights.at(seen.pixel_u, seen.pixel_v) <= 0) return;
@@ -248,7 +249,7 @@ void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view
   }
   ++sum.counts.inliers;
   const double expected = texture.fused;
-  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) return;
+  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != MaskArea::kInterior) return;
   const double image = view.sample_texture(0, seen.u, seen.v).value;
   sum.sums[0] += expected;
   sum.sums[1] += image;
