@@ -53,7 +53,7 @@ double rounded(double value) { return std::round(value * 1000) / 1000; }
 ingest::CaptureOptions capture_options(const Options& options) {
   ingest::CaptureOptions out;
   out.format = options.format;
-  if (!options.frames.empty()) out.frames = ingest::FrameRange::parse(options.frames);
+  if (!options.frames.empty()) out.frames = FrameRange::parse(options.frames);
   out.use_masks = !options.no_masks;
   return out;
 }

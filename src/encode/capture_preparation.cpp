@@ -73,7 +73,7 @@ private:
   }
 
   ingest::CaptureFactory opener(Progress& progress) const {
-    return [this, &progress](const ingest::FrameRange& range) {
+    return [this, &progress](const FrameRange& range) {
       ingest::CaptureOptions how = options_;
       how.frames = range;
       return placed_capture(request_.open(how, progress), result_.camera);
