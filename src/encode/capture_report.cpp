@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "encode/rounding.h"
 #include "ingest/registration_json.h"
 
@@ -17,6 +19,24 @@ Json registration_json(const ingest::FoundRegistration& found) {
           {"unexplained_as_given", round4(found.unexplained_as_given)},
           {"unexplained", round4(found.unexplained)},
           {"cameras", found.geometry ? ingest::to_json(*found.geometry) : Json(nullptr)}};
+}
+
+Json followed_json(const CameraPath& camera) {
+  const Json frames = {{"tracked", camera.tracked}, {"held", camera.held}, {"lost", camera.lost}};
+  if (!camera.moving_from) {
+    return {{"path", "still"},
+            {"why", "no stretch of frames is explained significantly better by another place of the camera"},
+            {"frames", frames}};
+  }
+  return {{"path", "moving"},
+          {"why", *camera.moving_from == 0
+                      ? "along it more of what the frames show keeps still than if the camera had not moved"
+                      : fmt::format("from frame {} of the timeline on, the background is explained significantly "
+                                    "better by another place of the camera",
+                                    *camera.moving_from)},
+          {"frames", frames},
+          {"key_frames", camera.key_frames},
+          {"loops", camera.loops}};
 }
 
 } // namespace
@@ -43,7 +63,15 @@ Json capture_json(const PreparedCapture& prepared, const FramePass& pass) {
 }
 
 Json camera_json(const PreparedCapture& prepared) {
-  if (!prepared.camera->report.is_null()) return prepared.camera->report;
+  const CameraPath& camera = *prepared.camera;
+  switch (camera.origin) {
+  case CameraPath::Origin::kFollowed:
+    return followed_json(camera);
+  case CameraPath::Origin::kNothingBetter:
+    return {{"path", "still"}, {"why", "no path that was found explains the pictures better"}};
+  case CameraPath::Origin::kNotFollowed:
+    break;
+  }
   if (!prepared.capture->info().has_poses) return {{"path", "still"}, {"why", "nobody looked whether it moves"}};
   return {{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}};
 }
