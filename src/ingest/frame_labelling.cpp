@@ -57,14 +57,15 @@ std::uint8_t label_around(const LabelImage& labels, int u, int v, int radius) {
 /// The flat faces that look like a thing.
 Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view, const Mask& faces) {
   const SurfaceComponents pieces = surface_components(view.depth, faces, view.intrinsics);
-  std::vector<ColorModel> colors(pieces.list.size());
+  std::vector<ColorCounts> counts(pieces.list.size());
+  std::vector<ColorModel> colors;
   for (std::size_t i = 0; i < faces.pixel_count(); ++i)
     if (pieces.map.data()[i] >= 0)
-      colors[static_cast<std::size_t>(pieces.map.data()[i])].add(&view.color.data()[3 * i]);
+      counts[static_cast<std::size_t>(pieces.map.data()[i])].add(&view.color.data()[3 * i]);
   int best = -1;
   double best_score = 0;
-  for (std::size_t n = 0; n < colors.size(); ++n) {
-    colors[n].finish();
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    colors.push_back(counts[n].model());
     const double overlap = colors[n].overlap(thing.color);
     const double score = overlap * std::min(pieces.list[n].area, thing.area);
     if (overlap < kLikeThing || score <= best_score) continue;
