@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "carried_capture.h"
-#include "encode/capture_preparation.h"
+#include "encode/capture_report.h"
 #include "host/plugin_table.h"
 #include "label_pictures.h"
 
@@ -53,7 +53,7 @@ void run(const char* path, double degrees, const std::filesystem::path& folder) 
   const double start = processor_seconds();
   const encode::PreparedCapture prepared = encode::prepare_capture(request, progress);
   const double ready = processor_seconds();
-  std::printf("camera: %s\n", prepared.camera->report.dump().c_str());
+  std::printf("camera: %s\n", encode::camera_json(prepared).dump().c_str());
   for (const auto& [label, found] : prepared.capture->info().labels)
     std::printf("%d %s, %s: %s\n", label, found.name.c_str(), found.kind.c_str(), found.why.c_str());
   const auto truth = request.open({}, progress);

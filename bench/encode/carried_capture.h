@@ -59,7 +59,7 @@ private:
     const Intrinsics& still = seen.camera.intrinsics;
     frame.color = ColorImage(k.width, k.height, 3);
     frame.depth = DepthImage(k.width, k.height);
-    if (!seen.labels.empty()) frame.labels = LabelImage(k.width, k.height);
+    if (seen.has_labels()) frame.labels = LabelImage(k.width, k.height);
     for (int v = 0; v < k.height; ++v) {
       for (int u = 0; u < k.width; ++u) {
         const Eigen::Vector3d ray = to_still * k.unproject(u, v, 1);
@@ -68,7 +68,7 @@ private:
         const int y = static_cast<int>(std::lround(pixel.y()));
         if (!seen.depth.contains(x, y)) continue;
         frame.depth.at(u, v) = seen.depth.at(x, y) / static_cast<float>(ray.z());
-        if (!seen.labels.empty()) frame.labels.at(u, v) = seen.labels.at(x, y);
+        if (seen.has_labels()) frame.labels.at(u, v) = seen.labels.at(x, y);
         mix(seen.color, pixel, frame.color.pixel(u, v));
       }
     }

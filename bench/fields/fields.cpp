@@ -44,7 +44,7 @@ void train_and_judge(const Setting& setting) {
   };
   const fields::PixelStore store = views(bench::AnalyticScene::kTrainedViews);
   const auto motion = tracking::Motion::still();
-  fields::FieldConfig config = fields::choose_field_config(store, 1, motion);
+  fields::FieldConfig config = fields::choose_field_config({store, 1, motion});
   if (whole("levels") > 0) config.levels = whole("levels");
   if (whole("log2_table_size") > 0) config.log2_table_size = whole("log2_table_size");
   config.geometry = static_cast<fields::Geometry>(whole("geometry"));
@@ -53,7 +53,7 @@ void train_and_judge(const Setting& setting) {
   trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
   trainer.rays_per_step = whole("rays_per_step");
   trainer.largest_log2_table_size = whole("largest_log2_table_size");
-  const fields::ViewAgreement agreement = fields::agreement_of_views(store, 1, motion);
+  const fields::ViewAgreement agreement = fields::agreement_of_views({store, 1, motion});
   fields::adapt_to(agreement, trainer);
   if (whole("surface_samples") > 0) trainer.sampling.surface_samples = whole("surface_samples");
   if (whole("free_samples") > 0) trainer.sampling.free_samples = whole("free_samples");
@@ -64,13 +64,13 @@ void train_and_judge(const Setting& setting) {
   if (setting.at("warm_million_rays") > 0) {
     fields::TrainerConfig first = trainer;
     first.rays = static_cast<std::size_t>(setting.at("warm_million_rays") * 1e6);
-    before = fields::train_field(views(bench::AnalyticScene::kTrainedViews / 2), 1, motion, config, first, progress);
+    before = fields::train_field({views(bench::AnalyticScene::kTrainedViews / 2), 1, motion}, config, first, progress);
     trainer.learning_rates.table *= static_cast<float>(setting.at("warm_rate"));
     trainer.learning_rates.nets *= static_cast<float>(setting.at("warm_rate"));
   }
   const bench::Stopwatch watch;
   fields::Field trained =
-      fields::train_field(store, 1, motion, config, trainer, progress, &report, before ? &*before : nullptr);
+      fields::train_field({store, 1, motion}, config, trainer, progress, &report, before ? &*before : nullptr);
   const double cpu_seconds = 1e-3 * watch.processor_milliseconds();
   const fields::DrawableField field(std::move(trained));
   double psnr = 0;

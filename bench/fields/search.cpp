@@ -42,7 +42,7 @@ std::vector<SearchRay> rays_of(const fields::PixelStore& pixels, const fields::S
                                const fields::FieldConfig& config) {
   std::vector<std::size_t> own;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
-    if (pixels.pixels()[i].label == label && pixels.pixels()[i].depth > 0) own.push_back(i);
+    if (pixels.pixels()[i].label == label && pixels.pixels()[i].depth.is_measured()) own.push_back(i);
   }
   std::vector<SearchRay> rays;
   if (own.empty()) return rays;
@@ -54,10 +54,10 @@ std::vector<SearchRay> rays_of(const fields::PixelStore& pixels, const fields::S
     SearchRay ray{};
     ray.u = pixel.u;
     ray.v = pixel.v;
-    ray.depth = pixel.depth;
+    ray.depth = pixel.depth.metres();
     ray.direction = camera.linear() * frame.camera.intrinsics.unproject(pixel.u, pixel.v, 1.0);
-    ray.surface = camera.translation() + pixel.depth * ray.direction;
-    ray.reach = fields::surface_band(config, pixel.depth);
+    ray.surface = camera.translation() + ray.depth * ray.direction;
+    ray.reach = fields::surface_band(config, pixel.depth.metres());
     for (int s = 0; s < kSamples; ++s) {
       ray.behind[static_cast<std::size_t>(s)] = ray.reach * (2 * (s + random.uniform_double()) / kSamples - 1);
     }
@@ -288,15 +288,16 @@ void compare_searches(const fields::PixelStore& pixels, const encode::Layer& lay
 
 void train(const fields::PixelStore& pixels, const encode::Layer& layer, const fields::FieldConfig& config,
            double rays_per_pixel) {
-  const auto own = std::count_if(pixels.pixels().begin(), pixels.pixels().end(),
-                                 [&](const fields::StoredPixel& p) { return p.label == layer.label && p.depth != 0; });
+  const auto own = std::count_if(pixels.pixels().begin(), pixels.pixels().end(), [&](const fields::StoredPixel& p) {
+    return p.label == layer.label && p.depth.is_known();
+  });
   fields::TrainerConfig trainer;
   constexpr double kOwnShare = 0.75; // of the rays; the others tell of emptiness
   trainer.rays = static_cast<std::size_t>(rays_per_pixel * static_cast<double>(own) / kOwnShare);
   Progress progress;
   fields::TrainingReport report;
   const double begin = thread_seconds();
-  fields::train_field(pixels, layer.label, layer.motion, config, trainer, progress, &report);
+  fields::train_field({pixels, layer.label, layer.motion}, config, trainer, progress, &report);
   const double seconds = thread_seconds() - begin;
   std::printf("rays,seconds,million_rays_per_second,samples_per_ray\n%zu,%.2f,%.3f,%.2f\n", report.rays, seconds,
               static_cast<double>(report.rays) / seconds / 1e6,

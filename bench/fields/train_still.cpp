@@ -29,7 +29,7 @@ Quality quality_of(const fields::Picture& picture, const ingest::Frame& frame) {
   LabelImage measured(frame.depth.width(), frame.depth.height());
   std::vector<float> errors;
   for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
-    const bool background = frame.labels.empty() || frame.labels.data()[i] == 0;
+    const bool background = !frame.has_labels() || frame.labels.data()[i] == 0;
     if (frame.depth.data()[i] <= 0 || !background) continue;
     measured.data()[i] = 1;
     errors.push_back(std::abs(frame.depth.data()[i] - picture.depth.data()[i]));
@@ -58,7 +58,7 @@ void run(const char* path, double million_rays, int holdout, int levels, int log
     if (!held_out(i)) store.add(frames[i], static_cast<int>(i));
   }
   const auto motion = tracking::Motion::still();
-  fields::FieldConfig config = fields::choose_field_config(store, 0, motion);
+  fields::FieldConfig config = fields::choose_field_config({store, 0, motion});
   if (levels > 0) config.levels = levels;
   if (log2_table > 0) config.log2_table_size = log2_table;
   if (occupancy > 0) config.occupancy_resolution = occupancy;
@@ -68,7 +68,7 @@ void run(const char* path, double million_rays, int holdout, int levels, int log
   trainer.rays = static_cast<std::size_t>(million_rays * 1e6);
   fields::TrainingReport report;
   const std::clock_t cpu_begin = std::clock();
-  const fields::DrawableField field(fields::train_field(store, 0, motion, config, trainer, progress, &report));
+  const fields::DrawableField field(fields::train_field({store, 0, motion}, config, trainer, progress, &report));
   const double cpu_seconds = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
   std::printf(
       "training: %.1f s, %.1f s of processors, %.2f M rays/s and core, %.1f samples/ray, loss %.4f, occupied %zu\n",

@@ -21,7 +21,7 @@ double milliseconds_since(Clock::time_point begin) {
 void run(const char* path, int every, const std::filesystem::path& folder) {
   Progress progress;
   const host::PluginTable plugins = host::PluginTable::builtin();
-  const auto open = [&](const ingest::FrameRange& range) {
+  const auto open = [&](const FrameRange& range) {
     ingest::CaptureOptions options;
     options.frames = range;
     return ingest::Capture::open(plugins, path, options, progress);

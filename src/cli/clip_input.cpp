@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/frame_range.h"
 
 namespace kinora::cli {
 
@@ -33,11 +34,8 @@ double frames_per_second(const encode::Clip& clip) {
 }
 
 std::vector<int> frames_in_range(const std::string& range, std::size_t count) {
-  const ingest::FrameRange wanted = range.empty() ? ingest::FrameRange{} : ingest::FrameRange::parse(range);
-  std::vector<int> frames;
-  for (int i = 0; i < static_cast<int>(count); ++i) {
-    if (wanted.contains(i)) frames.push_back(i);
-  }
+  const FrameRange wanted = range.empty() ? FrameRange{} : FrameRange::parse(range);
+  std::vector<int> frames = wanted.frames_of(static_cast<int>(count));
   if (frames.empty()) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--frames {} names none of the {} frames, which count from 0", range, count));

@@ -7,7 +7,6 @@
 
 #include "encode/clip.h"
 #include "encode/clip_io.h"
-#include "ingest/capture.h"
 
 namespace kinora::cli {
 

@@ -8,7 +8,7 @@
 #include "bake/surface.h"
 #include "bake/volume.h"
 #include "cli/context.h"
-#include "encode/clip.h"
+#include "encode/layer_choice.h"
 #include "host/options.h"
 
 namespace kinora::cli {
@@ -19,8 +19,8 @@ struct Conversion {
   const KinoraFormat* format = nullptr;
   std::filesystem::path input;
   std::filesystem::path output;
-  std::vector<int> frames;         ///< of the clip, increasing
-  std::vector<std::size_t> layers; ///< of the clip
+  std::vector<int> frames; ///< of the clip, increasing
+  encode::LayerChoice layers;
   bake::SurfaceOptions surface;
   bake::VolumeOptions volume;
   host::Options format_options;

@@ -56,21 +56,24 @@ template <class Number> void take_number(host::Options& options, const char* nam
   }
 }
 
-std::vector<std::size_t> chosen_layers(const encode::Clip& clip, const std::string& names, Context& context) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < clip.layers.size(); ++i) {
-    const bool wanted = names.empty() || ("," + names + ",").find("," + clip.layers[i].name + ",") != std::string::npos;
-    if (wanted) chosen.push_back(i);
+std::vector<std::string> split_at_commas(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ',') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
   }
-  const auto wanted_count =
-      names.empty() ? clip.layers.size() : static_cast<std::size_t>(std::count(names.begin(), names.end(), ',')) + 1;
-  if (chosen.size() < wanted_count) {
-    std::string known;
-    for (const encode::Layer& layer : clip.layers) known += (known.empty() ? "" : ", ") + layer.name;
-    const std::string sentence =
-        fmt::format("-O layers={}: the clip has only {}", names, known.empty() ? "no layers" : known);
-    if (chosen.empty()) throw Error(ErrorCode::kUsage, sentence);
-    context.progress.warn(sentence + "; the others are ignored");
+  return parts;
+}
+
+encode::LayerChoice layers_of_option(const encode::Clip& clip, const std::string& names, Context& context) {
+  if (names.empty()) return encode::all_layers(clip);
+  encode::LayerChoice chosen = encode::choose_layers(clip, split_at_commas(names), context.progress);
+  if (chosen.empty()) {
+    throw Error(ErrorCode::kUsage, fmt::format("-O layers={}: the clip has none of these layers; it has: {}", names,
+                                               encode::layer_names(clip)));
   }
   return chosen;
 }
@@ -86,7 +89,7 @@ Conversion conversion_of(const Options& options, const encode::Clip& clip, const
   conversion.strict = options.strict;
   host::Options given = host::parse_options(options.options);
   const auto layers = given.extract("layers");
-  conversion.layers = chosen_layers(clip, layers ? layers.mapped() : "", context);
+  conversion.layers = layers_of_option(clip, layers ? layers.mapped() : "", context);
   if (host::supports(format, KINORA_WRITES_MESHES)) {
     take_number(given, "triangles", conversion.surface.triangles);
     take_number(given, "resolution", conversion.surface.resolution);

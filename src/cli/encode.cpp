@@ -53,7 +53,7 @@ double rounded(double value) { return std::round(value * 1000) / 1000; }
 ingest::CaptureOptions capture_options(const Options& options) {
   ingest::CaptureOptions out;
   out.format = options.format;
-  if (!options.frames.empty()) out.frames = ingest::FrameRange::parse(options.frames);
+  if (!options.frames.empty()) out.frames = FrameRange::parse(options.frames);
   out.use_masks = !options.no_masks;
   return out;
 }
@@ -141,8 +141,7 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
 
   const Stopwatch watch;
-  const encode::PreparedCapture prepared = prepare(options, context);
-  encode::EncodeResult result = encode::encode_capture(prepared, how, context.progress);
+  encode::EncodeResult result = encode::encode_capture(prepare(options, context), how, context.progress);
   context.progress.stage("writing", 0);
   encode::write_clip(result.clip, out.writing_path());
   out.commit();

@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/text.h"
 #include "core/error.h"
+#include "ingest/capture.h"
 
 namespace kinora::cli {
 namespace fs = std::filesystem;

@@ -124,8 +124,9 @@ void run(const Options& options, Context& context) {
                                                fmt::join(beside, " and "), fmt::join(beside, ",")));
   }
   const player::Player player(open_clip(options.clip));
-  const player::LayerChoice layers =
-      options.layers.empty() ? player.all_layers() : player.choose_layers(options.layers, context.progress);
+  const player::LayerChoice layers = options.layers.empty()
+                                         ? player.all_layers()
+                                         : encode::choose_layers(player.clip(), options.layers, context.progress);
   const auto has = [&beside](std::string_view pass) {
     return std::find(beside.begin(), beside.end(), pass) != beside.end();
   };

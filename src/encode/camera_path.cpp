@@ -1,6 +1,7 @@
 #include "encode/camera_path.h"
 
-#include <string>
+#include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,25 +10,10 @@
 namespace kinora::encode {
 namespace {
 
-using Json = nlohmann::json;
-
-Json report_of(const tracking::CameraTracker& tracker) {
-  std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
-  for (const auto& result : tracker.results()) ++health[std::string(tracking::name_of(result.health))];
-  if (!tracker.moves()) {
-    return {{"path", "still"},
-            {"why", "no stretch of frames is explained significantly better by another place of the camera"},
-            {"frames", health}};
-  }
-  const std::size_t from = *tracker.moving_from();
-  return {{"path", "moving"},
-          {"why", from == 0 ? "along it more of what the frames show keeps still than if the camera had not moved"
-                            : fmt::format("from frame {} of the timeline on, the background is explained significantly "
-                                          "better by another place of the camera",
-                                          from)},
-          {"frames", health},
-          {"key_frames", tracker.keyframe_count()},
-          {"loops", tracker.loop_count()}};
+std::size_t count_of(tracking::Health health, const tracking::CameraTracker& tracker) {
+  const auto& results = tracker.results();
+  return static_cast<std::size_t>(
+      std::count_if(results.begin(), results.end(), [health](const auto& result) { return result.health == health; }));
 }
 
 class PlacedCapture final : public ingest::Capture {
@@ -72,8 +58,14 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
     indices.push_back(frame->index);
     progress.advance(indices.size(), "");
   }
-  CameraPath path{{}, 0, report_of(tracker)};
-  for (const auto& result : tracker.results()) path.lost += result.health == tracking::Health::kLost ? 1 : 0;
+  CameraPath path;
+  path.origin = CameraPath::Origin::kFollowed;
+  path.moving_from = tracker.moving_from();
+  path.tracked = count_of(tracking::Health::kTracked, tracker);
+  path.held = count_of(tracking::Health::kHeld, tracker);
+  path.lost = count_of(tracking::Health::kLost, tracker);
+  path.key_frames = tracker.keyframe_count();
+  path.loops = tracker.loop_count();
   if (!tracker.moves()) return path;
   const std::vector<SE3> poses = tracker.path();
   for (std::size_t i = 0; i < indices.size(); ++i) path.camera_to_world[indices[i]] = poses[i];

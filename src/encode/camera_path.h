@@ -1,10 +1,10 @@
 // Where the camera of a capture without poses was, frame by frame, as the background shows.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
-
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "encode/stage_times.h"
 #include "ingest/capture.h"
@@ -14,10 +14,21 @@ namespace kinora::encode {
 
 /// Plain data.
 struct CameraPath {
+  enum class Origin {
+    kNotFollowed, ///< nobody looked, or the capture brings poses
+    kFollowed,
+    kNothingBetter ///< still, as no path that was followed explains the pictures better
+  };
+  Origin origin = Origin::kNotFollowed;
   std::map<int, SE3>
-      camera_to_world;   ///< by the frame's index; empty: the camera is still, or the frames say where it is
-  int lost = 0;          ///< frames that do not show where the camera is
-  nlohmann::json report; ///< "path" (moving or still), "why", and how it was followed
+      camera_to_world; ///< by the frame's index; empty: the camera is still, or the frames say where it is
+  // Where it was followed:
+  std::optional<std::size_t> moving_from; ///< frame of the timeline that showed motion, if it moves
+  std::size_t tracked = 0;                ///< frames that show where the camera is
+  std::size_t held = 0;                   ///< frames that follow the motion so far
+  std::size_t lost = 0;                   ///< frames that do not show where the camera is
+  std::size_t key_frames = 0;
+  std::size_t loops = 0; ///< pairs of key frames that were found to see the same surface
 
   bool moves() const { return !camera_to_world.empty(); }
 };

@@ -1,6 +1,8 @@
 #include "encode/capture_preparation.h"
 
 #include <algorithm>
+#include <array>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -41,140 +43,194 @@ double largest_change(const CameraPath& before, const CameraPath& after) {
   return largest;
 }
 
+using MakeSegmenter = std::function<std::unique_ptr<ingest::Segmenter>()>;
+
+/// One way to understand the capture. What is found out makes another candidate; none is changed.
+struct Candidate {
+  ingest::CaptureOptions options;           ///< how it is opened: with its masks or without, how colour lies on depth
+  std::shared_ptr<const CameraPath> camera; ///< where the camera was
+  tracking::CameraTrackerConfig tracker;    ///< how the camera was followed, or is to be
+};
+
+struct ScoredCandidate {
+  Candidate candidate;
+  double explained; ///< share of what the frames show that keeps still if the camera was where the path says
+};
+
+/// Makes candidates from others, and looks at the capture as they have it.
 class Preparation {
 public:
-  Preparation(const CaptureRequest& request, Progress& progress)
-      : request_(request), options_(request.options), progress_(progress), quiet_(progress) {
-    // A network that is none is known before the work begins.
-    if (!request.detector.empty()) {
-      detector_ = ingest::make_network_detector(request.detector);
-      result_.joints_from = "network " + request.detector.filename().string();
-    }
-    if (request.network.empty()) return;
-    options_.use_masks = false;
-    (void)segmenter();
+  /// `quiet` is for readings before the last one.
+  Preparation(const CaptureRequest& request, StageTimes& times, Progress& progress, Progress& quiet)
+      : request_(request), times_(times), progress_(progress), quiet_(quiet) {}
+
+  /// As the request has it: its camera is still, or the frames say where it is.
+  Candidate given() const {
+    Candidate candidate{request_.options, std::make_shared<CameraPath>(), {}};
+    if (!request_.network.empty()) candidate.options.use_masks = false;
+    return candidate;
   }
 
-  PreparedCapture run() {
-    const ingest::CaptureInfo info = open(quiet_)->info();
-    has_masks_ = info.has_masks;
-    if (!info.has_poses) follow(has_masks_ ? *labelled(segmenter(), quiet_) : *open(quiet_));
-    if (result_.camera->moves() && !has_masks_) choose_path();
-    find_registration();
-    if (result_.camera->moves() && !has_masks_) follow_background();
-    result_.capture = labelled(segmenter(), progress_);
-    if (detector_) result_.capture = ingest::detected_capture(std::move(result_.capture), std::move(detector_));
-    return std::move(result_);
+  std::unique_ptr<ingest::Capture> open(const Candidate& candidate) const {
+    return opener(candidate, quiet_)(candidate.options.frames);
+  }
+  std::unique_ptr<ingest::Capture> labelled(const Candidate& candidate, std::unique_ptr<ingest::Segmenter> segmenter,
+                                            Progress& progress) const {
+    return ingest::segmented_capture(opener(candidate, progress), candidate.options.frames, std::move(segmenter),
+                                     progress);
+  }
+
+  /// With the path along which the candidate's tracker follows the camera through frames that were opened as the
+  /// candidate has them.
+  Candidate followed(const Candidate& candidate, std::unique_ptr<ingest::Capture> frames) const {
+    return {candidate.options,
+            std::make_shared<CameraPath>(follow_camera(*frames, candidate.tracker, times_, progress_)),
+            candidate.tracker};
+  }
+
+  ScoredCandidate scored(Candidate candidate) const {
+    const double explained =
+        ingest::explained_surface(ingest::sample_views(opener(candidate, quiet_), candidate.options.frames, quiet_));
+    return {std::move(candidate), explained};
+  }
+
+  /// What a search for another colour camera finds; nothing is looked for where one is told.
+  ingest::FoundRegistration search_registration(const Candidate& candidate) const {
+    if (candidate.options.registration) return {};
+    return ingest::search_registration(*open(candidate), progress_);
   }
 
 private:
-  std::unique_ptr<ingest::Capture> open(Progress& progress) const {
-    return placed_capture(request_.open(options_, progress), result_.camera);
-  }
-
-  ingest::CaptureFactory opener(Progress& progress) const {
-    return [this, &progress](const ingest::FrameRange& range) {
-      ingest::CaptureOptions how = options_;
+  ingest::CaptureFactory opener(const Candidate& candidate, Progress& progress) const {
+    return [this, candidate, &progress](const FrameRange& range) {
+      ingest::CaptureOptions how = candidate.options;
       how.frames = range;
-      return placed_capture(request_.open(how, progress), result_.camera);
+      return placed_capture(request_.open(how, progress), candidate.camera);
     };
   }
 
-  void follow(ingest::Capture& capture) {
-    result_.camera = std::make_shared<CameraPath>(follow_camera(capture, tracker_, result_.times, progress_));
-  }
-
-  // How much of what the frames show keeps still if the camera was where the path says.
-  double explained() {
-    return ingest::explained_surface(ingest::sample_views(opener(quiet_), options_.frames, quiet_));
-  }
-
-  // Where walls are out of range, somebody who moves may be most of what is measured. So the camera is also followed by
-  // planes alone, of which a narrow strip of floor may be all there is, and may have kept still after all.
-  void choose_path() {
-    std::shared_ptr<const CameraPath> best = result_.camera;
-    double most = explained();
-    const tracking::CameraTrackerConfig usual = tracker_;
-    tracking::CameraTrackerConfig of_little;
-    of_little.min_pixels = kLeastOfPlanes;
-    of_little.frames_to_move = 0;
-    tracker_ = of_little;
-    follow(*labelled(ingest::make_plane_segmenter(), quiet_));
-    if (const double share = explained(); share > most) {
-      best = result_.camera;
-      most = share;
-    } else {
-      tracker_ = usual;
-    }
-    auto still = std::make_shared<CameraPath>();
-    still->report = {{"path", "still"}, {"why", "no path that was found explains the pictures better"}};
-    result_.camera = still;
-    if (explained() < most) result_.camera = best;
-  }
-
-  // What moves misleads who follows the camera, and a wrong path whoever tells what moves: by turns.
-  void follow_background() {
-    double share = explained();
-    for (int round = 0; round < kMostRounds; ++round) {
-      const std::shared_ptr<const CameraPath> before = result_.camera;
-      const double share_before = share;
-      follow(*labelled(request_.network.empty() ? ingest::make_foreground_segmenter() : segmenter(), quiet_));
-      share = explained();
-      if (result_.camera->lost > before->lost || share < share_before) { // too little was left to follow
-        result_.camera = before;
-        share = share_before;
-        break;
-      }
-      if (largest_change(*before, *result_.camera) < kSamePath) break;
-    }
-    warn_of_doubt(share);
-  }
-
-  void warn_of_doubt(double share) {
-    if (share >= kLeastExplained) return;
-    progress_.warn(fmt::format("where the camera was cannot be told for certain: along the path that was found only "
-                               "{:.0f} % of what the frames show keeps still, and what was followed may be something "
-                               "that moves; masks, or a pose for every frame, would tell",
-                               100 * share));
-  }
-
-  void find_registration() {
-    if (options_.registration) return;
-    result_.registration = ingest::search_registration(*open(quiet_), progress_);
-    if (!result_.registration.geometry) return;
-    options_.registration = result_.registration.geometry;
-    progress_.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
-                               "length of {:.1f} pixels, depth {:.1f}; depth is carried into colour",
-                               options_.registration->color.fx, options_.registration->depth.fx));
-  }
-
-  std::unique_ptr<ingest::Segmenter> segmenter() {
-    if (!request_.network.empty()) {
-      result_.labels_from = "network " + request_.network.filename().string();
-      return ingest::make_network_segmenter(request_.network);
-    }
-    result_.labels_from = has_masks_ ? "masks" : "motion";
-    return has_masks_ ? ingest::make_mask_completion() : ingest::make_motion_segmenter();
-  }
-
-  std::unique_ptr<ingest::Capture> labelled(std::unique_ptr<ingest::Segmenter> segmenter, Progress& progress) {
-    return ingest::segmented_capture(opener(progress), options_.frames, std::move(segmenter), progress);
-  }
-
   const CaptureRequest& request_;
-  ingest::CaptureOptions options_;
+  StageTimes& times_;
   Progress& progress_;
-  QuietProgress quiet_;
-  tracking::CameraTrackerConfig tracker_; ///< how the camera is followed
-  PreparedCapture result_;
-  std::unique_ptr<ingest::JointDetector> detector_;
-  bool has_masks_ = false;
+  Progress& quiet_;
 };
+
+// Where walls are out of range, somebody who moves may be most of what is measured. So the camera is also followed by
+// planes alone, of which a narrow strip of floor may be all there is, and may have kept still after all.
+Candidate best_path(const Preparation& preparation, const Candidate& followed, Progress& quiet) {
+  const auto nothing_better = std::make_shared<CameraPath>();
+  nothing_better->origin = CameraPath::Origin::kNothingBetter;
+  const Candidate still{followed.options, nothing_better, followed.tracker};
+  Candidate of_little = followed;
+  of_little.tracker.min_pixels = kLeastOfPlanes;
+  of_little.tracker.frames_to_move = 0;
+  const Candidate by_planes =
+      preparation.followed(of_little, preparation.labelled(of_little, ingest::make_plane_segmenter(), quiet));
+  const std::array<ScoredCandidate, 3> candidates{preparation.scored(still), preparation.scored(followed),
+                                                  preparation.scored(by_planes)};
+  // The first of those that explain most: what moves less.
+  return std::max_element(candidates.begin(), candidates.end(),
+                          [](const auto& a, const auto& b) { return a.explained < b.explained; })
+      ->candidate;
+}
+
+void warn_of_doubt(double explained, Progress& progress) {
+  if (explained >= kLeastExplained) return;
+  progress.warn(fmt::format("where the camera was cannot be told for certain: along the path that was found only "
+                            "{:.0f} % of what the frames show keeps still, and what was followed may be something "
+                            "that moves; masks, or a pose for every frame, would tell",
+                            100 * explained));
+}
+
+// What moves misleads who follows the camera, and a wrong path whoever tells what moves: by turns.
+Candidate followed_by_background(const Preparation& preparation, const Candidate& begin,
+                                 const MakeSegmenter& make_segmenter, Progress& progress, Progress& quiet) {
+  ScoredCandidate best = preparation.scored(begin);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Candidate& before = best.candidate;
+    ScoredCandidate next =
+        preparation.scored(preparation.followed(before, preparation.labelled(before, make_segmenter(), quiet)));
+    const bool too_little_was_left =
+        next.candidate.camera->lost > before.camera->lost || next.explained < best.explained;
+    if (too_little_was_left) break;
+    const bool settled = largest_change(*before.camera, *next.candidate.camera) < kSamePath;
+    best = std::move(next);
+    if (settled) break;
+  }
+  warn_of_doubt(best.explained, progress);
+  return best.candidate;
+}
+
+void warn_of_registration(const ingest::RegistrationGeometry& found, Progress& progress) {
+  progress.warn(fmt::format("colour and depth are not one camera's, as the capture says: colour has a focal "
+                            "length of {:.1f} pixels, depth {:.1f}; depth is carried into colour",
+                            found.color.fx, found.depth.fx));
+}
+
+Candidate with_registration(const Candidate& candidate, const ingest::FoundRegistration& found) {
+  Candidate registered = candidate;
+  if (found.geometry) registered.options.registration = found.geometry;
+  return registered;
+}
+
+/// Who labels the frames.
+struct Labelling {
+  std::string from; ///< in words
+  MakeSegmenter make_segmenter;
+};
+
+Labelling labelling_of(const CaptureRequest& request, bool has_masks) {
+  if (!request.network.empty()) {
+    return {"network " + request.network.filename().string(),
+            [network = request.network] { return ingest::make_network_segmenter(network); }};
+  }
+  if (has_masks) return {"masks", ingest::make_mask_completion};
+  return {"motion", ingest::make_motion_segmenter};
+}
 
 } // namespace
 
 PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress) {
-  return Preparation(request, progress).run();
+  // A network that is none is known before the work begins.
+  auto detector = request.detector.empty() ? nullptr : ingest::make_network_detector(request.detector);
+  if (!request.network.empty()) (void)ingest::make_network_segmenter(request.network);
+
+  StageTimes times;
+  QuietProgress quiet(progress);
+  const Preparation preparation(request, times, progress, quiet);
+  const Candidate given = preparation.given();
+  const ingest::CaptureInfo info = preparation.open(given)->info();
+  const Labelling labelling = labelling_of(request, info.has_masks);
+  const auto may_be_elsewhere = [&](const Candidate& candidate) { // masks say what moves
+    return candidate.camera->moves() && !info.has_masks;
+  };
+  const Candidate followed =
+      info.has_poses
+          ? given
+          : preparation.followed(given, info.has_masks ? preparation.labelled(given, labelling.make_segmenter(), quiet)
+                                                       : preparation.open(given));
+  const Candidate placed = may_be_elsewhere(followed) ? best_path(preparation, followed, quiet) : followed;
+  const ingest::FoundRegistration registration = preparation.search_registration(placed);
+  if (registration.geometry) warn_of_registration(*registration.geometry, progress);
+  const Candidate registered = with_registration(placed, registration);
+  const Candidate best = may_be_elsewhere(registered)
+                             ? followed_by_background(preparation, registered,
+                                                      request.network.empty() ? ingest::make_foreground_segmenter
+                                                                              : labelling.make_segmenter,
+                                                      progress, quiet)
+                             : registered;
+
+  PreparedCapture prepared;
+  prepared.capture = preparation.labelled(best, labelling.make_segmenter(), progress);
+  prepared.camera = best.camera;
+  prepared.registration = registration;
+  prepared.labels_from = labelling.from;
+  if (detector) {
+    prepared.joints_from = "network " + request.detector.filename().string();
+    prepared.capture = ingest::detected_capture(std::move(prepared.capture), std::move(detector));
+  }
+  prepared.times = std::move(times);
+  return prepared;
 }
 
 } // namespace kinora::encode

@@ -54,15 +54,14 @@ EncodeOptions EncodeOptions::of(Preset preset) {
 }
 
 std::size_t EncodeOptions::expected_frames(int frame_count) const {
-  const int end = frames.end < 0 ? frame_count : std::min(frames.end, frame_count);
-  return static_cast<std::size_t>(std::max(1, (end - frames.begin + frames.step - 1) / frames.step));
+  return static_cast<std::size_t>(std::max(1, frames.count_of(frame_count)));
 }
 
 nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
           {"body_from", body_from},
-          {"frames", {{"begin", frames.begin}, {"end", frames.end}, {"step", frames.step}}},
+          {"frames", {{"begin", frames.begin}, {"end", frames.end.value_or(-1)}, {"step", frames.step}}},
           {"seed", seed},
           {"max_stored_pixels", max_stored_pixels},
           {"rays_per_pixel", rays_per_pixel},

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "ingest/capture.h"
+#include "core/frame_range.h"
 #include "tracking/body/body_prior.h"
 
 namespace kinora::encode {
@@ -23,7 +23,7 @@ struct EncodeOptions {
   int holdout = 0;       ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
   std::string body_from; ///< in words, for the record: whose measures `body` holds
   std::optional<tracking::BodyPrior> body; ///< what is known of the measures of everybody in the capture
-  ingest::FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
+  FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   std::uint64_t seed = 1;
   std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each
   /// Rays that train all layers together: rays_per_pixel × pixels of all frames, kept within the bounds.

@@ -1,12 +1,12 @@
 #include "encode/layer_report.h"
 
-#include <cmath>
+#include "encode/rounding.h"
+#include "encode/size_report.h"
 
 namespace kinora::encode {
+namespace {
 
 using Json = nlohmann::json;
-
-double round4(double value) { return std::round(value * 1e4) / 1e4; }
 
 Json config_json(const fields::FieldConfig& config) {
   const Eigen::Vector3d& origin = config.box.origin;
@@ -62,8 +62,6 @@ Json geometry_json(const fields::GeometryTrial& trial) {
           {fields::name_of(fields::Geometry::kSignedDistance), error(trial.signed_distance)}};
 }
 
-namespace {
-
 Json body_json(const tracking::LayerBody& body) {
   using tracking::BodyVerdict;
   const auto why = [&] {
@@ -84,8 +82,6 @@ Json body_json(const tracking::LayerBody& body) {
           {"detected_joints", round4(body.detected())}};
 }
 
-} // namespace
-
 Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   Json out = {{"kind", tracking::name_of(motion.kind())}};
   if (label.bend) out["bends"] = {{"from_frame", label.bend->first_frame}, {"by_m", round4(label.bend->metres)}};
@@ -105,15 +101,68 @@ Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   }
   out["relocalised"] = label.relocalised;
   out["weak_directions_per_frame"] = round4(label.weak_directions / static_cast<double>(label.poses.size()));
-  out["largest_move_m"] = round4(SceneTracker::largest_move(label));
+  out["largest_move_m"] = round4(label.largest_move());
   return out;
 }
 
-Json refinement_json(const MotionRefinement& refinement, std::size_t draft_rays) {
-  return {{"draft_rays", draft_rays},
-          {"frames", refinement.frames},
-          {"color_difference_before", round4(refinement.color_before)},
-          {"color_difference_after", round4(refinement.color_after)}};
+Json refinement_json(const DraftReport& draft) {
+  return {{"draft_rays", draft.rays},
+          {"frames", draft.refinement.frames},
+          {"color_difference_before", round4(draft.refinement.color_before)},
+          {"color_difference_after", round4(draft.refinement.color_after)}};
+}
+
+Json views_json(const fields::ViewAgreement& agreement) {
+  return {
+      {"looks", agreement.looks}, {"seen_through", round4(agreement.seen_through)}, {"noise", round4(agreement.noise)}};
+}
+
+Json training_json(const fields::TrainingReport& training) {
+  Json reasons = Json::array();
+  for (const fields::Collapse collapse : training.restarts) reasons.push_back(name_of(collapse));
+  return {{"rays", training.rays},
+          {"samples", training.samples},
+          {"steps", training.steps},
+          {"bytes", training.bytes},
+          {"final_loss", training.final_loss},
+          {"restarts", training.restarts.size()},
+          {"restarted_because", std::move(reasons)},
+          {"stray_cells", training.stray_cells}};
+}
+
+} // namespace
+
+Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
+  const Layer& layer = outcome.layer;
+  Json out = {{"name", layer.name},
+              {"label", layer.label},
+              {"why", outcome.why},
+              {"pixels_seen", tracked.pixels},
+              {"views", views_json(outcome.agreement)},
+              {"parameters", layer.field.parameter_count()},
+              {"occupied_cells", layer.field.occupancy.count()},
+              {"motion", motion_json(tracked, layer.motion)},
+              {"field", config_json(layer.field.config)},
+              {"size", size_json(outcome.need, outcome.config, layer.field, outcome.training)},
+              {"geometry", geometry_json(outcome.geometry)},
+              {"training", training_json(outcome.training)}};
+  if (outcome.draft) out["refinement"] = refinement_json(*outcome.draft);
+  return out;
+}
+
+Json layer_metadata(const LayerOutcome& outcome) {
+  return {{"label", outcome.layer.label},
+          {"why", outcome.why},
+          {"field", config_json(outcome.layer.field.config)},
+          {"trainer", config_json(outcome.trainer)}};
+}
+
+Json not_modelled_json(const std::vector<NotModelled>& labels) {
+  Json out = Json::array();
+  for (const NotModelled& label : labels) {
+    out.push_back({{"name", label.name}, {"label", label.label}, {"why", label.why}});
+  }
+  return out;
 }
 
 } // namespace kinora::encode

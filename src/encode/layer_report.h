@@ -1,23 +1,19 @@
 // What a layer was made of, as the encoder's report and the clip's metadata say it.
 #pragma once
 
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
-#include "encode/motion_refinement.h"
-#include "encode/scene_tracker.h"
-#include "fields/field.h"
-#include "fields/geometry_trial.h"
-#include "fields/trainer.h"
+#include "encode/layer_training.h"
 
 namespace kinora::encode {
 
-/// To four places after the point.
-double round4(double value);
-
-nlohmann::json config_json(const fields::FieldConfig& config);
-nlohmann::json config_json(const fields::TrainerConfig& config);
-nlohmann::json geometry_json(const fields::GeometryTrial& trial);
-nlohmann::json motion_json(const TrackedLabel& label, const tracking::Motion& motion);
-nlohmann::json refinement_json(const MotionRefinement& refinement, std::size_t draft_rays);
+/// For the report: what was modelled and why, size, tracking health, geometry and training.
+nlohmann::json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome);
+/// For the clip: why the layer moves as it does, and the configuration of its field and of its training.
+nlohmann::json layer_metadata(const LayerOutcome& outcome);
+/// For both.
+nlohmann::json not_modelled_json(const std::vector<NotModelled>& labels);
 
 } // namespace kinora::encode

@@ -50,13 +50,13 @@ std::array<float, 3> to_array(const Eigen::Vector3d& v) {
 
 Eigen::Vector3d to_vector(const std::array<float, 3>& v) { return Eigen::Vector3f(v.data()).cast<double>(); }
 
-std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields::StoredFrame& frame, int label,
+std::vector<Probe> choose_probes(const fields::LayerObservations& layer, const fields::StoredFrame& frame,
                                  const fields::FieldConfig& config) {
   std::vector<Probe> own;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
-    const fields::StoredPixel& pixel = pixels.pixels()[i];
-    if (pixel.label == label && pixel.depth != 0) {
-      own.push_back({static_cast<std::uint32_t>(i), std::abs(pixel.depth), true, false});
+    const fields::StoredPixel& pixel = layer.pixels.pixels()[i];
+    if (layer.is_foreground(pixel) && pixel.depth.is_known()) {
+      own.push_back({static_cast<std::uint32_t>(i), pixel.depth.metres(), true, false});
     }
   }
   std::vector<Probe> probes;
@@ -64,7 +64,7 @@ std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields:
     const std::size_t stride = (count + most - 1) / most;
     for (std::size_t i = stride / 2; i < count; i += stride) probes.push_back(probe_of(i));
   };
-  const fields::RimPixels rim = fields::rim_pixels(pixels, frame, label, config);
+  const fields::RimPixels rim = fields::rim_pixels(layer, frame, config);
   const auto of_rim = [](const fields::RimPixel& pixel, bool is_own) {
     return Probe{pixel.pixel, pixel.depth, is_own, true};
   };
@@ -77,10 +77,9 @@ std::vector<Probe> choose_probes(const fields::PixelStore& pixels, const fields:
 /// What a field shows where one frame's pixels look, for any states of the nodes.
 class FrameView {
 public:
-  FrameView(const fields::Field& field, const fields::PixelStore& pixels, const fields::StoredFrame& frame, int label)
-      : field_(field), levels_(fields::grid_levels(field.config)), pixels_(pixels), frame_(frame),
-        probes_(choose_probes(pixels, frame, label, field.config)), responses_(probes_.size()),
-        places_(probes_.size()) {}
+  FrameView(const fields::Field& field, const fields::LayerObservations& layer, const fields::StoredFrame& frame)
+      : field_(field), levels_(fields::grid_levels(field.config)), pixels_(layer.pixels), frame_(frame),
+        probes_(choose_probes(layer, frame, field.config)), responses_(probes_.size()), places_(probes_.size()) {}
 
   /// `by_place`: slopes, too.
   void look(const BulkWarp& warp, bool by_place) {
@@ -101,7 +100,8 @@ public:
     if (!places_[i].allFinite()) return std::nullopt;
     if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].own ? 1.0 : 0.0);
     if (!has_color(i)) return std::nullopt;
-    if (value == RayResponse::kDepth) return pixel.depth > 0 ? std::optional(response.value[value]) : std::nullopt;
+    if (value == RayResponse::kDepth)
+      return pixel.depth.is_measured() ? std::optional(response.value[value]) : std::nullopt;
     return response.value[value] - pixel.color[value] / 255.0;
   }
   double depth_sigma(std::size_t i) const { return kSensorNoise.sigma(probes_[i].depth); }
@@ -182,16 +182,16 @@ double cost(const FrameView& view, double color_sigma) {
 /// Refines one frame after the other.
 class Refiner {
 public:
-  Refiner(const fields::Field& field, const fields::PixelStore& pixels, int label, const tracking::Motion& motion,
+  Refiner(const fields::Field& field, const fields::LayerObservations& layer,
           std::span<const tracking::GraphEdge> edges, double node_spacing)
-      : field_(field), pixels_(pixels), label_(label), graph_(motion.graph()),
+      : field_(field), layer_(layer), graph_(layer.motion.graph()),
         table_(std::make_shared<const tracking::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing) {
     for (const Eigen::Vector3d& node : graph_->nodes()) nodes_.emplace_back(node - table_->origin());
   }
 
   /// Whether nodes were moved.
   bool refine(const fields::StoredFrame& frame, std::vector<DualQuaternion>& nodes, MotionRefinement& report) const {
-    FrameView view(field_, pixels_, frame, label_);
+    FrameView view(field_, layer_, frame);
     std::vector<DualQuaternion> best = nodes;
     double best_cost = 0;
     double first_sigma = 0;
@@ -286,8 +286,7 @@ private:
   }
 
   const fields::Field& field_;
-  const fields::PixelStore& pixels_;
-  int label_;
+  fields::LayerObservations layer_;
   std::shared_ptr<const tracking::DeformationGraph> graph_;
   std::shared_ptr<const tracking::InfluenceTable> table_;
   std::span<const tracking::GraphEdge> edges_;
@@ -344,18 +343,20 @@ void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_
 
 } // namespace
 
-tracking::Motion refine_motion(const fields::Field& field, const fields::PixelStore& pixels, int label,
-                               const tracking::Motion& motion, std::span<const tracking::GraphEdge> edges,
-                               double node_spacing, Progress& progress, MotionRefinement* report) {
-  const Refiner refiner(field, pixels, label, motion, edges, node_spacing);
+tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
+                               std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
+                               MotionRefinement* report) {
+  const Refiner refiner(field, layer, edges, node_spacing);
+  const tracking::Motion& motion = layer.motion;
+  const std::vector<fields::StoredFrame>& frames = layer.pixels.frames();
   std::vector<tracking::Motion::Deformation> refined = motion.deformations();
   std::vector<bool> is_refined(refined.size(), false);
   MotionRefinement result;
-  for (std::size_t k = 0; k < pixels.frames().size(); ++k) {
+  for (std::size_t k = 0; k < frames.size(); ++k) {
     progress.check();
-    const auto f = static_cast<std::size_t>(pixels.frames()[k].frame);
+    const auto f = static_cast<std::size_t>(frames[k].frame);
     if (refined[f].health == tracking::Health::kTracked) {
-      is_refined[f] = refiner.refine(pixels.frames()[k], refined[f].node_to_world, result);
+      is_refined[f] = refiner.refine(frames[k], refined[f].node_to_world, result);
     }
     progress.advance(k + 1, "");
   }

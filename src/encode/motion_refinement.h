@@ -10,8 +10,7 @@
 
 #include "core/progress.h"
 #include "fields/field.h"
-#include "fields/pixel_store.h"
-#include "tracking/motion.h"
+#include "fields/layer_observations.h"
 #include "tracking/surface_graph.h"
 
 namespace kinora::encode {
@@ -26,8 +25,8 @@ struct MotionRefinement {
 /// that are not stored move as their neighbours do. A frame that would be explained worse keeps its nodes. `edges` and
 /// `node_spacing` (metres) are those of the motion's graph. Same input, same bits, for any number of threads. Throws
 /// Error(kInterrupted) when cancelled.
-tracking::Motion refine_motion(const fields::Field& field, const fields::PixelStore& pixels, int label,
-                               const tracking::Motion& motion, std::span<const tracking::GraphEdge> edges,
-                               double node_spacing, Progress& progress, MotionRefinement* report = nullptr);
+tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
+                               std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
+                               MotionRefinement* report = nullptr);
 
 } // namespace kinora::encode

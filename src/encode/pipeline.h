@@ -24,6 +24,6 @@ struct EncodeResult {
 /// number of threads; times are in the report alone. Memory: the stored pixels, one frame, a TSDF per rigid layer and
 /// the field in training. Throws Error: kCorruptInput if no frame is usable, kFailure if nothing can be modelled,
 /// kInterrupted.
-EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions& options, Progress& progress);
+EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& options, Progress& progress);
 
 } // namespace kinora::encode

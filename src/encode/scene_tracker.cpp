@@ -10,22 +10,6 @@ namespace {
 
 constexpr std::size_t kMinPixelsToBegin = 100; ///< measured pixels that a label needs in its first frame
 constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for a damaged mask
-/// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
-constexpr double kStillMove = 0.004;
-
-// A deforming layer is followed from its first frame on; before that it is lost, or goes as a rigid thing.
-tracking::Motion with_frames_before(const tracking::Motion& motion, const std::vector<tracking::Motion::Pose>& poses) {
-  std::vector<tracking::Motion::Deformation> all;
-  for (const auto& pose : poses) {
-    all.push_back(motion.deformations().front());
-    all.back().health = pose.health;
-    if (pose.health == tracking::Health::kLost) continue;
-    const DualQuaternion to_frame = DualQuaternion::from(pose.canonical_to_world);
-    for (DualQuaternion& node : all.back().node_to_world) node = to_frame * node;
-  }
-  all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
-  return tracking::Motion::deforming(motion.graph(), std::move(all));
-}
 
 } // namespace
 
@@ -45,7 +29,7 @@ std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& 
     for (int u = 0; u < frame.depth.width(); ++u) {
       const float depth = frame.depth.at(u, v);
       if (!(depth > 0)) continue;
-      Sight& sight = sights[frame.labels.empty() ? 0 : frame.labels.at(u, v)];
+      Sight& sight = sights[frame.label_at(u, v)];
       const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
       ++sight.pixels;
       sight.sum += point;
@@ -141,35 +125,11 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
   ++frames_;
 }
 
-void SceneTracker::finish(StageTimes& times) {
+std::map<int, TrackedLabel> SceneTracker::finish(StageTimes& times) && {
   for (auto& [label, tracked] : labels_) {
     if (tracked.bending) times.measure("settle " + tracked.plan.name, [&, &t = tracked] { t.bending->settle_past(); });
   }
-}
-
-double SceneTracker::largest_move(const TrackedLabel& label) {
-  double largest = 0;
-  for (const auto& pose : label.poses) {
-    if (pose.health == tracking::Health::kLost) continue;
-    const double shift = (pose.canonical_to_world * label.centre - label.centre).norm();
-    const double turn = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * label.radius;
-    largest = std::max(largest, shift + turn);
-  }
-  return largest;
-}
-
-std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& label) const {
-  auto joints = label.bending ? label.bending->body().joint_paths() : std::nullopt;
-  if (!joints) return std::nullopt;
-  auto& places = joints->places;
-  places.insert(places.begin(), static_cast<std::size_t>(label.first_frame), places.front());
-  return joints;
-}
-
-tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
-  if (label.bending) return with_frames_before(label.bending->motion(), label.poses);
-  const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
-  return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
+  return std::move(labels_);
 }
 
 } // namespace kinora::encode

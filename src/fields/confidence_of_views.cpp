@@ -56,14 +56,13 @@ private:
 
 } // namespace
 
-Confidence confidence_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                               const Field& field) {
+Confidence confidence_of_views(const LayerObservations& layer, const Field& field) {
   constexpr std::size_t kPoints = 100'000;
   Confidence confidence(field.occupancy);
   const FieldBox& box = field.config.box;
   const double block = box.side / confidence.blocks().resolution();
   std::vector<Looks> looks(confidence.levels().size());
-  for (const LayerPoint& point : measured_points(pixels, label, motion, kPoints)) {
+  for (const LayerPoint& point : measured_points(layer, kPoints)) {
     const Eigen::Vector3f at = ((point.canonical - box.origin) / box.side).cast<float>();
     const Confidence::Near near = confidence.near({at.x(), at.y(), at.z()});
     const double faces = point.pixels * std::pow(point.footprint / block, 2);

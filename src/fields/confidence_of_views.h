@@ -2,13 +2,12 @@
 #pragma once
 
 #include "fields/confidence.h"
-#include "fields/pixel_store.h"
-#include "tracking/motion.h"
+#include "fields/layer_observations.h"
 
 namespace kinora::fields {
 
 /// Looks at a spread of the layer's measured pixels; each counts for those of its frame that it stands for. Same bits
 /// for any number of threads. Takes some ten milliseconds.
-Confidence confidence_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion, const Field& field);
+Confidence confidence_of_views(const LayerObservations& layer, const Field& field);
 
 } // namespace kinora::fields

@@ -45,9 +45,9 @@ std::size_t touched_cells(const std::vector<LayerPoint>& points, const FieldBox&
 
 } // namespace
 
-FieldConfig choose_field_config(const PixelStore& pixels, int label, const tracking::Motion& motion, FieldNeed* need) {
+FieldConfig choose_field_config(const LayerObservations& layer, FieldNeed* need) {
   constexpr std::size_t kPoints = 400'000;
-  const std::vector<LayerPoint> seen = measured_points(pixels, label, motion, kPoints);
+  const std::vector<LayerPoint> seen = measured_points(layer, kPoints);
   if (seen.empty()) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }

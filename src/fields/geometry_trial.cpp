@@ -15,15 +15,17 @@ constexpr double kShareOfRays = 1.0 / 40;       // of a whole training, for each
 constexpr std::size_t kFewestRays = 250'000;
 
 /// Frames in which the layer is seen and its place is known.
-std::vector<std::size_t> useful_frames(const PixelStore& pixels, int label, const tracking::Motion& motion) {
+std::vector<std::size_t> useful_frames(const LayerObservations& layer) {
+  const PixelStore& pixels = layer.pixels;
   std::vector<std::size_t> useful;
   for (std::size_t f = 0; f < pixels.frames().size(); ++f) {
     const StoredFrame& frame = pixels.frames()[f];
     const auto first = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.begin);
     const auto end = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.end);
-    const auto is_own = [label](const StoredPixel& pixel) { return pixel.label == label && pixel.depth > 0; };
-    const bool lost = motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost;
-    if (!lost && std::any_of(first, end, is_own)) useful.push_back(f);
+    const auto is_own = [&layer](const StoredPixel& pixel) {
+      return layer.is_foreground(pixel) && pixel.depth.is_measured();
+    };
+    if (!layer.is_lost(frame) && std::any_of(first, end, is_own)) useful.push_back(f);
   }
   return useful;
 }
@@ -41,16 +43,15 @@ std::vector<std::size_t> judged_frames(const std::vector<std::size_t>& useful) {
 /// What a field of the layer draws for one frame, against the frame's pixels.
 class Judge {
 public:
-  Judge(const PixelStore& pixels, int label, const tracking::Motion& motion)
-      : pixels_(pixels), label_(label), motion_(motion) {}
+  explicit Judge(const LayerObservations& layer) : layer_(layer) {}
 
   DrawingError judge(const Field& field, const std::vector<std::size_t>& frames) {
-    const DrawableField drawable(field, motion_.graph().get());
+    const DrawableField drawable(field, layer_.motion.graph().get());
     for (const std::size_t f : frames) {
-      const StoredFrame& frame = pixels_.frames()[f];
-      const PosedField posed = pose(drawable, motion_.warp(frame.frame));
+      const StoredFrame& frame = layer_.pixels.frames()[f];
+      const PosedField posed = pose(drawable, layer_.motion.warp(frame.frame));
       const Picture picture = render({&posed, 1}, frame.camera);
-      for (std::size_t i = frame.begin; i < frame.end; ++i) compare(picture, pixels_.pixels()[i]);
+      for (std::size_t i = frame.begin; i < frame.end; ++i) compare(picture, layer_.pixels.pixels()[i]);
     }
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);
     std::nth_element(depths_.begin(), middle, depths_.end());
@@ -62,8 +63,8 @@ private:
   void compare(const Picture& picture, const StoredPixel& pixel) {
     const std::uint8_t* drawn = picture.color.pixel(pixel.u, pixel.v);
     const double opacity = drawn[3] / 255.0;
-    const bool own = pixel.label == label_;
-    if (own && pixel.depth == 0) return; // nothing tells whether there is anything to be drawn
+    const bool own = layer_.is_foreground(pixel);
+    if (own && !pixel.depth.is_known()) return; // nothing tells whether there is anything to be drawn
     const float depth = picture.depth.at(pixel.u, pixel.v);
     if (!own && depth >= empty_until(pixel)) return; // it may well be there, behind what the pixel shows
     for (std::size_t c = 0; c < 3; ++c) {
@@ -71,12 +72,10 @@ private:
       squares_ += difference * difference;
     }
     if (own) ++own_pixels_;
-    if (own && pixel.depth > 0) depths_.push_back(std::abs(depth - pixel.depth));
+    if (own && pixel.depth.is_measured()) depths_.push_back(std::abs(depth - pixel.depth.metres()));
   }
 
-  const PixelStore& pixels_;
-  int label_;
-  const tracking::Motion& motion_;
+  LayerObservations layer_;
   double squares_ = 0;
   std::size_t own_pixels_ = 0;
   std::vector<float> depths_;
@@ -92,13 +91,13 @@ Geometry better_geometry(const DrawingError& density, const DrawingError& signed
   return better ? Geometry::kSignedDistance : Geometry::kDensity;
 }
 
-GeometryTrial try_geometries(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const TrainerConfig& trainer, Progress& progress) {
+GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& config, const TrainerConfig& trainer,
+                             Progress& progress) {
   GeometryTrial trial;
-  const std::vector<std::size_t> judged = judged_frames(useful_frames(pixels, label, motion));
+  const std::vector<std::size_t> judged = judged_frames(useful_frames(layer));
   trial.frames = judged.size();
   if (judged.empty()) return trial;
-  const PixelStore part = pixels.thinned(judged, kTrialPixels);
+  const PixelStore part = layer.pixels.thinned(judged, kTrialPixels);
   TrainerConfig shorter = trainer;
   shorter.rays = std::max(kFewestRays, static_cast<std::size_t>(kShareOfRays * static_cast<double>(trainer.rays)));
   for (auto [geometry, error] :
@@ -106,9 +105,9 @@ GeometryTrial try_geometries(const PixelStore& pixels, int label, const tracking
     FieldConfig tried = config;
     tried.geometry = geometry;
     TrainingReport report;
-    const Field field = train_field(part, label, motion, tried, shorter, progress, &report);
+    const Field field = train_field({part, layer.label, layer.motion}, tried, shorter, progress, &report);
     trial.rays += report.rays;
-    *error = Judge(pixels, label, motion).judge(field, judged);
+    *error = Judge(layer).judge(field, judged);
   }
   trial.chosen = better_geometry(trial.density, trial.signed_distance);
   return trial;

@@ -25,7 +25,7 @@ Geometry better_geometry(const DrawingError& density, const DrawingError& signed
 
 /// Tries both. Same input, same choice, for any number of threads. `trainer` is that of the whole training, of which a
 /// trial takes a small share. Throws Error(kInterrupted) when cancelled.
-GeometryTrial try_geometries(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const TrainerConfig& trainer, Progress& progress);
+GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& config, const TrainerConfig& trainer,
+                             Progress& progress);
 
 } // namespace kinora::fields

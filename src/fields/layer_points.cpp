@@ -40,9 +40,10 @@ void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size
 
 } // namespace
 
-std::vector<LayerPoint> measured_points(const PixelStore& store, int label, const tracking::Motion& motion,
-                                        std::size_t most) {
-  const auto wanted = [&](const StoredPixel& pixel) { return pixel.label == label && pixel.depth > 0; };
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most) {
+  const PixelStore& store = layer.pixels;
+  const tracking::Motion& motion = layer.motion;
+  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth.is_measured(); };
   const auto all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
   const std::size_t stride = std::max<std::size_t>(1, all / most);
   std::shared_ptr<const tracking::InfluenceTable> table;
@@ -51,17 +52,17 @@ std::vector<LayerPoint> measured_points(const PixelStore& store, int label, cons
   std::size_t found = 0;
   for (std::size_t f = 0; f < store.frames().size(); ++f) {
     const StoredFrame& frame = store.frames()[f];
-    if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
+    if (layer.is_lost(frame)) continue;
     const std::size_t first = points.size();
     const double kept = static_cast<double>(frame.end - frame.begin) /
                         (static_cast<double>(frame.camera.intrinsics.width) * frame.camera.intrinsics.height);
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const StoredPixel& pixel = store.pixels()[i];
       if (!wanted(pixel) || found++ % stride != 0) continue;
-      const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth);
+      const Eigen::Vector3d in_camera = frame.camera.intrinsics.unproject(pixel.u, pixel.v, pixel.depth.metres());
       points.push_back({frame.camera.camera_to_world * in_camera,
                         frame.camera.camera_to_world.linear() * -in_camera.normalized(),
-                        pixel.depth / frame.camera.intrinsics.fx, static_cast<double>(stride) / kept, f});
+                        pixel.depth.metres() / frame.camera.intrinsics.fx, static_cast<double>(stride) / kept, f});
     }
     const tracking::Warp warp = motion.warp(frame.frame);
     if (table != nullptr) {

@@ -6,8 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "fields/pixel_store.h"
-#include "tracking/motion.h"
+#include "fields/layer_observations.h"
 
 namespace kinora::fields {
 
@@ -21,7 +20,6 @@ struct LayerPoint {
 
 /// At most about `most` of the layer's pixels with measured depth, evenly spread over all frames; none of frames in
 /// which the layer is lost, or where no way back is found.
-std::vector<LayerPoint> measured_points(const PixelStore& store, int label, const tracking::Motion& motion,
-                                        std::size_t most);
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most);
 
 } // namespace kinora::fields

@@ -52,14 +52,13 @@ private:
 // label says whose surface it is. 0 if there is none.
 float guessed_depth(const ingest::Frame& frame, int u, int v) {
   const float measured = frame.depth.at(u, v);
-  const auto label_at = [&frame](int x, int y) { return frame.labels.empty() ? 0 : frame.labels.at(x, y); };
-  const int label = label_at(u, v);
+  const int label = frame.label_at(u, v);
   float best = 0;
   float least = std::numeric_limits<float>::infinity();
   for (int y = std::max(v - kReach, 0); y <= std::min(v + kReach, frame.depth.height() - 1); ++y) {
     for (int x = std::max(u - kReach, 0); x <= std::min(u + kReach, frame.depth.width() - 1); ++x) {
       const float clean = frame.clean_depth.at(x, y);
-      if (!(clean > 0) || label_at(x, y) != label) continue;
+      if (!(clean > 0) || frame.label_at(x, y) != label) continue;
       const auto distance = static_cast<float>((x - u) * (x - u) + (y - v) * (y - v));
       const float cost = measured > 0 ? std::abs(clean - measured) : distance;
       if (cost < least) {
@@ -100,13 +99,15 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
       }
       --missing;
       const float clean = frame.clean_depth.at(u, v);
-      const float depth = clean > 0 ? clean : surroundings.have_any(u, v) ? -guessed_depth(frame, u, v) : 0.0F;
+      const StoredDepth depth = clean > 0                     ? StoredDepth::measured(clean)
+                                : surroundings.have_any(u, v) ? StoredDepth::guessed(guessed_depth(frame, u, v))
+                                                              : StoredDepth::unknown();
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       pixels_.push_back({static_cast<std::uint16_t>(u),
                          static_cast<std::uint16_t>(v),
                          depth,
                          {rgb[0], rgb[1], rgb[2]},
-                         frame.labels.empty() ? std::uint8_t{0} : frame.labels.at(u, v)});
+                         frame.label_at(u, v)});
     }
   }
   frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});

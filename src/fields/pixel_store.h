@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -12,13 +13,33 @@
 
 namespace kinora::fields {
 
+/// What is known of a pixel's depth; 4 bytes.
+class StoredDepth {
+public:
+  static StoredDepth measured(float metres) { return StoredDepth(metres); } ///< and clean; more than 0
+  static StoredDepth guessed(float metres) { return StoredDepth(-metres); } ///< from clean neighbours; 0: unknown
+  static StoredDepth unknown() { return StoredDepth(0); }
+
+  bool is_measured() const { return packed_ > 0; }
+  bool is_guessed() const { return packed_ < 0; }
+  bool is_known() const { return packed_ != 0; }
+  /// Measured or guessed; 0 if it is not known.
+  float metres() const { return std::abs(packed_); }
+
+private:
+  explicit StoredDepth(float packed) : packed_(packed) {}
+
+  float packed_; // negative: guessed
+};
+
 /// 12 bytes.
 struct StoredPixel {
   std::uint16_t u, v;
-  float depth; ///< metres; negative where it is guessed from clean neighbours; 0 where it is not known
+  StoredDepth depth;
   std::array<std::uint8_t, 3> color;
   std::uint8_t label;
 };
+static_assert(sizeof(StoredPixel) == 12);
 
 struct StoredFrame {
   int frame; ///< index into the clip's timeline

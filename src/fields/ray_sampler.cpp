@@ -37,35 +37,35 @@ template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
 
 } // namespace
 
-RaySampler::RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                       const SamplingConfig& sampling, SensorNoise noise)
-    : pixels_(pixels), label_(label), motion_(motion), config_(config), sampling_(sampling), noise_(noise),
+RaySampler::RaySampler(const LayerObservations& layer, const FieldConfig& config, const SamplingConfig& sampling,
+                       SensorNoise noise)
+    : layer_(layer), config_(config), sampling_(sampling), noise_(noise),
       per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
       occupancy_(config.occupancy_resolution) {
   if (std::max({sampling.free_samples + sampling.surface_samples, sampling.unmeasured_samples,
                 sampling.emptiness_samples}) > static_cast<int>(RayPoints::kMostPoints)) {
     throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples", RayPoints::kMostPoints));
   }
-  if (motion.kind() == tracking::MotionKind::kDeforming) {
-    warped_own_ = warp_measured_pixels(pixels, label, motion, config, noise);
+  if (layer.deforms()) {
+    warped_own_ = warp_measured_pixels(layer, config, noise);
     arrange(warped_own_, [](const WarpedPixel& own) { return own; });
   } else {
     list_own();
     arrange(own_, [this](const PixelRef& own) { return whole_ray(own); });
   }
   occupied_.emplace(occupancy_);
-  space_ = see_occupied_space(pixels, label, motion, config, occupancy_, sampling.near_depth, noise);
+  space_ = see_occupied_space(layer, config, occupancy_, sampling.near_depth, noise);
 }
 
 void RaySampler::list_own() {
-  for (const StoredFrame& stored : pixels_.frames()) frames_.push_back(frame_rays(stored));
-  own_.reserve(pixels_.pixels().size());
-  for (std::uint32_t f = 0; f < pixels_.frames().size(); ++f) {
-    const StoredFrame& stored = pixels_.frames()[f];
-    if (is_lost(stored)) continue;
+  for (const StoredFrame& stored : layer_.pixels.frames()) frames_.push_back(frame_rays(stored));
+  own_.reserve(layer_.pixels.pixels().size());
+  for (std::uint32_t f = 0; f < layer_.pixels.frames().size(); ++f) {
+    const StoredFrame& stored = layer_.pixels.frames()[f];
+    if (layer_.is_lost(stored)) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
-      const StoredPixel& pixel = pixels_.pixels()[i];
-      if (pixel.label == label_ && pixel.depth != 0) own_.push_back({f, static_cast<std::uint32_t>(i)});
+      const StoredPixel& pixel = stored_pixel(static_cast<std::uint32_t>(i));
+      if (layer_.is_foreground(pixel) && pixel.depth.is_known()) own_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
 }
@@ -74,7 +74,7 @@ void RaySampler::list_own() {
 template <class Rays, class Whole> void RaySampler::arrange(Rays& rays, const Whole& whole) {
   const std::vector<std::size_t> ends = order_by_place(rays, [&](const auto& own) {
     const WarpedPixel ray = whole(own);
-    return point_at(ray.ray, std::abs(pixels_.pixels()[ray.pixel].depth));
+    return point_at(ray.ray, stored_pixel(ray.pixel).depth.metres());
   });
   // A place is looked at again and again, from much the same sides: so many looks for each column of its cells tell
   // all.
@@ -92,18 +92,14 @@ template <class Rays, class Whole> void RaySampler::arrange(Rays& rays, const Wh
 }
 
 void RaySampler::mark(const WarpedPixel& own) {
-  const float depth = std::abs(pixels_.pixels()[own.pixel].depth);
+  const float depth = stored_pixel(own.pixel).depth.metres();
   const float band = band_at(depth);
   mark_occupied(occupancy_, own.ray, {depth - band, depth + band});
 }
 
-// Nothing is known of where the layer was then.
-bool RaySampler::is_lost(const StoredFrame& frame) const {
-  return motion_.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost;
-}
-
 RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
-  const SE3 canonical_from_camera = motion_.canonical_to_world(frame.frame).inverse() * frame.camera.camera_to_world;
+  const SE3 canonical_from_camera =
+      layer_.motion.canonical_to_world(frame.frame).inverse() * frame.camera.camera_to_world;
   const Intrinsics& k = frame.camera.intrinsics;
   FrameRays rays{};
   Eigen::Map<Eigen::Vector3f>(rays.origin.data()) =
@@ -114,13 +110,13 @@ RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
   rays.per_fy = static_cast<float>(1 / k.fy);
   rays.cx = static_cast<float>(k.cx);
   rays.cy = static_cast<float>(k.cy);
-  rays.turn = packed(turn_of(motion_.canonical_to_world(frame.frame).linear()));
+  rays.turn = packed(turn_of(layer_.motion.canonical_to_world(frame.frame).linear()));
   return rays;
 }
 
 FieldRay RaySampler::ray_of(const PixelRef& ref) const {
   const FrameRays& frame = frames_[ref.frame];
-  const StoredPixel& pixel = pixels_.pixels()[ref.pixel];
+  const StoredPixel& pixel = stored_pixel(ref.pixel);
   const float x = (static_cast<float>(pixel.u) - frame.cx) * frame.per_fx;
   const float y = (static_cast<float>(pixel.v) - frame.cy) * frame.per_fy;
   FieldRay ray{};
@@ -137,13 +133,13 @@ RaySample RaySampler::sample_at(const FieldRay& ray, float depth, float depth_st
 }
 
 RaySampler::Draft RaySampler::draft_measured(const WarpedPixel& chosen) const {
-  const float measured = pixels_.pixels()[chosen.pixel].depth;
-  const float depth = std::abs(measured);
-  const float reach = measured > 0 ? band_at(depth) : 2 * band_at(depth);
+  const StoredDepth stored = stored_pixel(chosen.pixel).depth;
+  const float depth = stored.metres();
+  const float reach = stored.is_measured() ? band_at(depth) : 2 * band_at(depth);
   Draft draft{chosen, {}, true};
   // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
   if (warped_own_.empty()) draft.sought[0] = {{sampling_.near_depth, depth - reach}, sampling_.free_samples};
-  if (measured < 0) {
+  if (stored.is_guessed()) {
     draft.sought[1] = {{std::max(sampling_.near_depth, depth - reach), depth + reach}, sampling_.surface_samples};
   }
   return draft;
@@ -194,10 +190,12 @@ void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& ran
     RayTarget target;
     target.own = draft.own;
     if (draft.own) {
-      const StoredPixel& pixel = pixels_.pixels()[draft.chosen.pixel];
+      const StoredPixel& pixel = stored_pixel(draft.chosen.pixel);
       for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
       target.turn = unpacked(draft.chosen.turn);
-      if (pixel.depth > 0) append_band(draft.chosen, pixel.depth, closely, random, target, batch);
+      if (pixel.depth.is_measured()) {
+        append_band(draft.chosen, pixel.depth.metres(), closely, random, target, batch);
+      }
     }
     batch.end_ray(target);
   }
@@ -275,7 +273,7 @@ void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std
       __builtin_prefetch(memory_of(own, indices.back()));
     }
     if (own) {
-      for (const std::size_t index : indices) __builtin_prefetch(&pixels_.pixels()[pixel_of(index)]);
+      for (const std::size_t index : indices) __builtin_prefetch(&stored_pixel(pixel_of(index)));
     }
     drafts.clear();
     for (const std::size_t index : indices) drafts.push_back(draft(own, index));

@@ -8,14 +8,13 @@
 
 #include "core/random.h"
 #include "fields/field.h"
+#include "fields/layer_observations.h"
 #include "fields/occupancy.h"
 #include "fields/occupied_points.h"
-#include "fields/pixel_store.h"
 #include "fields/ray_batch.h"
 #include "fields/seen_space.h"
 #include "fields/surface_band.h"
 #include "fields/warped_pixels.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -34,10 +33,10 @@ struct SamplingConfig {
 /// in front of their surface (seen_space.h), and nothing behind. Immutable, so thread-safe.
 class RaySampler {
 public:
-  /// `pixels` and `motion` must outlive the sampler. `noise`: LossWeights::noise. Throws Error(kUsage) for too many
+  /// What `layer` is a view of must outlive the sampler. `noise`: LossWeights::noise. Throws Error(kUsage) for too many
   /// samples.
-  RaySampler(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-             const SamplingConfig& sampling, SensorNoise noise = {});
+  RaySampler(const LayerObservations& layer, const FieldConfig& config, const SamplingConfig& sampling,
+             SensorNoise noise = {});
 
   /// Space around the measured surface of the layer: what a field starts from, and where samples lie.
   const Occupancy& occupancy() const { return occupancy_; }
@@ -77,7 +76,6 @@ private:
     bool own;
   };
 
-  bool is_lost(const StoredFrame& frame) const;
   FrameRays frame_rays(const StoredFrame& frame) const;
   FieldRay ray_of(const PixelRef& ref) const;
   void list_own();
@@ -86,6 +84,7 @@ private:
   WarpedPixel whole_ray(const PixelRef& ref) const;
   std::size_t measured_count() const { return own_.size() + warped_own_.size(); }
   WarpedPixel measured(std::size_t index) const;
+  const StoredPixel& stored_pixel(std::uint32_t index) const { return layer_.pixels.pixels()[index]; }
   const void* memory_of(bool own, std::size_t index) const;
   std::uint32_t pixel_of(std::size_t index) const;
   Draft draft(bool own, std::size_t index) const;
@@ -97,9 +96,7 @@ private:
   RaySample sample_at(const FieldRay& ray, float depth, float depth_step) const;
   float band_at(float depth) const { return std::max(noise_.three_sigma(depth), least_band_); } // surface_band()
 
-  const PixelStore& pixels_;
-  int label_;
-  const tracking::Motion& motion_;
+  LayerObservations layer_;
   FieldConfig config_;
   SamplingConfig sampling_;
   SensorNoise noise_;

@@ -12,14 +12,15 @@ constexpr int kReach = 2; // pixels
 
 } // namespace
 
-RimPixels rim_pixels(const PixelStore& pixels, const StoredFrame& frame, int label, const FieldConfig& config) {
+RimPixels rim_pixels(const LayerObservations& layer, const StoredFrame& frame, const FieldConfig& config) {
+  const PixelStore& pixels = layer.pixels;
   const PixelMap map(pixels, frame);
   std::vector<float> depth_beside(map.size(), 0); // for pixels outside, of the first own one that finds them
   RimPixels rim;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
     const StoredPixel& own = pixels.pixels()[i];
-    if (own.label != label || own.depth == 0) continue;
-    const float depth = std::abs(own.depth);
+    if (!layer.is_foreground(own) || !own.depth.is_known()) continue;
+    const float depth = own.depth.metres();
     const float past = depth + surface_band(config, depth);
     bool is_rim = false;
     for (const auto& [du, dv] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
@@ -27,7 +28,7 @@ RimPixels rim_pixels(const PixelStore& pixels, const StoredFrame& frame, int lab
         const int u = own.u + k * du;
         const int v = own.v + k * dv;
         const StoredPixel* other = map.at(u, v);
-        if (other == nullptr || other->label == label || !(empty_until(*other) > past)) continue;
+        if (other == nullptr || layer.is_foreground(*other) || !(empty_until(*other) > past)) continue;
         is_rim = true;
         float& beside = depth_beside[map.place(u, v)];
         if (beside == 0) beside = depth;

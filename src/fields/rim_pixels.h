@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fields/field.h"
-#include "fields/pixel_store.h"
+#include "fields/layer_observations.h"
 
 namespace kinora::fields {
 
@@ -21,6 +21,6 @@ struct RimPixels {
 
 /// A pixel sees past the layer where nothing is up to a band behind the layer's surface beside it. In the order of the
 /// frame's pixels.
-RimPixels rim_pixels(const PixelStore& pixels, const StoredFrame& frame, int label, const FieldConfig& config);
+RimPixels rim_pixels(const LayerObservations& layer, const StoredFrame& frame, const FieldConfig& config);
 
 } // namespace kinora::fields

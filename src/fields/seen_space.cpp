@@ -188,21 +188,21 @@ struct FrameLooks {
   std::vector<std::uint32_t> without_depth;
   bool any_empty = false;
 
-  void gather(const PixelStore& pixels, const StoredFrame& frame, int label, bool deforms, const FieldConfig& config,
-              SensorNoise noise) {
+  void gather(const LayerObservations& layer, const StoredFrame& frame, const FieldConfig& config, SensorNoise noise) {
+    const bool deforms = layer.deforms();
     const auto width = static_cast<std::size_t>(frame.camera.intrinsics.width);
     at.assign(width * static_cast<std::size_t>(frame.camera.intrinsics.height), {});
     without_depth.clear();
     any_empty = false;
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
-      const StoredPixel& pixel = pixels.pixels()[i];
+      const StoredPixel& pixel = layer.pixels.pixels()[i];
       const auto number = static_cast<std::uint32_t>(i);
       float empty = 0;
-      if (pixel.label != label) {
+      if (!layer.is_foreground(pixel)) {
         empty = empty_until(pixel, noise);
-      } else if (deforms && pixel.depth > 0) {
-        empty = pixel.depth - surface_band(config, pixel.depth, noise);
-      } else if (label != 0 && pixel.depth == 0) {
+      } else if (deforms && pixel.depth.is_measured()) {
+        empty = pixel.depth.metres() - surface_band(config, pixel.depth.metres(), noise);
+      } else if (layer.label != 0 && !pixel.depth.is_known()) {
         without_depth.push_back(number);
       }
       at[pixel.v * width + pixel.u] = {number, empty};
@@ -213,18 +213,17 @@ struct FrameLooks {
 
 } // namespace
 
-SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth,
-                             SensorNoise noise) {
+SeenSpace see_occupied_space(const LayerObservations& layer, const FieldConfig& config, const Occupancy& occupancy,
+                             float near_depth, SensorNoise noise) {
   constexpr float kPieceCells = 2; // so far a ray is taken as straight
-  const bool deforms = motion.kind() == tracking::MotionKind::kDeforming;
+  const PixelStore& pixels = layer.pixels;
   Parts<UnmeasuredPiece> unmeasured;
   Parts<SeenPiece> empty;
-  CarriedSpace space(motion, occupancy, config.box, pixels.frames().size());
+  CarriedSpace space(layer.motion, occupancy, config.box, pixels.frames().size());
   FrameLooks looks;
   for (const StoredFrame& frame : pixels.frames()) {
-    if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
-    looks.gather(pixels, frame, label, deforms, config, noise);
+    if (layer.is_lost(frame)) continue;
+    looks.gather(layer, frame, config, noise);
     if (!looks.any_empty && looks.without_depth.empty()) continue;
     space.carry(frame);
     const auto width = static_cast<std::size_t>(frame.camera.intrinsics.width);

@@ -7,10 +7,9 @@
 #include "core/large_buffer.h"
 #include "core/sensor_noise.h"
 #include "fields/field.h"
+#include "fields/layer_observations.h"
 #include "fields/occupancy.h"
-#include "fields/pixel_store.h"
 #include "fields/turn.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -34,8 +33,7 @@ struct SeenSpace {
 /// looks through one says whether it is before a surface. Other layers' pixels say so up to their own surface
 /// (empty_until), those of a layer that deforms up to the band about it: own rays of others have free samples. Not
 /// every cell is carried into every frame where that would be more than some millions. `noise`: LossWeights::noise.
-SeenSpace see_occupied_space(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                             const FieldConfig& config, const Occupancy& occupancy, float near_depth,
-                             SensorNoise noise = {});
+SeenSpace see_occupied_space(const LayerObservations& layer, const FieldConfig& config, const Occupancy& occupancy,
+                             float near_depth, SensorNoise noise = {});
 
 } // namespace kinora::fields

@@ -67,24 +67,25 @@ struct Votes {
 };
 
 /// What one pixel tells of a cell at a depth.
-Votes look_at(const StoredPixel& pixel, int label, float depth, float thickness) {
+Votes look_at(const StoredPixel& pixel, const LayerObservations& layer, float depth, float thickness) {
   const float tolerance = kSensorNoise.three_sigma(depth) + thickness;
-  if (pixel.label != label) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
-  if (pixel.depth == 0) return {};
-  const float beyond = std::abs(pixel.depth) - depth;
+  if (!layer.is_foreground(pixel)) return {0, depth + tolerance < empty_until(pixel) ? 1 : 0};
+  if (!pixel.depth.is_known()) return {};
+  const float beyond = pixel.depth.metres() - depth;
   return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
 }
 
 /// What a frame tells of a cell, in the camera's frame: what the pixel in its middle does, and that it is past it only
 /// if all of it lies before what is farther. Of the pixels about that, some may not be stored.
-Votes look_at(const Eigen::Vector3d& p, double side, const Intrinsics& k, const PixelMap& map, int label) {
+Votes look_at(const Eigen::Vector3d& p, double side, const Intrinsics& k, const PixelMap& map,
+              const LayerObservations& layer) {
   if (!(p.z() > side)) return {};
   const Eigen::Vector2d at = k.project(p);
   if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < k.width && at.y() < k.height)) return {};
   const int u = static_cast<int>(std::lround(at.x()));
   const int v = static_cast<int>(std::lround(at.y()));
   const auto votes_of = [&](const StoredPixel& pixel) {
-    return look_at(pixel, label, static_cast<float>(p.z()), static_cast<float>(kThickness * side));
+    return look_at(pixel, layer, static_cast<float>(p.z()), static_cast<float>(kThickness * side));
   };
   const StoredPixel* middle = map.at(u, v);
   if (middle == nullptr) return {};
@@ -144,20 +145,19 @@ private:
   std::vector<std::array<float, 3>> canonical_;           // relative to its origin
 };
 
-std::vector<Votes> votes_on(const CarriedPoints& points, const PixelStore& pixels, int label,
-                            const tracking::Motion& motion, double side) {
+std::vector<Votes> votes_on(const CarriedPoints& points, const LayerObservations& layer, double side) {
   std::vector<Votes> votes(points.size());
-  const std::size_t frames = pixels.frames().size();
+  const std::size_t frames = layer.pixels.frames().size();
   const std::size_t looking = std::min(frames, kMostFrames);
   for (std::size_t n = 0; n < looking; ++n) {
-    const StoredFrame& frame = pixels.frames()[n * frames / looking];
-    if (motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost) continue;
-    const PixelMap map(pixels, frame);
+    const StoredFrame& frame = layer.pixels.frames()[n * frames / looking];
+    if (layer.is_lost(frame)) continue;
+    const PixelMap map(layer.pixels, frame);
     const SE3 camera_from_world = frame.camera.camera_to_world.inverse();
     const std::vector<Eigen::Vector3d> world = points.at(frame.frame);
     parallel_for(world.size(), kPointsPerChunk, [&](const Chunk& chunk) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        votes[i].add(look_at(camera_from_world * world[i], side, frame.camera.intrinsics, map, label));
+        votes[i].add(look_at(camera_from_world * world[i], side, frame.camera.intrinsics, map, layer));
       }
     });
   }
@@ -166,7 +166,7 @@ std::vector<Votes> votes_on(const CarriedPoints& points, const PixelStore& pixel
 
 } // namespace
 
-std::size_t drop_stray_cells(const PixelStore& pixels, int label, const tracking::Motion& motion, Field& field) {
+std::size_t drop_stray_cells(const LayerObservations& layer, Field& field) {
   const std::vector<std::vector<Cell>> parts = take_parts(field.occupancy);
   const double side = field.config.box.side / field.config.occupancy_resolution;
   std::vector<Eigen::Vector3d> points;
@@ -175,7 +175,7 @@ std::size_t drop_stray_cells(const PixelStore& pixels, int label, const tracking
       points.push_back(field.config.box.origin + side * Eigen::Vector3d(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
     }
   }
-  const std::vector<Votes> votes = votes_on({motion, std::move(points)}, pixels, label, motion, side);
+  const std::vector<Votes> votes = votes_on({layer.motion, std::move(points)}, layer, side);
   std::size_t emptied = 0;
   auto own = votes.begin();
   for (const auto& part : parts) {

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "fields/field.h"
-#include "fields/pixel_store.h"
-#include "tracking/motion.h"
+#include "fields/layer_observations.h"
 
 namespace kinora::fields {
 
@@ -12,6 +11,6 @@ namespace kinora::fields {
 /// hang together with nothing else (cells that share a corner do) if more looks see past them than meet them. What
 /// nobody looks at stays, and so does what is thin or really apart, a stick or a hand: it is met where it is. Returns
 /// the number of cells emptied. Same bits for any number of threads.
-std::size_t drop_stray_cells(const PixelStore& pixels, int label, const tracking::Motion& motion, Field& field);
+std::size_t drop_stray_cells(const LayerObservations& layer, Field& field);
 
 } // namespace kinora::fields

@@ -27,8 +27,9 @@ inline float surface_band(const FieldConfig& config, float depth, SensorNoise no
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
 /// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
 inline float empty_until(const StoredPixel& pixel, SensorNoise noise = {}) {
-  if (pixel.depth > 0) return pixel.depth - noise.three_sigma(pixel.depth);
-  if (pixel.depth < 0) return -pixel.depth - 2 * noise.three_sigma(-pixel.depth);
+  const float depth = pixel.depth.metres();
+  if (pixel.depth.is_measured()) return depth - noise.three_sigma(depth);
+  if (pixel.depth.is_guessed()) return depth - 2 * noise.three_sigma(depth);
   return pixel.label == 0 ? kFarthest : 0;
 }
 

@@ -218,11 +218,11 @@ bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, Trai
 
 } // namespace
 
-Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                  const TrainerConfig& trainer, Progress& progress, TrainingReport* report, const Field* begin_with) {
+Field train_field(const LayerObservations& layer, const FieldConfig& config, const TrainerConfig& trainer,
+                  Progress& progress, TrainingReport* report, const Field* begin_with) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point begin = Clock::now();
-  RaySampler sampler(pixels, label, motion, config, trainer.sampling, trainer.loss.noise);
+  RaySampler sampler(layer, config, trainer.sampling, trainer.loss.noise);
   Field untrained = begin_with != nullptr ? *begin_with : Field(config);
   if (!(untrained.config == config)) {
     throw Error(ErrorCode::kUsage, "a training can only begin with a field of its own configuration");
@@ -247,7 +247,7 @@ Field train_field(const PixelStore& pixels, int label, const tracking::Motion& m
   progress.advance(run.rays(), fmt::format("loss {:.4f}", result.final_loss));
   Field field = run.take_field();
   drop_transparent_cells(field);
-  if (trainer.drop_stray_cells) result.stray_cells = drop_stray_cells(pixels, label, motion, field);
+  if (trainer.drop_stray_cells) result.stray_cells = drop_stray_cells(layer, field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;

@@ -8,10 +8,9 @@
 #include "core/progress.h"
 #include "fields/collapse.h"
 #include "fields/field.h"
+#include "fields/layer_observations.h"
 #include "fields/optimizer.h"
-#include "fields/pixel_store.h"
 #include "fields/ray_sampler.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -40,11 +39,9 @@ struct FieldNeed {
   double surface_cells = 0; ///< cells of the finest level that the surface passes through
 };
 
-/// Chooses box, resolution and table size from the layer's observed surface: the measured pixels of `label` carried
-/// into canonical space, and the finest pixel footprint among them. `label` 0 takes all pixels when nothing is
-/// labelled. Throws Error(kFailure) if the layer has no measured pixel.
-FieldConfig choose_field_config(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                FieldNeed* need = nullptr);
+/// Chooses box, resolution and table size from the layer's observed surface: its measured pixels carried into canonical
+/// space, and the finest pixel footprint among them. Throws Error(kFailure) if the layer has no measured pixel.
+FieldConfig choose_field_config(const LayerObservations& layer, FieldNeed* need = nullptr);
 
 /// After a part of the training it goes on twice over the same rays: with the tables as they are, and with twice the
 /// entries. What draws rays held apart better by enough is kept.
@@ -77,8 +74,7 @@ struct TrainingReport {
 /// sharply at once as a training from nothing does from its middle on (a warm start). Learning rates of 0.3 keep better
 /// what is known, and learn more slowly what is new. Same input, same bits, for any number of threads. Throws
 /// Error(kInterrupted) when cancelled, Error(kUsage) if `begin_with` has another configuration.
-Field train_field(const PixelStore& pixels, int label, const tracking::Motion& motion, const FieldConfig& config,
-                  const TrainerConfig& trainer, Progress& progress, TrainingReport* report = nullptr,
-                  const Field* begin_with = nullptr);
+Field train_field(const LayerObservations& layer, const FieldConfig& config, const TrainerConfig& trainer,
+                  Progress& progress, TrainingReport* report = nullptr, const Field* begin_with = nullptr);
 
 } // namespace kinora::fields

@@ -23,11 +23,11 @@ struct Look {
 /// What one frame shows.
 class FrameImage {
 public:
-  FrameImage(const PixelStore& store, std::size_t frame)
-      : frame_(store.frames()[frame]), map_(store, store.frames()[frame]) {}
+  FrameImage(const LayerObservations& layer, std::size_t frame)
+      : layer_(layer), frame_(layer.pixels.frames()[frame]), map_(layer.pixels, frame_) {}
 
   /// Nothing where the world point is not in the image.
-  std::optional<Look> look_at(const Eigen::Vector3d& world, int label) const {
+  std::optional<Look> look_at(const Eigen::Vector3d& world) const {
     const Eigen::Vector3d p = frame_.camera.camera_to_world.inverse() * world;
     const Intrinsics& k = frame_.camera.intrinsics;
     if (!(p.z() > 0)) return std::nullopt;
@@ -39,14 +39,13 @@ public:
     if (!(u >= reach && v >= reach && u < k.width - reach && v < k.height - reach)) return std::nullopt;
     if (map_.at(static_cast<int>(u), static_cast<int>(v)) == nullptr) return std::nullopt;
     Look look{true, 0};
-    if (const float seen = depth_between(u - 0.5, v - 0.5, label); seen > depth) {
+    if (const float seen = depth_between(u - 0.5, v - 0.5); seen > depth) {
       look.before = 3 * (seen - depth) / kSensorNoise.three_sigma(depth);
     }
     for (int y = static_cast<int>(v) - reach; y <= static_cast<int>(v) + reach; ++y) {
       for (int x = static_cast<int>(u) - reach; x <= static_cast<int>(u) + reach; ++x) {
         const StoredPixel* pixel = map_.at(x, y);
-        look.through =
-            look.through && (pixel == nullptr || depth + kSensorNoise.three_sigma(depth) < empty_before(*pixel, label));
+        look.through = look.through && (pixel == nullptr || depth + kSensorNoise.three_sigma(depth) < empty_before(*pixel));
       }
     }
     return look;
@@ -54,7 +53,7 @@ public:
 
 private:
   /// Between the four pixels about a place, as of a plane through them; 0 unless all are the layer's and measured.
-  float depth_between(double u, double v, int label) const {
+  float depth_between(double u, double v) const {
     const int left = static_cast<int>(u);
     const int top = static_cast<int>(v);
     double inverse = 0;
@@ -62,43 +61,45 @@ private:
       const int x = left + corner % 2;
       const int y = top + corner / 2;
       const StoredPixel* pixel = map_.at(x, y);
-      if (pixel == nullptr || pixel->label != label || !(pixel->depth > 0)) return 0;
-      inverse += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) / static_cast<double>(pixel->depth);
+      if (pixel == nullptr || !layer_.is_foreground(*pixel) || !pixel->depth.is_measured()) return 0;
+      inverse += (1 - std::abs(u - x)) * (1 - std::abs(v - y)) / static_cast<double>(pixel->depth.metres());
     }
     return static_cast<float>(1 / inverse);
   }
 
-  static float empty_before(const StoredPixel& pixel, int label) {
-    if (pixel.label != label) return empty_until(pixel);
-    return pixel.depth > 0 ? pixel.depth - kSensorNoise.three_sigma(pixel.depth) : 0;
+  float empty_before(const StoredPixel& pixel) const {
+    if (!layer_.is_foreground(pixel)) return empty_until(pixel);
+    if (!pixel.depth.is_measured()) return 0;
+    return pixel.depth.metres() - kSensorNoise.three_sigma(pixel.depth.metres());
   }
 
+  LayerObservations layer_;
   const StoredFrame& frame_;
   PixelMap map_;
 };
 
 } // namespace
 
-ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion) {
+ViewAgreement agreement_of_views(const LayerObservations& layer) {
   constexpr std::size_t kPoints = 4096;
   constexpr std::size_t kCameras = 12;
   // Of the absolute difference of two normal errors, one of them weighed between four pixels: Σ w² is 4/9 on average.
   const double median_of_difference = 0.6745 * std::sqrt(1 + 4.0 / 9);
-  const std::vector<LayerPoint> points = measured_points(pixels, label, motion, kPoints);
-  const std::size_t frames = pixels.frames().size();
+  const std::vector<LayerPoint> points = measured_points(layer, kPoints);
+  const std::size_t frames = layer.pixels.frames().size();
   const std::size_t cameras = std::min(kCameras, frames);
   ViewAgreement agreement;
   std::size_t through = 0;
   std::vector<float> before;
   for (std::size_t c = 0; c < cameras; ++c) {
     const std::size_t f = c * frames / cameras;
-    const int time = pixels.frames()[f].frame;
-    if (motion.health(static_cast<std::size_t>(time)) == tracking::Health::kLost) continue;
-    const FrameImage image(pixels, f);
-    const tracking::Warp warp = motion.warp(time);
+    const StoredFrame& frame = layer.pixels.frames()[f];
+    if (layer.is_lost(frame)) continue;
+    const FrameImage image(layer, f);
+    const tracking::Warp warp = layer.motion.warp(frame.frame);
     for (const LayerPoint& point : points) {
       const auto world = point.frame == f ? std::nullopt : warp.to_world(point.canonical);
-      const auto look = world ? image.look_at(*world, label) : std::nullopt;
+      const auto look = world ? image.look_at(*world) : std::nullopt;
       if (!look) continue;
       ++agreement.looks;
       through += look->through ? 1 : 0;

@@ -1,9 +1,8 @@
 // How well the views of a layer agree on where it is: what training may ask of them follows from it.
 #pragma once
 
-#include "fields/pixel_store.h"
+#include "fields/layer_observations.h"
 #include "fields/trainer.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -20,7 +19,7 @@ struct ViewAgreement {
 };
 
 /// A spread of measured points of the layer, carried into a spread of other frames. Takes some ten milliseconds.
-ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const tracking::Motion& motion);
+ViewAgreement agreement_of_views(const LayerObservations& layer);
 
 /// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, and half as many rays
 /// tell of emptiness, so that surfaces are found with fewer rays; where masks or motion contradict each other that

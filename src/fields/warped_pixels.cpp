@@ -28,27 +28,23 @@ FieldRay relative_ray(const FieldBox& box, const Eigen::Vector3d& origin, const 
           static_cast<float>(metres_per_depth)};
 }
 
-bool is_lost(const tracking::Motion& motion, const StoredFrame& frame) {
-  return motion.health(static_cast<std::size_t>(frame.frame)) == tracking::Health::kLost;
-}
-
 } // namespace
 
-LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config, SensorNoise noise) {
+LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, const FieldConfig& config, SensorNoise noise) {
+  const PixelStore& pixels = layer.pixels;
   Parts<WarpedPixel> own;
-  const auto table = std::make_shared<const tracking::InfluenceTable>(motion.graph());
+  const auto table = std::make_shared<const tracking::InfluenceTable>(layer.motion.graph());
   for (const StoredFrame& frame : pixels.frames()) {
-    if (is_lost(motion, frame)) continue;
-    const BulkWarp warp(table, motion.warp(frame.frame));
+    if (layer.is_lost(frame)) continue;
+    const BulkWarp warp(table, layer.motion.warp(frame.frame));
     const Eigen::Vector3d camera = frame.camera.camera_to_world.translation() - warp.world_origin();
     own.append(frame.end - frame.begin, [&](const Chunk& chunk, std::vector<WarpedPixel>& part) {
       std::vector<std::size_t> numbers;
       std::vector<BulkWarp::Ray> rays;
       for (std::size_t i = frame.begin + chunk.begin; i < frame.begin + chunk.end; ++i) {
         const StoredPixel& pixel = pixels.pixels()[i];
-        if (pixel.label != label || pixel.depth == 0) continue;
-        const float depth = std::abs(pixel.depth);
+        if (!layer.is_foreground(pixel) || !pixel.depth.is_known()) continue;
+        const float depth = pixel.depth.metres();
         const Eigen::Vector3d direction = pixel_ray(frame, pixel);
         rays.push_back(
             {to_array(camera + depth * direction), to_array(direction), surface_band(config, depth, noise), 0});
@@ -61,7 +57,7 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int labe
         const BulkWarp::CanonicalRay& back = canonical[k];
         if (std::isnan(back.point[0])) continue;
         const Eigen::Vector3d direction = to_vector(back.direction);
-        const double depth = std::abs(pixels.pixels()[numbers[k]].depth);
+        const double depth = pixels.pixels()[numbers[k]].depth.metres();
         const Eigen::Vector3d origin = to_vector(back.point) + warp.canonical_origin() - depth * direction;
         part.push_back({static_cast<std::uint32_t>(numbers[k]),
                         relative_ray(config.box, origin, direction, to_vector(rays[k].direction).norm()),

@@ -7,10 +7,9 @@
 
 #include "core/sensor_noise.h"
 #include "fields/field.h"
+#include "fields/layer_observations.h"
 #include "fields/occupancy.h"
-#include "fields/pixel_store.h"
 #include "fields/turn.h"
-#include "tracking/motion.h"
 
 namespace kinora::fields {
 
@@ -24,7 +23,7 @@ struct WarpedPixel {
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost
 /// frames and those that no node carries are left out. `noise`: LossWeights::noise.
-LargeBuffer<WarpedPixel> warp_measured_pixels(const PixelStore& pixels, int label, const tracking::Motion& motion,
-                                              const FieldConfig& config, SensorNoise noise = {});
+LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, const FieldConfig& config,
+                                              SensorNoise noise = {});
 
 } // namespace kinora::fields

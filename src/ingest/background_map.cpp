@@ -145,7 +145,7 @@ bool BackgroundLook::ever_measured(const Eigen::Vector3d& point) const {
   });
 }
 
-int BackgroundLook::color_difference(int u, int v, const std::uint8_t* color) const {
+std::optional<int> BackgroundLook::color_difference(int u, int v, const std::uint8_t* color) const {
   for (const Near& near : near_) {
     // As if infinitely far; then at the background's depth there.
     const Eigen::Vector3d ray = intrinsics_.unproject(u, v, 1);
@@ -157,9 +157,9 @@ int BackgroundLook::color_difference(int u, int v, const std::uint8_t* color) co
       pixel = pixel_of(*near.model, near.from_camera * ((near.to_camera * there).z() * ray));
       if (!pixel) continue;
     }
-    if (const int found = near.model->color_difference(pixel->first, pixel->second, color); found >= 0) return found;
+    if (const auto found = near.model->color_difference(pixel->first, pixel->second, color)) return found;
   }
-  return -1;
+  return std::nullopt;
 }
 
 } // namespace kinora::ingest

@@ -1,6 +1,7 @@
 // What stays where it is in the world, as a camera sees it from wherever it goes.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,8 +46,8 @@ public:
   bool stands_clear(const Eigen::Vector3d& point) const;
   /// Whether depth was ever measured in the direction of a point in the camera's space.
   bool ever_measured(const Eigen::Vector3d& point) const;
-  /// Largest difference of a channel to the background's colour behind pixel (u, v), −1 if that is not known.
-  int color_difference(int u, int v, const std::uint8_t* color) const;
+  /// Largest difference of a channel to the background's colour behind pixel (u, v); nothing if that is not known.
+  std::optional<int> color_difference(int u, int v, const std::uint8_t* color) const;
 
 private:
   struct Near {

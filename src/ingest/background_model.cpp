@@ -313,8 +313,9 @@ Image<Ground> BackgroundModel::ground_of(const SegmentationView& view) const {
   return ground;
 }
 
-int BackgroundModel::color_difference(int u, int v, const std::uint8_t* color) const {
-  return has_color_.at(u, v) == 0 ? -1 : difference(color_.pixel(u, v), color);
+std::optional<int> BackgroundModel::color_difference(int u, int v, const std::uint8_t* color) const {
+  if (has_color_.at(u, v) == 0) return std::nullopt;
+  return difference(color_.pixel(u, v), color);
 }
 
 } // namespace kinora::ingest

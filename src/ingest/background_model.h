@@ -1,6 +1,7 @@
 // What stays where it is, as a camera sees it from one place.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "ingest/plane_finder.h"
@@ -37,8 +38,8 @@ public:
   bool stands_clear(int u, int v, const Eigen::Vector3d& point) const;
   /// Whether a point is on a surface that keeps still, as this place sees it at pixel (u, v).
   bool shows(int u, int v, const Eigen::Vector3d& point) const;
-  /// Largest difference of a channel to the background's colour, −1 if that is not known.
-  int color_difference(int u, int v, const std::uint8_t* color) const;
+  /// Largest difference of a channel to the background's colour; nothing if that is not known.
+  std::optional<int> color_difference(int u, int v, const std::uint8_t* color) const;
 
 private:
   void find_farthest_stable(std::span<const SegmentationView> samples);

@@ -30,19 +30,13 @@ CaptureInfo info_of(const host::FrameReader& reader, const CaptureOptions& optio
   return info;
 }
 
-int frames_in_range(const FrameRange& range, int frame_count) {
-  const int end = range.end < 0 ? frame_count : std::min(range.end, frame_count);
-  return end <= range.begin ? 0 : (end - range.begin + range.step - 1) / range.step;
-}
-
 /// A capture that a plugin reads. While the caller works on a frame, the next one is read on another thread.
 class PluginCapture final : public Capture {
 public:
   PluginCapture(const std::filesystem::path& path, host::FrameReader reader, const CaptureOptions& options,
                 Progress& progress)
-      : path_(path.string()), info_(info_of(reader, options)),
-        expected_(frames_in_range(options.frames, info_.frame_count)), progress_(progress),
-        source_(std::move(reader), options) {
+      : path_(path.string()), info_(info_of(reader, options)), expected_(options.frames.count_of(info_.frame_count)),
+        progress_(progress), source_(std::move(reader), options) {
     if (expected_ == 0)
       throw Error(ErrorCode::kUsage, fmt::format("{}: has {} frames, none of which lies in the range that starts at {}",
                                                  path_, info_.frame_count, options.frames.begin));

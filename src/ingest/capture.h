@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/frame_range.h"
 #include "core/progress.h"
 #include "ingest/frame.h"
 #include "ingest/registration.h"
@@ -17,16 +18,6 @@ class PluginTable;
 }
 
 namespace kinora::ingest {
-
-/// A:B:S of the command line: counts from 0, end excluded, step at least 1.
-struct FrameRange {
-  int begin = 0;
-  int end = -1; ///< −1: to the end
-  int step = 1;
-  bool contains(int index) const { return index >= begin && (end < 0 || index < end) && (index - begin) % step == 0; }
-  /// Throws Error(kUsage) on anything but A:B:S with parts that may be left out ("3", "10:20", "::5", "10:").
-  static FrameRange parse(const std::string& text);
-};
 
 struct CaptureOptions {
   std::string format; ///< name of the format to read with; empty: whoever recognises it best

@@ -70,7 +70,7 @@ StreamEstimates::Sample StreamEstimates::sample_of(const Frame& frame) {
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       const float light = 0.2126F * linear_of(rgb[0]) + 0.7152F * linear_of(rgb[1]) + 0.0722F * linear_of(rgb[2]);
       const bool usable = light > kDark && light < kBright && std::max({rgb[0], rgb[1], rgb[2]}) < 250;
-      sample.brightness.push_back(usable ? light : -1);
+      sample.brightness.push_back(usable ? std::optional(light) : std::nullopt);
       sample.depth.push_back(frame.depth.at(u, v));
     }
   }
@@ -80,11 +80,11 @@ StreamEstimates::Sample StreamEstimates::sample_of(const Frame& frame) {
 std::optional<double> StreamEstimates::gain_against(const Sample& sample, const Sample& reference) const {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < sample.brightness.size(); ++i) {
-    if (sample.brightness[i] < 0 || reference.brightness[i] < 0) continue;
+    if (!sample.brightness[i] || !reference.brightness[i]) continue;
     const float z = reference.depth[i];
     const bool both = z > 0 && sample.depth[i] > 0;
     if (both ? std::abs(z - sample.depth[i]) > same_surface_tolerance(z) : z > 0 || sample.depth[i] > 0) continue;
-    ratios.push_back(std::log(sample.brightness[i] / reference.brightness[i]));
+    ratios.push_back(std::log(*sample.brightness[i] / *reference.brightness[i]));
   }
   if (ratios.size() < kLeastPixels) return std::nullopt;
   return std::exp(median_of(ratios));
@@ -111,8 +111,8 @@ void StreamEstimates::add(const Frame& frame) {
   const double step = std::log(gains_.back() / before);
   double changed_color = 0, changed_depth = 0;
   for (std::size_t i = 0; i < sample.brightness.size(); ++i) {
-    if (sample.brightness[i] > 0 && last_.brightness[i] > 0) {
-      const double change = std::abs(std::log(sample.brightness[i] / last_.brightness[i]) - step);
+    if (sample.brightness[i] && last_.brightness[i]) {
+      const double change = std::abs(std::log(*sample.brightness[i] / *last_.brightness[i]) - step);
       changed_color += std::min(change, 1.0) > kMotion ? change : 0;
     }
     const float z = std::min(last_.depth[i], sample.depth[i]);

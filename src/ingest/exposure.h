@@ -26,7 +26,7 @@ public:
 
 private:
   struct Sample {
-    std::vector<float> brightness; ///< linear, of 0…1; < 0: too dark or too bright to tell
+    std::vector<std::optional<float>> brightness; ///< linear, of 0…1; nothing: too dark or too bright to tell
     std::vector<float> depth;
   };
   static Sample sample_of(const Frame& frame);

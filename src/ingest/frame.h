@@ -17,8 +17,12 @@ struct Frame {
   ColorImage color;       ///< 3 channels sRGB
   DepthImage depth;       ///< as measured, metres, 0 = no measurement; what metrics call "measured depth"
   DepthImage clean_depth; ///< `depth` without flying pixels, jumps, grazing surfaces and a border: for fusion only
-  LabelImage labels;      ///< 0 background, 1 person, 2…; empty when the capture has no masks
+  LabelImage labels;      ///< 0 background, 1 person, 2…; empty: the frame has none (has_labels)
   std::vector<DetectedPerson> people; ///< whose joints a detector has looked for; one for each label at most
+
+  bool has_labels() const { return !labels.empty(); }
+  /// Background where the frame has no labels.
+  std::uint8_t label_at(int u, int v) const { return labels.empty() ? 0 : labels.at(u, v); }
 };
 
 } // namespace kinora::ingest

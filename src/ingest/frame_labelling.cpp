@@ -23,11 +23,16 @@ constexpr float kAlike = 0.8F;      ///< mean log ratio at which a lost thing is
 constexpr double kLeastBody = 0.02; ///< square metres: less is no person, unless it hangs on one
 constexpr double kNearBody = 0.15;  ///< metres
 constexpr double kReachOfBody = 0.4;
-constexpr std::uint8_t kOnFace = 2;
 constexpr double kLikeThing = 0.35;  ///< overlap of the colours of a face and of the thing it belongs to
 constexpr double kBesideFace = 0.03; ///< metres
 constexpr int kFaceRim = 6;          ///< pixels around a face that may be the thing's other sides
 constexpr int kOtherColor = 20;      ///< of 255
+
+} // namespace
+
+enum class FaceArea : std::uint8_t { kElsewhere, kBeside, kOn };
+
+namespace {
 
 template <class Body> void for_rows(int height, const Body& body) {
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
@@ -49,24 +54,25 @@ std::uint8_t label_around(const LabelImage& labels, int u, int v, int radius) {
   return static_cast<std::uint8_t>(std::max_element(counts + 1, counts + 256) - counts);
 }
 
-/// The flat faces that look like a thing: kOnFace on them, 1 close to them, 0 elsewhere.
-Mask faces_of(const HandledThing& thing, const SegmentationView& view, const Mask& faces) {
+/// The flat faces that look like a thing.
+Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view, const Mask& faces) {
   const SurfaceComponents pieces = surface_components(view.depth, faces, view.intrinsics);
-  std::vector<ColorModel> colors(pieces.list.size());
+  std::vector<ColorCounts> counts(pieces.list.size());
+  std::vector<ColorModel> colors;
   for (std::size_t i = 0; i < faces.pixel_count(); ++i)
     if (pieces.map.data()[i] >= 0)
-      colors[static_cast<std::size_t>(pieces.map.data()[i])].add(&view.color.data()[3 * i]);
+      counts[static_cast<std::size_t>(pieces.map.data()[i])].add(&view.color.data()[3 * i]);
   int best = -1;
   double best_score = 0;
-  for (std::size_t n = 0; n < colors.size(); ++n) {
-    colors[n].finish();
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    colors.push_back(counts[n].model());
     const double overlap = colors[n].overlap(thing.color);
     const double score = overlap * std::min(pieces.list[n].area, thing.area);
     if (overlap < kLikeThing || score <= best_score) continue;
     best_score = score;
     best = static_cast<int>(n);
   }
-  Mask result(faces.width(), faces.height());
+  Image<FaceArea> result(faces.width(), faces.height());
   if (best < 0) return result;
   const SurfaceComponent& main = pieces.list[static_cast<std::size_t>(best)];
   for (int v = 0; v < faces.height(); ++v) {
@@ -79,8 +85,8 @@ Mask faces_of(const HandledThing& thing, const SegmentationView& view, const Mas
       if (number != best && !beside) continue;
       for (int y = std::max(0, v - kFaceRim); y <= std::min(faces.height() - 1, v + kFaceRim); ++y)
         for (int x = std::max(0, u - kFaceRim); x <= std::min(faces.width() - 1, u + kFaceRim); ++x)
-          if (result.at(x, y) == 0) result.at(x, y) = 1;
-      result.at(u, v) = kOnFace;
+          if (result.at(x, y) == FaceArea::kElsewhere) result.at(x, y) = FaceArea::kBeside;
+      result.at(u, v) = FaceArea::kOn;
     }
   }
   return result;
@@ -98,8 +104,8 @@ void drop_what_looks_still(const SegmentationView& view, const BackgroundLook& b
   };
   for_each([&](int u, int v, PictureChange& picture) {
     if (!has_texture(view.color, u, v)) return;
-    const int change = background.color_difference(u, v, view.color.pixel(u, v));
-    picture.add(change < 0 || change > kColorChange);
+    const auto change = background.color_difference(u, v, view.color.pixel(u, v));
+    picture.add(!change || *change > kColorChange);
   });
   for_each([&](int u, int v, const PictureChange& picture) {
     if (picture.denies()) foreground.at(u, v) = 0;
@@ -164,7 +170,7 @@ void FrameLabelling::carry_last_labels(const SegmentationView& view) {
 /// How much likelier each foreground pixel is the thing than the rest, by colour around it, by where the thing was and
 /// by shape.
 void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
-                                 const Mask& faces, Scores& scores) const {
+                                 const Image<FaceArea>& faces, Scores& scores) const {
   const HandledThing& model = things_.things[thing];
   const int width = view.depth.width();
   const int height = view.depth.height();
@@ -202,8 +208,8 @@ void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view
         support -= 0.5F;
       }
       if (model.flat) {
-        possible = faces.at(u, v) != 0;
-        if (faces.at(u, v) == kOnFace) support += kOfFace;
+        possible = faces.at(u, v) != FaceArea::kElsewhere;
+        if (faces.at(u, v) == FaceArea::kOn) support += kOfFace;
       }
       if (lies_at_rest(model, view, u, v)) {
         support += kOfRest;
@@ -224,7 +230,7 @@ LabelImage FrameLabelling::label_things(const SegmentationView& view, const Mask
   Scores scores(view.depth.width(), view.depth.height());
   for (std::size_t thing = 0; thing < things_.things.size(); ++thing) {
     const HandledThing& model = things_.things[thing];
-    score_thing(thing, view, foreground, model.flat ? faces_of(model, view, faces) : faces, scores);
+    score_thing(thing, view, foreground, model.flat ? faces_of(model, view, faces) : Image<FaceArea>(), scores);
     for (std::size_t i = 0; i < best.pixel_count(); ++i) {
       if (scores.data()[i] <= best.data()[i]) continue;
       best.data()[i] = scores.data()[i];
@@ -285,8 +291,8 @@ void FrameLabelling::fill_unmeasured(const SegmentationView& view, const Backgro
     for_rows(labels.height(), [&](int v) {
       for (int u = 0; u < labels.width(); ++u) {
         if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
-        const int change = background.color_difference(u, v, view.color.pixel(u, v));
-        if (change < 0 || change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
+        const auto change = background.color_difference(u, v, view.color.pixel(u, v));
+        if (!change || *change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
       }
     });
   }
@@ -303,10 +309,10 @@ LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const Se
       const int y = std::min(v / factor, small.height() - 1);
       const float z = frame.depth.at(u, v);
       if (z <= 0) {
-        const int change = background.color_difference(x, y, frame.color.pixel(u, v));
+        const auto change = background.color_difference(x, y, frame.color.pixel(u, v));
         std::uint8_t label = small.at(x, y);
         if (label == 0) label = label_around(small, x, y, 1);
-        if (change < 0 ? small.at(x, y) != 0 : change > kOtherColor) labels.at(u, v) = label;
+        if (!change ? small.at(x, y) != 0 : *change > kOtherColor) labels.at(u, v) = label;
         continue;
       }
       if (background.ground_of(intrinsics.unproject(u, v, z)) != Ground::kForeground) continue;

@@ -7,6 +7,9 @@
 
 namespace kinora::ingest {
 
+/// How a pixel lies to the flat faces that look like a thing.
+enum class FaceArea : std::uint8_t;
+
 /// Keeps the labels of the last frame, which are the prior of the next. Not thread-safe.
 class FrameLabelling {
 public:
@@ -23,8 +26,8 @@ private:
 
   using Scores = Image<float>;
 
-  void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground, const Mask& faces,
-                   Scores& scores) const;
+  void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
+                   const Image<FaceArea>& faces, Scores& scores) const;
   LabelImage label_things(const SegmentationView& view, const Mask& foreground);
   void clean_things(const SegmentationView& view, LabelImage& labels);
   void label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const;

@@ -170,7 +170,7 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
   if (use_masks_ && given.labels.data != nullptr) frame.labels = copy_of<std::uint8_t>(given.labels);
   if (undistortion_) {
     frame.color = undistortion_->color(frame.color);
-    if (!frame.labels.empty()) frame.labels = undistortion_->labels(frame.labels);
+    if (frame.has_labels()) frame.labels = undistortion_->labels(frame.labels);
   }
   frame.clean_depth = clean_depth(frame.depth, intrinsics_);
   return frame;

@@ -53,8 +53,8 @@ struct Resting {
   double first_area;
   std::vector<std::size_t> samples;
   std::vector<double> areas;
-  double flat = 0;  ///< square metres of flat faces, when first seen
-  ColorModel color; ///< not finished
+  double flat = 0; ///< square metres of flat faces, when first seen
+  ColorCounts colors;
   Image<std::uint16_t> hits;
   RestingPlace place; ///< as the first of the samples sees it
 
@@ -122,7 +122,7 @@ void add_part(const SegmentationView& sample, const SurfaceComponents& surfaces,
   for (int v = 0; v < surfaces.map.height(); ++v) {
     for (int u = 0; u < surfaces.map.width(); ++u) {
       if (surfaces.map.at(u, v) != static_cast<std::int32_t>(number)) continue;
-      resting.color.add(sample.color.pixel(u, v));
+      resting.colors.add(sample.color.pixel(u, v));
       const Eigen::Vector3d point = to_place * sample.intrinsics.unproject(u, v, sample.depth.at(u, v));
       const auto seen = seen_point(resting.place.camera.intrinsics, point);
       if (!seen) continue;
@@ -194,8 +194,7 @@ std::size_t disturbances(const Resting& resting, std::span<const SegmentationVie
 
 HandledThing thing_of(const Resting& resting) {
   HandledThing thing;
-  thing.color = resting.color;
-  thing.color.finish();
+  thing.color = resting.colors.model();
   std::vector<double> areas = resting.areas;
   std::nth_element(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2), areas.end());
   thing.area = areas[areas.size() / 2];
@@ -233,7 +232,7 @@ struct FlatPiece {
   std::size_t sample;
   std::vector<std::size_t> pixels;
   double area;
-  ColorModel color; ///< not finished
+  ColorCounts colors;
 };
 
 void find_flat_pieces(const SegmentationView& view, const SampleParts& parts, std::size_t sample,
@@ -245,19 +244,19 @@ void find_flat_pieces(const SegmentationView& view, const SampleParts& parts, st
     if (surfaces.map.data()[i] < 0) continue;
     FlatPiece& piece = found[static_cast<std::size_t>(surfaces.map.data()[i])];
     piece.pixels.push_back(i);
-    piece.color.add(&view.color.data()[3 * i]);
+    piece.colors.add(&view.color.data()[3 * i]);
   }
   for (std::size_t n = 0; n < found.size(); ++n) {
     FlatPiece& piece = found[n];
     piece.sample = sample;
     piece.area = surfaces.list[n].area;
     if (piece.area < kLeastFlat) continue;
-    ColorModel rest;
+    ColorCounts rest;
     for (std::size_t i = 0; i < surfaces.map.pixel_count(); ++i)
       if (parts.foreground.data()[i] != 0 && surfaces.map.data()[i] != static_cast<std::int32_t>(n))
         rest.add(&view.color.data()[3 * i]);
     float sum = 0;
-    for (const std::size_t i : piece.pixels) sum += piece.color.share_against(rest, &view.color.data()[3 * i]);
+    for (const std::size_t i : piece.pixels) sum += piece.colors.share_against(rest, &view.color.data()[3 * i]);
     if (sum >= kDistinct * static_cast<float>(piece.pixels.size())) pieces.push_back(std::move(piece));
   }
 }
@@ -271,21 +270,18 @@ std::vector<HandledThing> find_flat_things(std::span<const SegmentationView> sam
     find_flat_pieces(samples[chunk.index], parts[chunk.index], chunk.index, by_sample[chunk.index]);
   });
   struct Cluster {
-    ColorModel color; ///< not finished
+    ColorCounts colors;
     std::vector<const FlatPiece*> pieces;
   };
   std::vector<Cluster> clusters;
   for (const std::vector<FlatPiece>& pieces : by_sample) {
     for (const FlatPiece& piece : pieces) {
-      ColorModel own = piece.color;
-      own.finish();
+      const ColorModel own = piece.colors.model();
       auto same = std::find_if(clusters.begin(), clusters.end(), [&](const Cluster& cluster) {
-        ColorModel mean = cluster.color;
-        mean.finish();
-        return mean.overlap(own) > kSameColor;
+        return cluster.colors.model().overlap(own) > kSameColor;
       });
       if (same == clusters.end()) same = clusters.insert(clusters.end(), Cluster{});
-      same->color.add(piece.color);
+      same->colors.add(piece.colors);
       same->pieces.push_back(&piece);
     }
   }
@@ -297,8 +293,7 @@ std::vector<HandledThing> find_flat_things(std::span<const SegmentationView> sam
     if (static_cast<double>(area_in.size()) < kFlatShare * static_cast<double>(samples.size())) continue;
     HandledThing thing;
     thing.flat = true;
-    thing.color = cluster.color;
-    thing.color.finish();
+    thing.color = cluster.colors.model();
     std::nth_element(area_in.begin(), area_in.begin() + static_cast<std::ptrdiff_t>(area_in.size() / 2), area_in.end());
     thing.area = area_in[area_in.size() / 2];
     const bool known = std::any_of(resting.begin(), resting.end(), [&](const HandledThing& other) {
@@ -315,7 +310,7 @@ std::vector<HandledThing> find_flat_things(std::span<const SegmentationView> sam
 /// Colours of what is farther than `kBorder` pixels from every thing, and how much there is of it in a sample.
 ColorModel colors_of_others(std::span<const SegmentationView> samples, std::span<const SampleParts> parts,
                             const std::vector<Mask>& marks, double& area) {
-  ColorModel others;
+  ColorCounts others;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const Mask& mark = marks[k];
     Mask near = mark;
@@ -333,8 +328,7 @@ ColorModel colors_of_others(std::span<const SegmentationView> samples, std::span
   }
   const Intrinsics& intrinsics = samples.front().intrinsics;
   area /= intrinsics.fx * intrinsics.fy * static_cast<double>(samples.size());
-  others.finish();
-  return others;
+  return others.model();
 }
 
 } // namespace

@@ -110,21 +110,21 @@ public:
     const auto capture = open(range);
     labels_ = capture->info().labels;
     while (auto frame = capture->next()) {
-      if (frame->labels.empty()) continue;
+      if (!frame->has_labels()) continue;
       last_ = std::move(*frame);
       break;
     }
   }
 
   void label(Frame& frame) override {
-    if (!frame.labels.empty()) {
+    if (frame.has_labels()) {
       mixtures_.clear();
-    } else if (!last_.labels.empty()) {
+    } else if (last_.has_labels()) {
       warn_once(frame.index);
       if (mixtures_.empty()) learn_colors();
       complete(frame);
     }
-    if (!frame.labels.empty()) last_ = frame;
+    if (frame.has_labels()) last_ = frame;
   }
 
   const std::map<int, LabelInfo>& labels() const override { return labels_; }

@@ -9,8 +9,7 @@ constexpr int kSamples = 48;
 
 std::vector<SegmentationView> sample_views(const CaptureFactory& open, FrameRange range, Progress& progress) {
   std::unique_ptr<Capture> capture = open(range);
-  const int end = range.end < 0 ? capture->info().frame_count : std::min(range.end, capture->info().frame_count);
-  const int frames = (end - range.begin + range.step - 1) / range.step;
+  const int frames = range.count_of(capture->info().frame_count);
   if (const int stride = (frames + kSamples - 1) / kSamples; stride > 1) {
     range.step *= stride;
     capture = open(range);

@@ -15,8 +15,8 @@ LabelImage region_of(const Subject& subject, const ingest::Frame& frame) {
   LabelImage region(frame.color.width(), frame.color.height());
   for (int v = 0; v < region.height(); ++v) {
     for (int u = 0; u < region.width(); ++u) {
-      const int label = frame.labels.empty() ? 0 : frame.labels.at(u, v);
-      const bool wanted = subject.labels.empty() || subject.labels.contains(label);
+      const int label = frame.label_at(u, v);
+      const bool wanted = !subject.labels || subject.labels->contains(label);
       region.at(u, v) = wanted && (!subject.measured_only || frame.depth.at(u, v) > 0) ? 1 : 0;
     }
   }
@@ -102,7 +102,7 @@ std::vector<Subject> layer_subjects(const Player& player, bool masks) {
   for (std::size_t i = 0; i < layers.size(); ++i) {
     Subject subject{layers[i].name, "pixels with measured depth", {i}, {}, true, true};
     if (masks) {
-      subject.labels = {layers[i].label};
+      subject.labels.emplace({layers[i].label});
       subject.measured_only = layers[i].label == 0;
       subject.region =
           fmt::format("pixels labelled {}{}", layers[i].label, subject.measured_only ? " with measured depth" : "");
@@ -116,18 +116,19 @@ Subject whole_subject(const Player& player, bool masks) {
   Subject whole{"whole", "pixels with measured depth", player.all_layers(), {}, true};
   if (!masks) return whole;
   whole.region = "pixels of the modelled layers with measured depth";
-  for (const encode::Layer& layer : player.clip().layers) whole.labels.insert(layer.label);
+  whole.labels.emplace();
+  for (const encode::Layer& layer : player.clip().layers) whole.labels->insert(layer.label);
   return whole;
 }
 
 std::vector<Subject> moving_subjects(const Player& player) {
-  return {{"moving", "pixels that move, with measured depth", player.all_layers(), {1}, true},
-          {"still", "pixels that keep still, with measured depth", player.all_layers(), {0}, true}};
+  return {{"moving", "pixels that move, with measured depth", player.all_layers(), std::set{1}, true},
+          {"still", "pixels that keep still, with measured depth", player.all_layers(), std::set{0}, true}};
 }
 
 std::optional<Subject> foreground_subject(const Player& player) {
-  Subject foreground{"foreground", "pixels with any label but 0", {}, {}, false};
-  for (int label = 1; label < 256; ++label) foreground.labels.insert(label);
+  Subject foreground{"foreground", "pixels with any label but 0", {}, std::set<int>{}, false};
+  for (int label = 1; label < 256; ++label) foreground.labels->insert(label);
   const auto& layers = player.clip().layers;
   for (std::size_t i = 0; i < layers.size(); ++i) {
     if (layers[i].label != 0) foreground.layers.push_back(i);

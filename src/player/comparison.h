@@ -34,8 +34,8 @@ struct Subject {
   std::string name;
   std::string region; ///< in words
   LayerChoice layers;
-  std::set<int> labels;       ///< of the region; empty: every pixel
-  bool measured_only = false; ///< the region is cut to pixels with measured depth
+  std::optional<std::set<int>> labels; ///< of the region's pixels; nothing: every pixel is in it
+  bool measured_only = false;          ///< the region is cut to pixels with measured depth
   bool of_one_layer = false;
 };
 

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 namespace kinora::player {
 namespace {
 
@@ -48,30 +45,6 @@ Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
     centres_.push_back(occupied_centre(layer.field));
     first_frames_.push_back(first_frame_of(layer.motion, clip_.times.size()));
   }
-}
-
-LayerChoice Player::all_layers() const {
-  LayerChoice choice(clip_.layers.size());
-  for (std::size_t i = 0; i < choice.size(); ++i) choice[i] = i;
-  return choice;
-}
-
-LayerChoice Player::choose_layers(std::span<const std::string> names, Progress& progress) const {
-  std::vector<std::string> known;
-  for (const encode::Layer& layer : clip_.layers) known.push_back(layer.name);
-  LayerChoice choice;
-  for (const std::string& name : names) {
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end()) {
-      progress.warn(fmt::format("the clip has no layer \"{}\", which is ignored; it has: {}", name,
-                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
-    } else {
-      choice.push_back(static_cast<std::size_t>(found - known.begin()));
-    }
-  }
-  std::sort(choice.begin(), choice.end());
-  choice.erase(std::unique(choice.begin(), choice.end()), choice.end());
-  return choice;
 }
 
 std::optional<std::size_t> Player::layer_with_label(int label) const {

@@ -5,18 +5,14 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
-#include "core/progress.h"
-#include "encode/clip.h"
+#include "encode/layer_choice.h"
 #include "fields/renderer.h"
 
 namespace kinora::player {
 
-/// Indices into Clip::layers, ascending.
-using LayerChoice = std::vector<std::size_t>;
+using encode::LayerChoice;
 
 /// The first frame, of `count`, in which a layer with this motion has been seen: until then it is lost.
 std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count);
@@ -33,9 +29,7 @@ public:
   const encode::Clip& clip() const { return clip_; }
   std::size_t frame_count() const { return clip_.times.size(); }
 
-  LayerChoice all_layers() const;
-  /// The layers with these names; names that the clip lacks are warned of and ignored, so the choice may be empty.
-  LayerChoice choose_layers(std::span<const std::string> names, Progress& progress) const;
+  LayerChoice all_layers() const { return encode::all_layers(clip_); }
   std::optional<std::size_t> layer_with_label(int label) const;
 
   /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not

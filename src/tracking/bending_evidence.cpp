@@ -108,7 +108,7 @@ RigidContradiction contradiction_of_rigid(std::span<const ModelPoint> points, co
   double squared = 0;
   for (const ModelPoint& point : points) {
     const auto p = project(point, view, model_to_camera);
-    if (!p || view.mask.at(p->pixel_u, p->pixel_v) != 2) continue;
+    if (!p || view.mask.at(p->pixel_u, p->pixel_v) != MaskArea::kInterior) continue;
     const auto r = geometric_residual(*p, view, pivot, kEvaluationGates);
     if (!r) continue;
     samples.push_back({*r, grid.at(p->pixel_u, p->pixel_v)});

@@ -61,7 +61,7 @@ std::vector<Corner> find_corners(const ObjectView& view) {
       bool found = false;
       for (int v = top; v < std::min(top + kCell, height - kWindow); ++v) {
         for (int u = left; u < std::min(left + kCell, width - kWindow); ++u) {
-          if (view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0) continue;
+          if (view.mask.at(u, v) != MaskArea::kInterior || view.planes.weights.at(u, v) <= 0) continue;
           const float strength = corner_strength(view, level, u, v);
           if (strength <= best.strength) continue;
           best = {strength, u, v};

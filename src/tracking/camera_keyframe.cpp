@@ -28,8 +28,9 @@ ModelPoint point_at(const ObjectView& view, int u, int v) {
   ModelPoint point{view.point(u, v).cast<float>(), {plane[0], plane[1], plane[2]}, {}, 0};
   point.direction = direction_of(point.normal);
   for (int level = 0; level < ObjectView::kLevels; ++level) {
-    point.texture[static_cast<std::size_t>(level)] =
-        view.mask.at(u, v) == 2 ? view.sample_texture(level, u, v).value : std::numeric_limits<float>::quiet_NaN();
+    point.texture[static_cast<std::size_t>(level)] = view.mask.at(u, v) == MaskArea::kInterior
+                                                         ? view.sample_texture(level, u, v).value
+                                                         : std::numeric_limits<float>::quiet_NaN();
   }
   return point;
 }
@@ -44,7 +45,8 @@ void add_textured(const ObjectView& view, std::vector<ModelPoint>& points) {
         for (int u = left; u < std::min(left + kCell, view.intrinsics.width); ++u) {
           if (view.planes.weights.at(u, v) <= 0) continue;
           const TextureSample texture = view.sample_texture(0, u, v);
-          const float strength = view.mask.at(u, v) == 2 ? texture.du * texture.du + texture.dv * texture.dv : 0.0F;
+          const float strength =
+              view.mask.at(u, v) == MaskArea::kInterior ? texture.du * texture.du + texture.dv * texture.dv : 0.0F;
           if (strength <= strongest) continue;
           strongest = strength;
           best_u = u;

@@ -63,24 +63,24 @@ void mean_color(const ColorImage& color, int left, int top, int factor, std::uin
 void check_sizes(const ingest::Frame& frame) {
   const Intrinsics& k = frame.camera.intrinsics;
   const auto fits = [&k](const auto& image) { return image.width() == k.width && image.height() == k.height; };
-  if (!fits(frame.color) || !fits(frame.clean_depth) || (!frame.labels.empty() && !fits(frame.labels)) ||
+  if (!fits(frame.color) || !fits(frame.clean_depth) || (frame.has_labels() && !fits(frame.labels)) ||
       frame.color.channels() < 3) {
     throw Error(ErrorCode::kFailure, "frame " + std::to_string(frame.index) +
                                          " has images of different sizes; colour, depth and labels must be registered");
   }
 }
 
-// 2 where the 5×5 around is background entirely.
-void mark_inner(LabelImage& mask) {
+// Of what is background, all that has only background in the 5×5 around.
+void mark_interior(LabelImage& mask) {
   const LabelImage outer = mask;
   for (int v = 2; v + 2 < mask.height(); ++v) {
     for (int u = 2; u + 2 < mask.width(); ++u) {
       bool inside = true;
       for (int dv = -2; dv <= 2 && inside; ++dv) {
         const std::uint8_t* row = outer.pixel(u - 2, v + dv);
-        inside = std::all_of(row, row + 5, [](std::uint8_t m) { return m != 0; });
+        inside = std::all_of(row, row + 5, [](std::uint8_t m) { return m != MaskArea::kOutside; });
       }
-      if (inside) mask.at(u, v) = 2;
+      if (inside) mask.at(u, v) = MaskArea::kInterior;
     }
   }
 }
@@ -106,7 +106,7 @@ BackgroundFrame reduce_background(const ingest::Frame& frame) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) {
       for (int u = 0; u < width; ++u) {
         reduced.depth.at(u, v) = mean_depth(frame.clean_depth, u * factor, v * factor, factor);
-        if (frame.labels.empty() || is_background(frame.labels, u * factor, v * factor, factor)) continue;
+        if (!frame.has_labels() || is_background(frame.labels, u * factor, v * factor, factor)) continue;
         reduced.mask.at(u, v) = 0;
       }
       for (int y = v * ratio; y < (v + 1) * ratio; ++y) {
@@ -123,7 +123,7 @@ ObjectView view_background(const BackgroundFrame& frame) {
   ObjectView view;
   view.intrinsics = frame.intrinsics;
   view.mask = frame.mask;
-  mark_inner(view.mask);
+  mark_interior(view.mask);
   view.depth = frame.depth;
   view.planes = fit_depth_planes(frame.depth, frame.intrinsics, frame.mask);
   const auto weights = view.planes.weights.values();

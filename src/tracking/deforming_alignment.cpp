@@ -226,7 +226,7 @@ struct Judgement {
 
 void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view, Judgement& sum) {
   if (seen.pixel_u < 0) return;
-  if (view.mask.at(seen.pixel_u, seen.pixel_v) == 0 &&
+  if (view.mask.at(seen.pixel_u, seen.pixel_v) == MaskArea::kOutside &&
       violates_free_space(seen.place.z(), view.depth.at(seen.pixel_u, seen.pixel_v), kDeformedMargin)) {
     ++sum.counts.free_space_violations;
   }
@@ -244,7 +244,7 @@ void judge(const Seen& seen, const PointTexture& texture, const ObjectView& view
   }
   ++sum.counts.inliers;
   const double expected = texture.fused;
-  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != 2) return;
+  if (std::isnan(expected) || view.mask.at(seen.pixel_u, seen.pixel_v) != MaskArea::kInterior) return;
   const double image = view.sample_texture(0, seen.u, seen.v).value;
   sum.sums[0] += expected;
   sum.sums[1] += image;

@@ -31,7 +31,7 @@ void FrameMemory::add(const ingest::Frame& frame, const ObjectView& view) {
   const int v0 = static_cast<int>(std::lround(frame.camera.intrinsics.cy - view.intrinsics.cy));
   kept.color = cut(frame.color, u0, v0, view.intrinsics);
   kept.clean_depth = cut(frame.clean_depth, u0, v0, view.intrinsics);
-  if (!frame.labels.empty()) kept.labels = cut(frame.labels, u0, v0, view.intrinsics);
+  if (frame.has_labels()) kept.labels = cut(frame.labels, u0, v0, view.intrinsics);
   bytes_ += bytes_of(kept);
   for (; bytes_ > kMostBytes; frames_.pop_front()) bytes_ -= bytes_of(frames_.front());
 }

@@ -6,7 +6,7 @@
 namespace kinora::tracking {
 
 ObjectView view_layer(const ingest::Frame& frame, int label) {
-  if (!frame.labels.empty()) return view_object(frame, label);
+  if (frame.has_labels()) return view_object(frame, label);
   if (frame.color.empty()) return {};
   ingest::Frame whole = frame;
   whole.labels = LabelImage(frame.color.width(), frame.color.height(), 1, static_cast<std::uint8_t>(label));

@@ -80,7 +80,8 @@ double correlation(const Patch& a, const TextureLevel& level, const Pixel& at) {
 std::optional<Eigen::Vector3d> surface_at(const ObjectView& view, const Eigen::Vector2d& at) {
   const int u = static_cast<int>(std::lround(at.x()));
   const int v = static_cast<int>(std::lround(at.y()));
-  if (!view.mask.contains(u, v) || view.mask.at(u, v) != 2 || view.planes.weights.at(u, v) <= 0) return std::nullopt;
+  if (!view.mask.contains(u, v) || view.mask.at(u, v) != MaskArea::kInterior || view.planes.weights.at(u, v) <= 0)
+    return std::nullopt;
   return view.point(u, v);
 }
 

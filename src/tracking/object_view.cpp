@@ -39,11 +39,12 @@ Box grown(const Box& box, int width, int height) {
           std::min(height, box.v1 + margin)};
 }
 
-// 1 on the label, 2 where the 5×5 around lies on it entirely.
+// Of zeros and ones, one more where the 5×5 around has ones alone: the values of MaskArea.
 LabelImage cut_mask(const LabelImage& labels, int label, const Box& box) {
   LabelImage mask(box.u1 - box.u0, box.v1 - box.v0);
   for (int v = 0; v < mask.height(); ++v) {
-    for (int u = 0; u < mask.width(); ++u) mask.at(u, v) = labels.at(box.u0 + u, box.v0 + v) == label ? 1 : 0;
+    for (int u = 0; u < mask.width(); ++u)
+      mask.at(u, v) = labels.at(box.u0 + u, box.v0 + v) == label ? MaskArea::kBorder : MaskArea::kOutside;
   }
   LabelImage across(mask.width(), mask.height());
   for (int v = 0; v < mask.height(); ++v) {
@@ -72,7 +73,7 @@ Image<float> smoothed(const Image<float>& values, const LabelImage& mask) {
       if (mask.at(u, v) == 0) continue;
       float sum = 0;
       float weights = 0;
-      if (mask.at(u, v) == 2) { // all around is of the mask
+      if (mask.at(u, v) == MaskArea::kInterior) { // all around is of the mask
         const float* above = values.pixel(u - 1, v - 1);
         for (std::size_t y = 0; y < 3; ++y, above += row) {
           for (std::size_t x = 0; x < 3; ++x) sum += kWeights[x] * kWeights[y] * above[x];
@@ -108,7 +109,7 @@ void check_sizes(const ingest::Frame& frame) {
     return image.width() == camera.width && image.height() == camera.height;
   };
   if (!fits(frame.color) || !fits(frame.depth) || !fits(frame.clean_depth) ||
-      (!frame.labels.empty() && !fits(frame.labels)) || frame.color.channels() < 3) {
+      (frame.has_labels() && !fits(frame.labels)) || frame.color.channels() < 3) {
     throw Error(ErrorCode::kFailure, "frame " + std::to_string(frame.index) +
                                          " has images of different sizes; colour, depth and labels must be registered");
   }
@@ -140,7 +141,7 @@ void measure_depth(ObjectView& view) {
 ObjectView view_object(const ingest::Frame& frame, int label) {
   check_sizes(frame);
   ObjectView view;
-  if (frame.labels.empty()) return view;
+  if (!frame.has_labels()) return view;
   const Box tight = bounding_box(frame.labels, label);
   if (tight.empty()) return view;
   const Box box = grown(tight, frame.labels.width(), frame.labels.height());

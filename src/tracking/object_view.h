@@ -5,6 +5,7 @@
 
 #include "ingest/frame.h"
 #include "tracking/depth_planes.h"
+#include "tracking/mask_area.h"
 #include "tracking/silhouette.h"
 #include "tracking/texture.h"
 
@@ -21,8 +22,8 @@ struct ObjectView {
   static constexpr int kLevels = kTextureLevels;
 
   Intrinsics intrinsics;
-  DepthImage depth; ///< all measured depth in the crop: what may stand in front
-  LabelImage mask;  ///< 1 where the label is, 2 where it is at least two pixels from the label's border
+  DepthImage depth;                  ///< all measured depth in the crop: what may stand in front
+  LabelImage mask;                   ///< values of MaskArea
   Image<std::int16_t> to_silhouette; ///< offsets to the nearest pixel of the label, or of one that may hide it;
                                      ///< empty: of a background, which goes on behind everything
   DepthPlanes planes;                ///< of the label's clean depth

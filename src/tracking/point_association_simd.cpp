@@ -146,7 +146,7 @@ private:
     // A surface that is measured elsewhere along the ray shows another point's texture.
     const Mask contradicted = hn::AndNot(matches, measured);
     violates_free_space_ = hn::AndNot(covered_, contradicted);
-    const Mask well_within = hn::And(on_label, hn::Eq(label_, constant(2)));
+    const Mask well_within = hn::And(on_label, hn::Eq(label_, constant(MaskArea::kInterior)));
     shown_ = hn::AndNot(covered_, hn::AndNot(contradicted, well_within));
   }
 
@@ -218,7 +218,7 @@ HWY_INLINE void show_in_lanes(const PosedPoint* points, std::size_t count, const
     HWY_ALIGN float labels[hn::MaxLanes(df)];
     hn::Store(pixel, di, pixels);
     for (std::size_t lane = 0; lane < hn::Lanes(df); ++lane) labels[lane] = static_cast<float>(view.mask[pixels[lane]]);
-    const Mask on_label = hn::And(inside, hn::Eq(hn::Load(df, labels), constant(2)));
+    const Mask on_label = hn::And(inside, hn::Eq(hn::Load(df, labels), constant(MaskArea::kInterior)));
     const Mask measured = hn::And(on_label, hn::Gt(hn::GatherIndex(df, view.weights, pixel), zero()));
     const Quat plane = gather4(view.planes, hn::ShiftLeft<2>(pixel));
     const Vec3 ray{hn::Mul(hn::Sub(hn::ConvertTo(df, column), constant(camera.cx)), constant(1 / camera.fx)),

@@ -135,7 +135,7 @@ inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, con
                                                     const ObjectView& view, const Pivot& pivot, int level,
                                                     const LightOffsets& light) {
   const float expected = model.texture[static_cast<std::size_t>(level)];
-  if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != 2) return std::nullopt;
+  if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != MaskArea::kInterior) return std::nullopt;
   if (!view.detail.empty() && view.detail.at(p.pixel_u, p.pixel_v) == 0) return std::nullopt;
   const double z = p.point.z();
   const float front = view.depth.at(p.pixel_u, p.pixel_v);

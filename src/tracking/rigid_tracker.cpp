@@ -139,7 +139,7 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
 void RigidTracker::leave_out_shading(ObjectView& view) {
   if (wears_print_ || view.empty()) return;
   LabelImage detail = detail_of(view.texture, view.mask);
-  const auto inner = std::count(view.mask.values().begin(), view.mask.values().end(), 2);
+  const auto inner = std::count(view.mask.values().begin(), view.mask.values().end(), MaskArea::kInterior);
   const auto printed = std::count(detail.values().begin(), detail.values().end(), 1);
   wears_print_ = static_cast<double>(printed) > kPrintShare * static_cast<double>(inner);
   if (!wears_print_) view.detail = std::move(detail);

@@ -17,7 +17,7 @@ constexpr double kDirection = 0.707;    // cosine
 constexpr double kMostSideways = 0.95;  // of a normal
 
 bool is_border(const LabelImage& mask, int u, int v) {
-  return mask.at(u, v) == 1 && u > 0 && v > 0 && u + 1 < mask.width() && v + 1 < mask.height() &&
+  return mask.at(u, v) == MaskArea::kBorder && u > 0 && v > 0 && u + 1 < mask.width() && v + 1 < mask.height() &&
          (mask.at(u - 1, v) == 0 || mask.at(u + 1, v) == 0 || mask.at(u, v - 1) == 0 || mask.at(u, v + 1) == 0);
 }
 

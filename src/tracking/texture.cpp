@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracking/mask_area.h"
+
 namespace kinora::tracking {
 namespace {
 
@@ -112,12 +114,12 @@ LabelImage detail_of(const Image<float>& texture, const LabelImage& mask) {
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) {
       const float contrast = texture.at(u, v) - sums.at(u, v) / kPixels;
-      if (mask.at(u, v) == 2 && std::abs(contrast) > kLeastDetail) differs.at(u, v) = 1;
+      if (mask.at(u, v) == MaskArea::kInterior && std::abs(contrast) > kLeastDetail) differs.at(u, v) = 1;
     }
   }
   LabelImage detail = sums_around(differs);
   for (std::size_t i = 0; i < detail.values().size(); ++i) {
-    detail.values()[i] = detail.values()[i] > 0 && mask.values()[i] == 2 ? 1 : 0;
+    detail.values()[i] = detail.values()[i] > 0 && mask.values()[i] == MaskArea::kInterior ? 1 : 0;
   }
   return detail;
 }

@@ -21,7 +21,7 @@ SE3 phone(int i) {
 /// A box that fills much of the picture and goes its own way, before walls that are out of range.
 class CarriedRoom final : public ingest::Capture {
 public:
-  explicit CarriedRoom(const ingest::FrameRange& range) : range_(range), next_(range.begin) {
+  explicit CarriedRoom(const FrameRange& range) : range_(range), next_(range.begin) {
     info_.frame_count = kFrames;
     info_.intrinsics = frame(0).camera.intrinsics;
   }
@@ -49,7 +49,7 @@ public:
   }
 
 private:
-  ingest::FrameRange range_;
+  FrameRange range_;
   int next_;
   ingest::CaptureInfo info_;
   std::vector<ingest::SkippedFrame> skipped_;

@@ -57,14 +57,14 @@ fields::Field draft_of(const Performance& performance, const Motion& motion) {
   trainer.rays = 600'000;
   trainer.rays_per_step = 1024;
   Progress progress;
-  return fields::train_field(performance.store, 1, motion, fields::choose_field_config(performance.store, 1, motion),
-                             trainer, progress);
+  return fields::train_field({performance.store, 1, motion},
+                             fields::choose_field_config({performance.store, 1, motion}), trainer, progress);
 }
 
 Motion refine(const Performance& performance, const fields::Field& field, const Motion& motion,
               MotionRefinement* report = nullptr) {
   Progress progress;
-  return refine_motion(field, performance.store, 1, motion, edges_of(*motion.graph()), kSpacing, progress, report);
+  return refine_motion(field, {performance.store, 1, motion}, edges_of(*motion.graph()), kSpacing, progress, report);
 }
 
 TEST(MotionRefinement, BringsNodesNearerToTheTruth) {
@@ -118,7 +118,7 @@ TEST(MotionRefinement, LostFramesAndUnseenLayersKeepTheirNodes) {
   EXPECT_EQ(report.frames, 0U);
   for (std::size_t f = 0; f < 9; ++f) EXPECT_EQ(error_of(refined, lost, f), 0.0);
   Progress progress;
-  const Motion nobody = refine_motion(field, performance.store, 5, performance.motion,
+  const Motion nobody = refine_motion(field, {performance.store, 5, performance.motion},
                                       edges_of(*performance.motion.graph()), kSpacing, progress);
   for (std::size_t f = 0; f < 9; ++f) EXPECT_EQ(error_of(nobody, performance.motion, f), 0.0);
 }
@@ -147,7 +147,7 @@ TEST(MotionRefinement, SameBitsForAnyNumberOfThreads) {
 TEST(RimPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
   const Performance performance;
   const fields::PixelStore& store = performance.store;
-  const fields::FieldConfig config = fields::choose_field_config(store, 1, performance.motion);
+  const fields::FieldConfig config = fields::choose_field_config({store, 1, performance.motion});
   const fields::StoredFrame& frame = store.frames().front();
   const ingest::Frame truth = fields::sheet_frame(0, 0);
   const auto nearest_of = [&](const fields::StoredPixel& pixel, int label) { // pixels along a row or column
@@ -159,7 +159,7 @@ TEST(RimPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
     }
     return nearest;
   };
-  const fields::RimPixels rim = fields::rim_pixels(store, frame, 1, config);
+  const fields::RimPixels rim = fields::rim_pixels({store, 1, performance.motion}, frame, config);
   ASSERT_GT(rim.inside.size(), 100U);
   ASSERT_GT(rim.outside.size(), 100U);
   for (const fields::RimPixel& pixel : rim.inside) {

@@ -48,8 +48,7 @@ encode::PreparedCapture prepare_folder(const TemporaryFolder& folder, const inge
 
 encode::EncodeResult encode_folder(const TemporaryFolder& folder, const encode::EncodeOptions& options,
                                    Progress& progress) {
-  const encode::PreparedCapture prepared = prepare_folder(folder, {}, progress);
-  return encode::encode_capture(prepared, options, progress);
+  return encode::encode_capture(prepare_folder(folder, {}, progress), options, progress);
 }
 
 Json layer_named(const Json& report, const std::string& name) {
@@ -329,7 +328,7 @@ TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   const auto table = host::PluginTable::builtin();
   encode::PreparedCapture unlabelled;
   unlabelled.capture = ingest::Capture::open(table, folder.path(), how, listener);
-  const encode::EncodeResult result = encode::encode_capture(unlabelled, options, listener);
+  const encode::EncodeResult result = encode::encode_capture(std::move(unlabelled), options, listener);
   ASSERT_EQ(result.clip.layers.size(), 1U);
   EXPECT_EQ(result.clip.layers[0].name, "background");
   EXPECT_TRUE(listener.warnings.empty());

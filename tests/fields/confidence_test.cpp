@@ -29,7 +29,7 @@ const Field& ball_field() {
 Confidence seen(int frames, double angle = 0) {
   PixelStore store(1'000'000, static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) store.add(kScene.frame(i, angle), i);
-  return confidence_of_views(store, kBall, kStill, ball_field());
+  return confidence_of_views({store, kBall, kStill}, ball_field());
 }
 
 /// Of the ball's surface out along a unit vector.
@@ -80,7 +80,7 @@ TEST(Confidence, OfWhatWasSeenOnceFromTheFrontIsAboutOneHalfAndGrowsWithEveryVie
 TEST(Confidence, DoesNotDependOnHowManyPixelsAreStored) {
   PixelStore store(kFrames * kWidth * kHeight / 2, kFrames);
   for (int i = 0; i < kFrames; ++i) store.add(kScene.frame(i, 0), i);
-  const Confidence half = confidence_of_views(store, kBall, kStill, ball_field());
+  const Confidence half = confidence_of_views({store, kBall, kStill}, ball_field());
   EXPECT_NEAR(at(half, turned(0)), at(seen(kFrames), turned(0)), 0.05);
 }
 
@@ -96,7 +96,7 @@ TEST(Confidence, OfALayerThatMovesIsInItsCanonicalSpace) {
     store.add(kScene.frame(i, 0), i);
   }
   const Confidence confidence =
-      confidence_of_views(store, kBall, tracking::Motion::rigid(std::move(poses)), ball_field());
+      confidence_of_views({store, kBall, tracking::Motion::rigid(std::move(poses))}, ball_field());
   EXPECT_GT(at(confidence, turned(0)), 0.8F);
   EXPECT_GT(at(confidence, turned(180)), 0.8F);
   EXPECT_LT(at(confidence, turned(90)), 0.3F);

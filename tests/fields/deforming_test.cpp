@@ -28,8 +28,8 @@ TEST(Deforming, SheetIsLearntThroughItsBending) {
   trainer.rays = 600'000;
   trainer.rays_per_step = 1024;
   Progress progress;
-  const DrawableField sheet(train_field(performance.store, 1, performance.motion,
-                                        choose_field_config(performance.store, 1, performance.motion), trainer,
+  const DrawableField sheet(train_field({performance.store, 1, performance.motion},
+                                        choose_field_config({performance.store, 1, performance.motion}), trainer,
                                         progress),
                             performance.motion.graph().get());
   for (const int frame : {3, 7}) {

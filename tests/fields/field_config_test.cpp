@@ -44,7 +44,7 @@ Chosen choose(const std::vector<ingest::Frame>& frames, const tracking::Motion& 
   PixelStore store(1'000'000, frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) store.add(frames[i], static_cast<int>(i));
   Chosen chosen;
-  chosen.config = choose_field_config(store, kBoard, motion, &chosen.need);
+  chosen.config = choose_field_config({store, kBoard, motion}, &chosen.need);
   return chosen;
 }
 

@@ -18,7 +18,7 @@ TEST(GeometryTrial, MeasuresBothGeometriesInFramesThatAreLeftOut) {
   const auto still = tracking::Motion::still();
   Progress progress;
   const GeometryTrial trial =
-      try_geometries(store, 2, still, choose_field_config(store, 2, still), short_training(), progress);
+      try_geometries({store, 2, still}, choose_field_config({store, 2, still}), short_training(), progress);
   EXPECT_EQ(trial.frames, 3U);
   EXPECT_EQ(trial.chosen, better_geometry(trial.density, trial.signed_distance));
   EXPECT_NE(trial.density.color, trial.signed_distance.color);
@@ -35,7 +35,7 @@ TEST(GeometryTrial, KeepsDensityWhereTooFewFramesCanBeLeftOut) {
   const auto still = tracking::Motion::still();
   Progress progress;
   const GeometryTrial trial =
-      try_geometries(store, 2, still, choose_field_config(store, 2, still), short_training(), progress);
+      try_geometries({store, 2, still}, choose_field_config({store, 2, still}), short_training(), progress);
   EXPECT_EQ(trial.chosen, Geometry::kDensity);
   EXPECT_EQ(trial.frames, 0U);
   EXPECT_EQ(trial.rays, 0U);

@@ -44,14 +44,14 @@ Learnt learn(const Wall& wall, int log2_table_size, int largest) {
   PixelStore store(1'000'000, 12);
   for (int i = 0; i < 12; ++i) store.add(wall.frame(i, 0.05 * (i - 6)), i);
   const auto still = tracking::Motion::still();
-  FieldConfig config = choose_field_config(store, 0, still);
+  FieldConfig config = choose_field_config({store, 0, still});
   config.log2_table_size = log2_table_size;
   TrainerConfig trainer = short_training();
   trainer.rays = 400'000;
   trainer.largest_log2_table_size = largest;
   Learnt learnt{};
   Progress progress;
-  const DrawableField field(train_field(store, 0, still, config, trainer, progress, &learnt.report));
+  const DrawableField field(train_field({store, 0, still}, config, trainer, progress, &learnt.report));
   learnt.log2_table_size = field.field().config.log2_table_size;
   const ingest::Frame held_out = wall.frame(0, 0.125);
   const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));

@@ -33,9 +33,9 @@ class SeenSpaceOfABall : public ::testing::TestWithParam<bool> {};
 
 TEST_P(SeenSpaceOfABall, IsEmptyOutsideOfItOnTheRaysOfOtherPixels) {
   const Views views(GetParam());
-  const FieldConfig config = choose_field_config(views.store, kBall, views.motion);
-  const Occupancy occupancy = RaySampler(views.store, kBall, views.motion, config, {}).occupancy();
-  const SeenSpace space = see_occupied_space(views.store, kBall, views.motion, config, occupancy, 0.05F);
+  const FieldConfig config = choose_field_config({views.store, kBall, views.motion});
+  const Occupancy occupancy = RaySampler({views.store, kBall, views.motion}, config, {}).occupancy();
+  const SeenSpace space = see_occupied_space({views.store, kBall, views.motion}, config, occupancy, 0.05F);
   ASSERT_GT(space.empty.size(), 1000U);
   EXPECT_TRUE(space.unmeasured.empty());
   const Scene scene;

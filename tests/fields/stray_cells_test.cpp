@@ -27,7 +27,7 @@ bool holds(const Field& field, const Eigen::Vector3d& point) {
 }
 
 std::size_t drop(Field& field, const PixelStore& store) {
-  return drop_stray_cells(store, kBall, tracking::Motion::still(), field);
+  return drop_stray_cells({store, kBall, tracking::Motion::still()}, field);
 }
 
 TEST(StrayCells, NoSurfaceIsDroppedWhereAllViewsAgree) {

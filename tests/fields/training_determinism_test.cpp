@@ -15,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Training, EitherGeometry, ::testing::Values(Geometry::k
 TEST_P(EitherGeometry, GivesTheSameBitsOnAnyNumberOfThreads) {
   const PixelStore store = store_of(Scene{});
   const auto still = tracking::Motion::still();
-  FieldConfig config = choose_field_config(store, 2, still);
+  FieldConfig config = choose_field_config({store, 2, still});
   config.geometry = GetParam();
   TrainerConfig trainer = short_training();
   trainer.rays = 40'000;
@@ -23,7 +23,7 @@ TEST_P(EitherGeometry, GivesTheSameBitsOnAnyNumberOfThreads) {
   std::vector<Field> fields;
   for (const int threads : {1, 2, 7}) {
     set_thread_count(threads);
-    fields.push_back(train_field(store, 2, still, config, trainer, progress));
+    fields.push_back(train_field({store, 2, still}, config, trainer, progress));
   }
   set_thread_count(0);
   for (const std::size_t other : {1, 2}) {

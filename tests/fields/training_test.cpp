@@ -24,9 +24,9 @@ TEST_P(EitherGeometry, LearnsBallAndWallAsTwoLayersThatHideEachOther) {
   Progress progress;
   std::vector<DrawableField> fields;
   for (const int label : {0, 2}) {
-    FieldConfig config = choose_field_config(store, label, still);
+    FieldConfig config = choose_field_config({store, label, still});
     config.geometry = GetParam();
-    fields.emplace_back(train_field(store, label, still, config, short_training(), progress));
+    fields.emplace_back(train_field({store, label, still}, config, short_training(), progress));
   }
   const ingest::Frame held_out = scene.frame(0, 0.125);
   const std::vector<PosedField> layers = {{&fields[0], SE3::Identity(), nullptr},
@@ -61,7 +61,7 @@ TEST(Training, NeedsFewerSamplesWhereDepthIsExact) {
   const Scene scene;
   const PixelStore store = store_of(scene);
   const auto still = tracking::Motion::still();
-  const FieldConfig config = choose_field_config(store, 2, still);
+  const FieldConfig config = choose_field_config({store, 2, still});
   const ingest::Frame held_out = scene.frame(0, 0.125);
   std::array<double, 2> psnr{};
   std::array<std::size_t, 2> samples{};
@@ -70,7 +70,7 @@ TEST(Training, NeedsFewerSamplesWhereDepthIsExact) {
     trainer.exact_depth = exact;
     Progress progress;
     TrainingReport report;
-    const DrawableField field(train_field(store, 2, still, config, trainer, progress, &report));
+    const DrawableField field(train_field({store, 2, still}, config, trainer, progress, &report));
     const PosedField posed{&field, SE3::Identity(), nullptr};
     const Picture ball = render({&posed, 1}, held_out.camera);
     psnr[exact] = compare_images(ball.color, held_out.color, held_out.labels).psnr_inside;
@@ -104,7 +104,7 @@ TEST(Training, FollowsARigidLayerThatMoves) {
   const auto motion = tracking::Motion::rigid(poses);
   Progress progress;
   const DrawableField ball(
-      train_field(store, 2, motion, choose_field_config(store, 2, motion), short_training(), progress));
+      train_field({store, 2, motion}, choose_field_config({store, 2, motion}), short_training(), progress));
   for (const int at : {0, 7}) {
     Scene moved = scene;
     moved.centre += Eigen::Vector3d(0.03 * at, -0.01 * at, 0.02 * at);
@@ -121,7 +121,7 @@ TEST(Renderer, AcceptsEveryCamera) {
   TrainerConfig trainer = short_training();
   trainer.rays = 50'000;
   Progress progress;
-  const DrawableField ball(train_field(store, 2, still, choose_field_config(store, 2, still), trainer, progress));
+  const DrawableField ball(train_field({store, 2, still}, choose_field_config({store, 2, still}), trainer, progress));
   const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
   Camera camera = Scene{}.frame(0, 0).camera;
   camera.camera_to_world.translation() = Eigen::Vector3d(0, 0, 2); // inside
@@ -166,7 +166,7 @@ TEST(Training, LearnsTheLightThatALayerTurnsIn) {
   const auto motion = tracking::Motion::rigid(poses);
   Progress progress;
   const DrawableField field(
-      train_field(store, 2, motion, choose_field_config(store, 2, motion), short_training(), progress));
+      train_field({store, 2, motion}, choose_field_config({store, 2, motion}), short_training(), progress));
   const PosedField posed = pose(field, motion.warp(6));
   const Picture picture = render({&posed, 1}, held_out.camera);
   EXPECT_GT(compare_images(picture.color, held_out.color, held_out.labels).psnr_inside, 33);

@@ -22,7 +22,7 @@ PixelStore misplaced(double metres) {
 }
 
 TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
-  const ViewAgreement agreement = agreement_of_views(misplaced(0), kBall, tracking::Motion::still());
+  const ViewAgreement agreement = agreement_of_views({misplaced(0), kBall, tracking::Motion::still()});
   EXPECT_GT(agreement.looks, 1000U);
   EXPECT_EQ(agreement.seen_through, 0);
   EXPECT_LT(agreement.noise, 0.1) << "although a ball is slanted nearly everywhere";
@@ -38,7 +38,7 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
 }
 
 TEST(ViewAgreement, IsLostWithWrongPoses) {
-  const ViewAgreement agreement = agreement_of_views(misplaced(0.2), kBall, tracking::Motion::still());
+  const ViewAgreement agreement = agreement_of_views({misplaced(0.2), kBall, tracking::Motion::still()});
   EXPECT_GT(agreement.seen_through, 0.05);
   TrainerConfig trainer;
   adapt_to(agreement, trainer);
@@ -50,7 +50,7 @@ TEST(ViewAgreement, IsLostWithWrongPoses) {
 TEST(ViewAgreement, IsNotClaimedOfASingleView) {
   PixelStore store(1'000'000, 1);
   store.add(Scene{}.frame(0, 0), 0);
-  const ViewAgreement agreement = agreement_of_views(store, kBall, tracking::Motion::still());
+  const ViewAgreement agreement = agreement_of_views({store, kBall, tracking::Motion::still()});
   EXPECT_EQ(agreement.looks, 0U);
   TrainerConfig trainer;
   adapt_to(agreement, trainer);
@@ -76,7 +76,7 @@ PixelStore noisy(double deviations) {
 
 TEST(ViewAgreement, MeasuresNoiseAndWidensBandsWithIt) {
   for (const double deviations : {0.5, 1.0, 3.0, 5.0}) {
-    const ViewAgreement agreement = agreement_of_views(noisy(deviations), kBall, tracking::Motion::still());
+    const ViewAgreement agreement = agreement_of_views({noisy(deviations), kBall, tracking::Motion::still()});
     EXPECT_NEAR(agreement.noise, deviations, 0.3 * deviations);
     TrainerConfig trainer;
     adapt_to(agreement, trainer);
@@ -86,9 +86,11 @@ TEST(ViewAgreement, MeasuresNoiseAndWidensBandsWithIt) {
   EXPECT_EQ(weights_for({1000, 0, 2.5}).noise.scale, 2.5F);
   EXPECT_LT(weights_for({1000, 0, 1000}).noise.scale, 10);
   const PixelStore store = noisy(3);
-  const FieldConfig config = choose_field_config(store, kBall, tracking::Motion::still());
-  const RaySampler narrow(store, kBall, tracking::Motion::still(), config, {});
-  const RaySampler wide(store, kBall, tracking::Motion::still(), config, {}, 3);
+  const auto still = tracking::Motion::still();
+  const LayerObservations ball{store, kBall, still};
+  const FieldConfig config = choose_field_config(ball);
+  const RaySampler narrow(ball, config, {});
+  const RaySampler wide(ball, config, {}, 3);
   EXPECT_GT(wide.occupancy().count(), narrow.occupancy().count());
 }
 

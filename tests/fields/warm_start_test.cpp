@@ -42,10 +42,10 @@ double held_out_psnr(const Scene& scene, const Field& field) {
 class WarmStart : public ::testing::TestWithParam<Geometry> {
 protected:
   void SetUp() override {
-    config = choose_field_config(all, kWall, still);
+    config = choose_field_config({all, kWall, still});
     config.geometry = GetParam();
     trainer.rays = 300'000;
-    before = train_field(arrived(scene, 6), kWall, still, config, trainer, progress);
+    before = train_field({arrived(scene, 6), kWall, still}, config, trainer, progress);
     trainer.rays = 30'000;
   }
   void TearDown() override { set_thread_count(0); }
@@ -63,8 +63,8 @@ INSTANTIATE_TEST_SUITE_P(Training, WarmStart, ::testing::Values(Geometry::kDensi
                          [](const auto& geometry) { return name_of(geometry.param); });
 
 TEST_P(WarmStart, LearnsFramesThatArriveWithATenthOfTheRays) {
-  const Field cold = train_field(all, kWall, still, config, trainer, progress);
-  const Field warm = train_field(all, kWall, still, config, trainer, progress, nullptr, &before);
+  const Field cold = train_field({all, kWall, still}, config, trainer, progress);
+  const Field warm = train_field({all, kWall, still}, config, trainer, progress, nullptr, &before);
   EXPECT_GT(held_out_psnr(scene, warm), held_out_psnr(scene, cold) + 1);
   EXPECT_GT(held_out_psnr(scene, warm), held_out_psnr(scene, before) + 10);
 }
@@ -73,7 +73,7 @@ TEST_P(WarmStart, HasTheSameBitsOnAnyNumberOfThreads) {
   std::vector<Field> fields;
   for (const int threads : {1, 2, 7}) {
     set_thread_count(threads);
-    fields.push_back(train_field(all, kWall, still, config, trainer, progress, nullptr, &before));
+    fields.push_back(train_field({all, kWall, still}, config, trainer, progress, nullptr, &before));
   }
   for (const std::size_t other : {1, 2}) {
     EXPECT_EQ(fields[0].table, fields[other].table);
@@ -85,7 +85,7 @@ TEST_P(WarmStart, HasTheSameBitsOnAnyNumberOfThreads) {
 TEST_P(WarmStart, RefusesAFieldOfAnotherConfiguration) {
   FieldConfig other = config;
   other.finest_resolution += 1;
-  EXPECT_THROW(train_field(all, kWall, still, other, trainer, progress, nullptr, &before), Error);
+  EXPECT_THROW(train_field({all, kWall, still}, other, trainer, progress, nullptr, &before), Error);
 }
 
 } // namespace

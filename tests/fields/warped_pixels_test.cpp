@@ -42,32 +42,33 @@ struct Sheet {
   Occupancy occupancy;
 
   Sheet() {
-    config = choose_field_config(performance.store, 1, performance.motion);
-    occupancy = RaySampler(performance.store, 1, performance.motion, config, {}).occupancy();
+    config = choose_field_config({performance.store, 1, performance.motion});
+    occupancy = RaySampler({performance.store, 1, performance.motion}, config, {}).occupancy();
   }
   SeenSpace space() const {
-    return see_occupied_space(performance.store, 1, performance.motion, config, occupancy, 0.05F);
+    return see_occupied_space({performance.store, 1, performance.motion}, config, occupancy, 0.05F);
   }
 };
 
 TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
   const Sheet sheet;
   const PixelStore& store = sheet.performance.store;
-  const auto own = warp_measured_pixels(store, 1, sheet.performance.motion, sheet.config);
+  const auto own = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
   std::size_t measured = 0;
-  for (const StoredPixel& pixel : store.pixels()) measured += pixel.label == 1 && pixel.depth != 0 ? 1 : 0;
+  for (const StoredPixel& pixel : store.pixels()) measured += pixel.label == 1 && pixel.depth.is_known() ? 1 : 0;
   EXPECT_EQ(own.size(), measured);
   for (std::size_t i = 0; i < own.size(); i += 37) {
     const StoredPixel& pixel = store.pixels()[own[i].pixel];
     const tracking::Warp warp = sheet.performance.motion.warp(frame_of(store, own[i].pixel).frame);
-    const double band = surface_band(sheet.config, pixel.depth);
+    const float depth = pixel.depth.metres();
+    const double band = surface_band(sheet.config, depth);
     for (const double behind : {-band, -0.5 * band, 0.0, band}) {
-      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i].ray, pixel.depth + behind);
+      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i].ray, depth + behind);
       const auto& bend = own[i].bends[behind > 0 ? 1 : 0];
       place += behind * behind * sheet.config.box.side * Eigen::Vector3f(bend.data()).cast<double>();
       const auto world = warp.to_world(place);
       ASSERT_TRUE(world);
-      EXPECT_LT((*world - world_point(store, own[i].pixel, pixel.depth + behind)).norm(), 5e-4);
+      EXPECT_LT((*world - world_point(store, own[i].pixel, depth + behind)).norm(), 5e-4);
     }
   }
 }
@@ -81,7 +82,7 @@ TEST(WarpedPixels, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
     const SeenPiece& piece = space.empty[i];
     const StoredPixel& pixel = store.pixels()[piece.pixel];
     EXPECT_LT(piece.piece.begin, piece.piece.end);
-    EXPECT_LE(piece.piece.end, pixel.label == 1 ? pixel.depth : empty_until(pixel));
+    EXPECT_LE(piece.piece.end, pixel.label == 1 ? pixel.depth.metres() : empty_until(pixel));
     const double middle = 0.5 * (static_cast<double>(piece.piece.begin) + static_cast<double>(piece.piece.end));
     const auto world = sheet.performance.motion.warp(frame_of(store, piece.pixel).frame)
                            .to_world(canonical_point(sheet.config.box, piece.ray, middle));
@@ -103,7 +104,8 @@ TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
   }
   PixelStore store(1'000'000, 1);
   store.add(blind, 4);
-  const SeenSpace space = see_occupied_space(store, 1, sheet.performance.motion, sheet.config, sheet.occupancy, 0.05F);
+  const SeenSpace space =
+      see_occupied_space({store, 1, sheet.performance.motion}, sheet.config, sheet.occupancy, 0.05F);
   EXPECT_GT(space.unmeasured.size(), sheet_pixels * 9 / 10);
   for (const SeenPiece& found : space.unmeasured) {
     const StoredPixel& pixel = store.pixels()[found.pixel];
@@ -121,12 +123,12 @@ TEST(WarpedPixels, AreTheSameForAnyNumberOfThreads) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
   };
   set_thread_count(1);
-  const auto own = warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config);
+  const auto own = warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config);
   const SeenSpace space = sheet.space();
   for (const int threads : {2, 7}) {
     set_thread_count(threads);
     EXPECT_TRUE(
-        bytes_equal(own, warp_measured_pixels(sheet.performance.store, 1, sheet.performance.motion, sheet.config)));
+        bytes_equal(own, warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config)));
     EXPECT_TRUE(bytes_equal(space.empty, sheet.space().empty));
   }
   set_thread_count(0);

@@ -54,7 +54,7 @@ TEST_P(SharedData, IsRecognisedAndReadWithoutAFlag) {
     }
     EXPECT_GT(static_cast<double>(clean), 0.75 * static_cast<double>(measured));
   }
-  EXPECT_EQ(frames, options.frames.end);
+  EXPECT_EQ(frames, *options.frames.end);
   EXPECT_TRUE(capture->skipped().empty());
 }
 

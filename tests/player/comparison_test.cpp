@@ -27,8 +27,8 @@ fields::Picture gray_picture(std::uint8_t gray, float depth) {
   return picture;
 }
 
-const Subject kBackground{"background", "", {0}, {0}, true};
-const Subject kObject{"object", "", {1}, {2}, false};
+const Subject kBackground{"background", "", {0}, std::set{0}, true};
+const Subject kObject{"object", "", {1}, std::set{2}, false};
 
 TEST(Comparison, EqualPicturesHaveTheHighestPsnr) {
   Means means;

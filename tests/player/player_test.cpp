@@ -7,22 +7,6 @@
 namespace kinora::player {
 namespace {
 
-class Warnings : public Progress {
-public:
-  void warn(const std::string& sentence) override { sentences.push_back(sentence); }
-  std::vector<std::string> sentences;
-};
-
-TEST(PlayerLayers, UnknownNamesAreIgnoredWithAWarningThatNamesTheLayersThereAre) {
-  const Player player(encode::testing::sample_clip(1, 3, false));
-  Warnings warnings;
-  const std::vector<std::string> names{"object", "person", "object"};
-  EXPECT_EQ(player.choose_layers(names, warnings), (LayerChoice{1}));
-  ASSERT_EQ(warnings.sentences.size(), 1U);
-  EXPECT_NE(warnings.sentences[0].find("\"person\""), std::string::npos);
-  EXPECT_NE(warnings.sentences[0].find("background, object"), std::string::npos);
-}
-
 TEST(PlayerLayers, NothingChosenDrawsNothing) {
   const Player player(encode::testing::sample_clip(1, 3, false));
   Camera camera = player.clip().capture_camera(0);

@@ -21,8 +21,8 @@ Field learn(const Performance& performance, std::size_t rays) {
   trainer.rays = rays;
   trainer.rays_per_step = 1024;
   Progress progress;
-  const FieldConfig config = choose_field_config(performance.store, kSheet, performance.motion);
-  return train_field(performance.store, kSheet, performance.motion, config, trainer, progress);
+  const FieldConfig config = choose_field_config({performance.store, kSheet, performance.motion});
+  return train_field({performance.store, kSheet, performance.motion}, config, trainer, progress);
 }
 
 Picture draw(const Field& field, const tracking::Motion& motion, const Camera& camera) {

@@ -132,7 +132,7 @@ Bleeding learn(const Change& disturb, const std::vector<int>& labels) {
   for (const int label : labels) {
     Progress progress;
     fields.emplace_back(
-        train_field(store, label, still, choose_field_config(store, label, still), short_training(), progress));
+        train_field({store, label, still}, choose_field_config({store, label, still}), short_training(), progress));
   }
   std::vector<PosedField> posed;
   posed.reserve(fields.size());

@@ -69,7 +69,7 @@ Outcome learn_ball(const Trial& trial) {
   Listener progress;
   TrainingReport report;
   const DrawableField ball(
-      train_field(store, kBall, still, choose_field_config(store, kBall, still), trial.trainer, progress, &report));
+      train_field({store, kBall, still}, choose_field_config({store, kBall, still}), trial.trainer, progress, &report));
   ingest::Frame held_out = trial.scene.frame(0, kHeldOutAngle);
   trial.place(held_out);
   const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
@@ -188,7 +188,7 @@ TEST(DisturbedTraining, KeepsAStructureOfOnePixel) {
   const auto still = tracking::Motion::still();
   Progress progress;
   const DrawableField field(
-      train_field(store, kBall, still, choose_field_config(store, kBall, still), short_training(), progress));
+      train_field({store, kBall, still}, choose_field_config({store, kBall, still}), short_training(), progress));
   const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));
   const ImageMetrics metrics = compare_images(render({&posed, 1}, frame.camera).color, frame.color, frame.labels);
   EXPECT_GT(metrics.iou, 0.7);
@@ -208,7 +208,7 @@ TEST(DisturbedTraining, LearnsFromASinglePixel) {
   trainer.rays = 50'000;
   Progress progress;
   const DrawableField field(
-      train_field(store, kBall, still, choose_field_config(store, kBall, still), trainer, progress));
+      train_field({store, kBall, still}, choose_field_config({store, kBall, still}), trainer, progress));
   const auto& table = field.field().table;
   EXPECT_TRUE(std::all_of(table.begin(), table.end(), [](float v) { return std::isfinite(v); }));
   const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));
@@ -227,13 +227,13 @@ TEST(DisturbedTraining, OfAHallInFineDetailWorksInSixteenMegabytes) {
     store.add(frame, i);
   }
   const auto still = tracking::Motion::still();
-  const FieldConfig config = choose_field_config(store, 0, still);
+  const FieldConfig config = choose_field_config({store, 0, still});
   EXPECT_EQ(config.finest_resolution, 2048);
   TrainerConfig trainer = short_training();
   trainer.rays = 1000;
   Progress progress;
   TrainingReport report;
-  train_field(store, 0, still, config, trainer, progress, &report);
+  train_field({store, 0, still}, config, trainer, progress, &report);
   EXPECT_LE(report.bytes, 16'000'000U);
 }
 
@@ -243,10 +243,10 @@ TEST(DisturbedTraining, SaysThatNothingCanBeLearntFromBackgroundAlone) {
   store.add(frame, 0);
   Progress progress;
   const auto still = tracking::Motion::still();
-  EXPECT_THROW(choose_field_config(store, 7, still), Error);
-  EXPECT_THROW(train_field(store, 7, still, {}, short_training(), progress), Error);
+  EXPECT_THROW(choose_field_config({store, 7, still}), Error);
+  EXPECT_THROW(train_field({store, 7, still}, {}, short_training(), progress), Error);
   PixelStore empty(100'000, 1);
-  EXPECT_THROW(train_field(empty, 0, still, {}, short_training(), progress), Error);
+  EXPECT_THROW(train_field({empty, 0, still}, {}, short_training(), progress), Error);
 }
 
 class TooLargeSteps : public ::testing::TestWithParam<float> {};
@@ -271,7 +271,7 @@ TEST(DisturbedTraining, EndsAlikeOnEveryInstructionSet) {
   const Scene scene;
   const auto still = tracking::Motion::still();
   const PixelStore store = store_of(scene);
-  const FieldConfig config = choose_field_config(store, kBall, still);
+  const FieldConfig config = choose_field_config({store, kBall, still});
   const ingest::Frame held_out = scene.frame(0, kHeldOutAngle);
   TrainerConfig trainer = short_training();
   trainer.rays = 60'000;
@@ -280,7 +280,7 @@ TEST(DisturbedTraining, EndsAlikeOnEveryInstructionSet) {
     hwy::SetSupportedTargetsForTest(target);
     ASSERT_STREQ(kernels::instruction_set(), hwy::TargetName(target));
     Progress progress;
-    const DrawableField ball(train_field(store, kBall, still, config, trainer, progress));
+    const DrawableField ball(train_field({store, kBall, still}, config, trainer, progress));
     const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
     psnrs.push_back(
         compare_images(render({&posed, 1}, held_out.camera).color, held_out.color, held_out.labels).psnr_box);

@@ -1,20 +1,23 @@
+#include "core/frame_range.h"
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "ingest/capture.h"
 
-namespace kinora::ingest {
+namespace kinora {
 namespace {
 
 struct Case {
   const char* text;
-  int begin, end, step;
+  int begin;
+  std::optional<int> end;
+  int step;
 };
 
 TEST(FrameRange, PartsMayBeLeftOut) {
   for (const Case& expected :
-       {Case{"3:10:2", 3, 10, 2}, Case{"3:10", 3, 10, 1}, Case{"3:", 3, -1, 1}, Case{":7", 0, 7, 1},
-        Case{"::5", 0, -1, 5}, Case{":", 0, -1, 1}, Case{"3", 3, 4, 1}, Case{"1:2:", 1, 2, 1}}) {
+       {Case{"3:10:2", 3, 10, 2}, Case{"3:10", 3, 10, 1}, Case{"3:", 3, {}, 1}, Case{":7", 0, 7, 1},
+        Case{"::5", 0, {}, 5}, Case{":", 0, {}, 1}, Case{"3", 3, 4, 1}, Case{"1:2:", 1, 2, 1}}) {
     const FrameRange range = FrameRange::parse(expected.text);
     EXPECT_EQ(range.begin, expected.begin) << expected.text;
     EXPECT_EQ(range.end, expected.end) << expected.text;
@@ -40,7 +43,19 @@ TEST(FrameRange, ContainsWhatItSelects) {
   for (int i = 0; i < 20; ++i)
     if (range.contains(i)) selected.push_back(i);
   EXPECT_EQ(selected, (std::vector<int>{2, 5, 8}));
+  EXPECT_EQ(range.frames_of(20), selected);
+  EXPECT_EQ(range.count_of(20), 3);
+}
+
+TEST(FrameRange, EndsWhereTheFramesDo) {
+  EXPECT_EQ(FrameRange{}.frames_of(3), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(FrameRange::parse("1:99:2").frames_of(4), (std::vector<int>{1, 3}));
+  for (const char* text : {"4:", "7:9", "4:99:5"}) {
+    EXPECT_EQ(FrameRange::parse(text).count_of(4), 0) << text;
+    EXPECT_TRUE(FrameRange::parse(text).frames_of(4).empty()) << text;
+  }
+  EXPECT_EQ(FrameRange{}.count_of(0), 0);
 }
 
 } // namespace
-} // namespace kinora::ingest
+} // namespace kinora

@@ -1,9 +1,23 @@
+#include "core/frame_range.h"
+
+#include <algorithm>
 #include <charconv>
+#include <string_view>
 
 #include "core/error.h"
-#include "ingest/capture.h"
 
-namespace kinora::ingest {
+namespace kinora {
+
+int FrameRange::count_of(int count) const {
+  const int last = end ? std::min(*end, count) : count;
+  return last <= begin ? 0 : (last - begin + step - 1) / step;
+}
+
+std::vector<int> FrameRange::frames_of(int count) const {
+  std::vector<int> frames;
+  for (int i = 0; i < count_of(count); ++i) frames.push_back(begin + i * step);
+  return frames;
+}
 
 FrameRange FrameRange::parse(const std::string& text) {
   const auto fail = [&text] {
@@ -26,10 +40,10 @@ FrameRange FrameRange::parse(const std::string& text) {
   FrameRange range;
   range.begin = parts[0].value_or(0);
   if (parts.size() == 1) range.end = range.begin + 1;
-  if (parts.size() > 1) range.end = parts[1].value_or(-1);
+  if (parts.size() > 1) range.end = parts[1];
   if (parts.size() > 2) range.step = parts[2].value_or(1);
-  if (range.step < 1 || (range.end >= 0 && range.end <= range.begin)) fail();
+  if (range.step < 1 || (range.end && *range.end <= range.begin)) fail();
   return range;
 }
 
-} // namespace kinora::ingest
+} // namespace kinora

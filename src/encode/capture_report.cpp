@@ -1,0 +1,88 @@
+#include "encode/capture_report.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "encode/rounding.h"
+#include "ingest/registration_json.h"
+
+namespace kinora::encode {
+namespace {
+
+using Json = nlohmann::json;
+
+Json registration_json(const ingest::FoundRegistration& found) {
+  if (found.pairs == 0) return {{"applied", false}, {"why", "needs a camera that moves, and views that show the same"}};
+  return {{"applied", found.geometry.has_value()},
+          {"pairs", found.pairs},
+          {"unexplained_as_given", round4(found.unexplained_as_given)},
+          {"unexplained", round4(found.unexplained)},
+          {"cameras", found.geometry ? ingest::to_json(*found.geometry) : Json(nullptr)}};
+}
+
+Json followed_json(const CameraPath& camera) {
+  const Json frames = {{"tracked", camera.tracked}, {"held", camera.held}, {"lost", camera.lost}};
+  if (!camera.moving_from) {
+    return {{"path", "still"},
+            {"why", "no stretch of frames is explained significantly better by another place of the camera"},
+            {"frames", frames}};
+  }
+  return {{"path", "moving"},
+          {"why", *camera.moving_from == 0
+                      ? "along it more of what the frames show keeps still than if the camera had not moved"
+                      : fmt::format("from frame {} of the timeline on, the background is explained significantly "
+                                    "better by another place of the camera",
+                                    *camera.moving_from)},
+          {"frames", frames},
+          {"key_frames", camera.key_frames},
+          {"loops", camera.loops}};
+}
+
+} // namespace
+
+Json capture_json(const PreparedCapture& prepared, const FramePass& pass) {
+  const ingest::Capture& capture = *prepared.capture;
+  const ingest::CaptureInfo& info = capture.info();
+  Json skipped = Json::array();
+  for (const ingest::SkippedFrame& frame : capture.skipped()) {
+    skipped.push_back({{"frame", frame.index}, {"reason", frame.reason}});
+  }
+  const auto held_out = std::count(pass.clip.held_out.begin(), pass.clip.held_out.end(), true);
+  return {{"format", info.format},
+          {"size", {info.intrinsics.width, info.intrinsics.height}},
+          {"frames_in_source", info.frame_count},
+          {"frames_used", pass.clip.times.size()},
+          {"frames_held_out", held_out},
+          {"frames_without_mask", pass.unlabelled},
+          {"frames_per_second", info.frames_per_second},
+          {"has_poses", info.has_poses && !prepared.camera->moves()},
+          {"has_masks", info.has_masks},
+          {"stored_pixels", pass.pixels.pixels().size()},
+          {"skipped", skipped}};
+}
+
+Json camera_json(const PreparedCapture& prepared) {
+  const CameraPath& camera = *prepared.camera;
+  switch (camera.origin) {
+  case CameraPath::Origin::kFollowed:
+    return followed_json(camera);
+  case CameraPath::Origin::kNothingBetter:
+    return {{"path", "still"}, {"why", "no path that was found explains the pictures better"}};
+  case CameraPath::Origin::kNotFollowed:
+    break;
+  }
+  if (!prepared.capture->info().has_poses) return {{"path", "still"}, {"why", "nobody looked whether it moves"}};
+  return {{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}};
+}
+
+Json streams_json(const ingest::StreamReport& streams, const ingest::FoundRegistration& registration) {
+  Json gains = Json::array();
+  for (const double gain : streams.gains) gains.push_back(round4(gain));
+  return {{"exposure_gains", std::move(gains)},
+          {"exposure_changes", streams.exposure_changes},
+          {"depth_behind_color_s", streams.time_offset ? Json(round4(*streams.time_offset)) : Json(nullptr)},
+          {"registration", registration_json(registration)}};
+}
+
+} // namespace kinora::encode

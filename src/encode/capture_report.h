@@ -1,0 +1,18 @@
+// What was read, and what was found out about the camera and the streams, as the encoder's report says it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "encode/capture_preparation.h"
+#include "encode/frame_pass.h"
+
+namespace kinora::encode {
+
+/// Of a capture that was read to its end: its format and size, frames used, held out, without mask and skipped.
+nlohmann::json capture_json(const PreparedCapture& prepared, const FramePass& pass);
+/// Whether the camera moves, and why.
+nlohmann::json camera_json(const PreparedCapture& prepared);
+/// Exposure, delay and registration of colour and depth, as estimated.
+nlohmann::json streams_json(const ingest::StreamReport& streams, const ingest::FoundRegistration& registration);
+
+} // namespace kinora::encode

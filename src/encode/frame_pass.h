@@ -1,0 +1,32 @@
+// One pass over the frames of a capture: labels are followed, and pixels are kept for training.
+#pragma once
+
+#include <cstddef>
+#include <map>
+
+#include "core/progress.h"
+#include "encode/clip.h"
+#include "encode/encode_options.h"
+#include "encode/stage_times.h"
+#include "encode/tracked_label.h"
+#include "fields/pixel_store.h"
+#include "ingest/capture.h"
+#include "ingest/exposure.h"
+
+namespace kinora::encode {
+
+/// What the pass leaves behind.
+struct FramePass {
+  Clip clip;                 ///< timeline, camera and its path; no layer yet
+  fields::PixelStore pixels; ///< of all frames but those that are held out and those without mask
+  std::map<int, TrackedLabel> labels;
+  ingest::StreamReport streams;
+  std::size_t unlabelled = 0; ///< frames without mask in a capture with masks: tracked nowhere, trained on nowhere
+};
+
+/// Reads the capture to its end. The same bits for any number of threads. Throws what the capture throws,
+/// Error(kCorruptInput) if no frame is usable, Error(kInterrupted).
+FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, StageTimes& times,
+                           Progress& progress);
+
+} // namespace kinora::encode

@@ -1,0 +1,105 @@
+#include "encode/layer_training.h"
+
+#include <fmt/format.h>
+
+#include "fields/confidence_of_views.h"
+
+namespace kinora::encode {
+namespace {
+
+std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion) {
+  if (label.plan.motion == tracking::MotionKind::kRigid && motion.kind() == tracking::MotionKind::kStill) {
+    return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
+  }
+  if (!label.bend) return label.plan.why;
+  return fmt::format("{}; it bends, from frame {} on by up to {:.1f} cm, and {}", label.plan.why,
+                     label.bend->first_frame, 100 * label.bend->metres,
+                     label.plan.is_told ? "is kept rigid all the same"
+                                        : "so the bending of a graph is tracked instead");
+}
+
+/// What a draft leaves behind.
+struct Draft {
+  fields::Field field;
+  tracking::Motion motion; ///< the layer's, refined
+  DraftReport report;
+};
+
+/// With what was chosen for the layer so far.
+Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
+               StageTimes& times, Progress& progress) {
+  constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
+  const std::string& name = outcome.layer.name;
+  fields::TrainerConfig shorter = outcome.trainer;
+  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
+  shorter.largest_log2_table_size = 0;
+  progress.stage("training a draft of " + name, shorter.rays);
+  fields::Field field = times.measure(
+      "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });
+  DraftReport report{shorter.rays, {}};
+  progress.stage("refining the motion of " + name, observations.pixels.frames().size());
+  tracking::Motion motion = times.measure("refine the motion of " + name, [&] {
+    return refine_motion(field, observations, tracked.bending->edges(), tracked.bending->node_spacing(), progress,
+                         &report.refinement);
+  });
+  return {std::move(field), std::move(motion), report};
+}
+
+// The training after a draft begins with its field, of which nearly all is right.
+void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
+  constexpr float kRate = 0.3F;
+  trainer.rays -= draft.rays;
+  trainer.learning_rates.table *= kRate;
+  trainer.learning_rates.nets *= kRate;
+}
+
+// Asks of the training what the layer's views can hold.
+void compare_views(const fields::LayerObservations& observations, LayerOutcome& outcome) {
+  outcome.agreement = fields::agreement_of_views(observations);
+  fields::adapt_to(outcome.agreement, outcome.trainer);
+}
+
+} // namespace
+
+LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
+                         StageTimes& times, Progress& progress) {
+  const TrackedLabel& tracked = *job.label;
+  const tracking::Motion tracked_motion = tracked.motion();
+  const fields::LayerObservations as_tracked{pixels, tracked.plan.label, tracked_motion};
+  LayerOutcome outcome;
+  Layer& layer = outcome.layer;
+  layer.name = job.name;
+  layer.label = tracked.plan.label;
+  layer.joints = tracked.joints();
+  outcome.why = reason_of(tracked, tracked_motion);
+  outcome.config = fields::choose_field_config(as_tracked, &outcome.need);
+  outcome.trainer.seed = options.seed;
+  outcome.trainer.rays = job.rays;
+  compare_views(as_tracked, outcome);
+  if (options.try_geometries) {
+    progress.stage("trying geometries of " + layer.name, 0);
+    outcome.geometry = times.measure("try geometries of " + layer.name, [&] {
+      return fields::try_geometries(as_tracked, outcome.config, outcome.trainer, progress);
+    });
+  }
+  outcome.config.geometry = outcome.geometry.chosen;
+  std::optional<Draft> draft;
+  if (as_tracked.deforms()) draft = draft_of(outcome, as_tracked, tracked, times, progress);
+  layer.motion = draft ? draft->motion : tracked_motion;
+  const fields::LayerObservations observations{pixels, layer.label, layer.motion};
+  if (draft) {
+    outcome.draft = draft->report;
+    compare_views(observations, outcome);
+    go_on_from(draft->report, outcome.trainer);
+  }
+  progress.stage("training " + layer.name, outcome.trainer.rays);
+  layer.field = times.measure("train " + layer.name, [&] {
+    return fields::train_field(observations, outcome.config, outcome.trainer, progress, &outcome.training,
+                               draft ? &draft->field : nullptr);
+  });
+  layer.confidence = times.measure("confidence of " + layer.name,
+                                   [&] { return fields::confidence_of_views(observations, layer.field); });
+  return outcome;
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,45 @@
+// One layer's way from a followed label to a field: its size, what may be asked of its views, its geometry, a draft
+// that refines the motion of what deforms, and the training.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "core/progress.h"
+#include "encode/clip.h"
+#include "encode/encode_options.h"
+#include "encode/motion_refinement.h"
+#include "encode/stage_times.h"
+#include "encode/training_plan.h"
+#include "fields/geometry_trial.h"
+#include "fields/trainer.h"
+#include "fields/view_agreement.h"
+
+namespace kinora::encode {
+
+/// A short training with the tracker's motion, and that motion aligned through what was learnt.
+struct DraftReport {
+  std::size_t rays = 0; ///< of the draft: they count as the layer's
+  MotionRefinement refinement;
+};
+
+/// A layer, and all that was chosen and measured on its way.
+struct LayerOutcome {
+  Layer layer;
+  std::string why; ///< it moves as it does; one sentence
+  fields::FieldNeed need;
+  fields::FieldConfig config; ///< that training began with
+  fields::ViewAgreement agreement;
+  fields::GeometryTrial geometry;
+  std::optional<DraftReport> draft; ///< only of a layer that deforms
+  fields::TrainerConfig trainer;    ///< of the training after the draft
+  fields::TrainingReport training;
+};
+
+/// Same input, same layer, for any number of threads; only `times` differ. Throws Error: kFailure if the label has no
+/// measured pixel, kInterrupted.
+LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
+                         StageTimes& times, Progress& progress);
+
+} // namespace kinora::encode

@@ -1,0 +1,53 @@
+#include "encode/tracked_label.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kinora::encode {
+namespace {
+
+/// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
+constexpr double kStillMove = 0.004;
+
+// A deforming layer is followed from its first frame on; before that it is lost, or goes as a rigid thing.
+tracking::Motion with_frames_before(const tracking::Motion& motion, const std::vector<tracking::Motion::Pose>& poses) {
+  std::vector<tracking::Motion::Deformation> all;
+  for (const auto& pose : poses) {
+    all.push_back(motion.deformations().front());
+    all.back().health = pose.health;
+    if (pose.health == tracking::Health::kLost) continue;
+    const DualQuaternion to_frame = DualQuaternion::from(pose.canonical_to_world);
+    for (DualQuaternion& node : all.back().node_to_world) node = to_frame * node;
+  }
+  all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
+  return tracking::Motion::deforming(motion.graph(), std::move(all));
+}
+
+} // namespace
+
+tracking::Motion TrackedLabel::motion() const {
+  if (bending) return with_frames_before(bending->motion(), poses);
+  const bool moves = !poses.empty() && largest_move() > kStillMove;
+  return moves ? tracking::Motion::rigid(poses) : tracking::Motion::still();
+}
+
+std::optional<tracking::JointPaths> TrackedLabel::joints() const {
+  auto joints = bending ? bending->body().joint_paths() : std::nullopt;
+  if (!joints) return std::nullopt;
+  auto& places = joints->places;
+  places.insert(places.begin(), static_cast<std::size_t>(first_frame), places.front());
+  return joints;
+}
+
+double TrackedLabel::largest_move() const {
+  double largest = 0;
+  for (const auto& pose : poses) {
+    if (pose.health == tracking::Health::kLost) continue;
+    const double shift = (pose.canonical_to_world * centre - centre).norm();
+    const double turn = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * radius;
+    largest = std::max(largest, shift + turn);
+  }
+  return largest;
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,40 @@
+// A label of the capture, and what became of it in all frames.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "encode/layer_plan.h"
+#include "tracking/deforming_tracker.h"
+#include "tracking/joint_paths.h"
+#include "tracking/motion.h"
+#include "tracking/rigid_tracker.h"
+
+namespace kinora::encode {
+
+/// One label's plan and what became of it.
+struct TrackedLabel {
+  LayerPlan plan;
+  int first_frame = 0;    ///< of the timeline
+  std::size_t pixels = 0; ///< measured, over all frames
+  Eigen::Vector3d centre; ///< of its measured points in the first frame, world
+  double radius = 0;      ///< root mean square distance of these points from the centre, metres
+  /// One per frame so far, if rigid; if deforming, one per frame before the graph.
+  std::vector<tracking::Motion::Pose> poses;
+  int relocalised = 0;                             ///< times it was found again
+  int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
+  std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
+  std::unique_ptr<tracking::RigidTracker> tracker; ///< if rigid
+  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming
+
+  /// Over the whole timeline: still if it never left its place by more than tracking can tell.
+  tracking::Motion motion() const;
+  /// Of its skeleton over the whole timeline, if it is a person.
+  std::optional<tracking::JointPaths> joints() const;
+  /// Greatest distance (metres) of its points from where they were in its first frame; only if rigid.
+  double largest_move() const;
+};
+
+} // namespace kinora::encode

@@ -1,0 +1,82 @@
+#include "encode/training_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace kinora::encode {
+namespace {
+
+/// Pixels with reliable depth of each label, in frames where the label's place is known.
+std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
+  std::map<int, std::size_t> counts;
+  for (const fields::StoredFrame& frame : pass.pixels.frames()) {
+    std::array<std::size_t, 256> in_frame{};
+    for (std::size_t i = frame.begin; i < frame.end; ++i) {
+      const fields::StoredPixel& pixel = pass.pixels.pixels()[i];
+      if (pixel.depth.is_measured()) ++in_frame[pixel.label];
+    }
+    for (const auto& [number, label] : pass.labels) {
+      const auto f = static_cast<std::size_t>(frame.frame);
+      const bool lost = f < label.poses.size() && label.poses[f].health == tracking::Health::kLost;
+      if (!lost && in_frame[static_cast<std::size_t>(number)] > 0) {
+        counts[number] += in_frame[static_cast<std::size_t>(number)];
+      }
+    }
+  }
+  return counts;
+}
+
+// Empty if the label can be modelled.
+std::string why_not_modelled(const TrackedLabel& label) {
+  const auto lost = [](const auto& pose) { return pose.health == tracking::Health::kLost; };
+  if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
+    return "too little of it is measured in every frame to follow it";
+  }
+  if (label.bending && !label.bending->started()) return "too little of it is measured in every frame to follow it";
+  return "";
+}
+
+std::string unique_name(const std::string& wanted, const std::vector<LayerJob>& others) {
+  std::string name = wanted;
+  const auto taken = [&] {
+    return std::any_of(others.begin(), others.end(), [&](const LayerJob& job) { return job.name == name; });
+  };
+  for (int i = 2; taken(); ++i) name = fmt::format("{}{}", wanted, i);
+  return name;
+}
+
+std::size_t rays_of_all(const Clip& clip, const EncodeOptions& options) {
+  const Intrinsics& camera = clip.intrinsics;
+  const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(clip.times.size());
+  return std::clamp(static_cast<std::size_t>(options.rays_per_pixel * pixels), options.min_rays, options.max_rays);
+}
+
+} // namespace
+
+TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options) {
+  const auto counts = stored_by_label(pass);
+  TrainingPlan plan;
+  std::vector<double> weights;
+  double sum = 0;
+  for (const auto& [number, label] : pass.labels) {
+    const auto found = counts.find(number);
+    const std::string why = found == counts.end() ? "it is in no frame that is trained on" : why_not_modelled(label);
+    if (!why.empty()) {
+      plan.not_modelled.push_back({label.plan.name, number, why});
+      continue;
+    }
+    plan.layers.push_back({&label, unique_name(label.plan.name, plan.layers), 0});
+    weights.push_back(std::sqrt(static_cast<double>(found->second)));
+    sum += weights.back();
+  }
+  const std::size_t budget = rays_of_all(pass.clip, options);
+  for (std::size_t i = 0; i < plan.layers.size(); ++i) {
+    plan.layers[i].rays = static_cast<std::size_t>(weights[i] / sum * static_cast<double>(budget));
+  }
+  return plan;
+}
+
+} // namespace kinora::encode

@@ -1,0 +1,34 @@
+// Which labels become layers of the clip, under which name, and how long each is trained.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "encode/frame_pass.h"
+
+namespace kinora::encode {
+
+struct LayerJob {
+  const TrackedLabel* label; ///< of the pass
+  std::string name;          ///< of the layer, unique: two labels may have been given one name
+  std::size_t rays;          ///< of its whole training
+};
+
+struct NotModelled {
+  std::string name;
+  int label;
+  std::string why; ///< one clause
+};
+
+struct TrainingPlan {
+  std::vector<LayerJob> layers; ///< by label, ascending; empty: nothing can be modelled
+  std::vector<NotModelled> not_modelled;
+};
+
+/// Shares the rays of all layers (EncodeOptions::rays_per_pixel) among those that can be modelled: a layer's share
+/// grows with the square root of its pixels, so that small layers are looked at more closely. The pass must outlive the
+/// plan.
+TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options);
+
+} // namespace kinora::encode
