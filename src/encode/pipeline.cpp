@@ -172,7 +172,7 @@ struct RefinedLayer {
 
 RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig& config,
                           const fields::TrainerConfig& trainer, Pass& pass, Layer& layer, Progress& progress) {
-  constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
+  constexpr double kDraftRays = 0.3; // of the layer's (docs/experiments/sharpness.md)
   RefinedLayer refined;
   refined.draft_rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
   fields::TrainerConfig shorter = trainer;
