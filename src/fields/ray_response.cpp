@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kG = FieldConfig::kGeometry;
 /// As far apart as those of refined rays, which lie in half the band: with others, surfaces lie elsewhere
-/// (docs/fields.md).
+/// (docs/experiments/sharpness.md).
 constexpr std::size_t kSamples = 2 * kRefinedSamples;
 constexpr std::size_t kPlaces = 7;    // of each ray: its own, then to either side along each axis
 constexpr double kLeastOpacity = 0.5; // of what has a colour

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLooksOfColumn = 16;
 
-// About an exact depth (docs/fields.md).
+// About an exact depth (docs/experiments/fields.md).
 constexpr float kCloseBand = 0.3F;
 constexpr int kCloseSamples = 3;
 

@@ -172,7 +172,7 @@ private:
 // Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
 // that are full, and an error that can be seen.
 bool may_grow(Run& run, const RaySampler& sampler, const TrainerConfig& trainer) {
-  constexpr std::size_t kRaysPerEntry = 192; // shorter trainings end before larger tables pay (docs/fields.md)
+  constexpr std::size_t kRaysPerEntry = 192; // shorter ones end before this pays (docs/experiments/field_model.md)
   constexpr std::size_t kFewestJudges = 256;
   constexpr double kFull = 0.5;
   constexpr double kSeen = 3e-4; // 40 dB
@@ -196,7 +196,7 @@ double error_after(std::size_t end, Run& run, Progress& progress, TrainingReport
 
 // Returns whether larger tables paid; the run goes on with them then.
 bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, TrainingReport& report) {
-  constexpr double kPays = 0.96; // of the error; less is not worth the memory (docs/fields.md)
+  constexpr double kPays = 0.96; // of the error; less is not worth the memory (docs/experiments/field_model.md)
   constexpr std::size_t kMostRays = 500'000;
   GrowthTrial trial;
   trial.begin = run.rays();

@@ -24,7 +24,7 @@ ViewAgreement agreement_of_views(const LayerObservations& layer);
 /// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, and half as many rays
 /// tell of emptiness, so that surfaces are found with fewer rays; where masks or motion contradict each other that
 /// would make silhouettes grow. In between all follow in proportion to what is seen through, emptiness sooner
-/// (docs/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
+/// (docs/experiments/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
 LossWeights weights_for(const ViewAgreement& agreement);
 
 /// A training that asks of the views what they hold: weights_for, and

@@ -12,7 +12,7 @@ namespace {
 constexpr double kCells = 64;          // on the label
 constexpr int kLeastPoints = 8;        // of a cell
 constexpr int kLeastRegion = 3;        // cells
-constexpr double kLeastMetres = 0.005; // to either side: a graph errs by 7 mm itself (docs/tracking.md)
+constexpr double kLeastMetres = 0.005; // to either side: a graph errs by 7 mm (docs/experiments/tracking_people.md)
 constexpr double kSigmas = 3;
 constexpr double kMostOfCell = 0.75;
 constexpr double kWeakShare = 0.01; // of the information along the normals (rigid_alignment.h)

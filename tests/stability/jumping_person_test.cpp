@@ -1,4 +1,5 @@
-// A person, or an arm, that is elsewhere from one frame to the next. docs/curves/tracking_basin.svg has all sizes.
+// A person, or an arm, that is elsewhere from one frame to the next. All sizes:
+// docs/experiments/curves/tracking_basin.svg.
 #include <numeric>
 #include <string>
 
