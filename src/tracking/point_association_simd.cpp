@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "tracking/point_blend_simd.h"
+#include "core/vectors_simd.h"
 #include "tracking/texture_simd.h"
 
 #ifndef KINORA_TRACKING_POINT_ASSOCIATION_ONCE
@@ -34,6 +34,8 @@ struct FloatGates {
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace vectors::HWY_NAMESPACE;
 
 constexpr float kFacingCosine = 0.17F; // 80°
 constexpr float kNormalCosine = 0.7F;  // 45°
