@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "tracking/node_rows.h"
 #include "tracking/warp.h"
 
 namespace kinora::bench {
@@ -29,10 +30,10 @@ public:
   /// not a number where it does not settle.
   void exactly(std::span<const Point> world, Point* canonical) const;
 
-  /// What the loops read: x y z 0 of each node, and its unit dual quaternion from canonical to world coordinates.
+  /// What the loops read: transforms from canonical to world coordinates.
   struct Nodes {
-    std::vector<float> live, canonical, transforms;
-    int count = 0;
+    std::vector<tracking::PositionRow> live, canonical;
+    std::vector<tracking::TransformRow> transforms;
     float inverse_squared_weight_radius = 0;
     float squared_influence_radius = 0;
   };

@@ -7,88 +7,46 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 
 #include <hwy/highway.h>
-// after highway.h
-#include <hwy/contrib/math/math-inl.h>
 
-#include "core/vectors_simd.h"
+#include "tracking/skinning_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::bench::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using namespace vectors::HWY_NAMESPACE;
+using namespace skinning::HWY_NAMESPACE;
 
 using Nodes = BruteForce::Nodes;
-constexpr int kBlended = 4;
-constexpr std::int32_t kNumberBits = BruteForce::kMostNodes; // of a key: the rest is the squared distance
 
 struct Nearest {
-  I node[kBlended + 1]; // nearest first; the last has no say
-  F squared[kBlended + 1];
+  I node[kWeighed]; // nearest first; the last has no say
+  F squared[kWeighed];
 };
 
-Nearest find_nearest(const std::vector<float>& positions, int count, const Vec3& at) {
-  const Ints di;
-  const I number_bits = hn::Set(di, kNumberBits);
-  F keys[kBlended + 1];
-  for (F& key : keys) key = constant(3e38F);
-  for (int n = 0; n < count; ++n) {
-    const float* p = positions.data() + 4 * n;
+Nearest find_nearest(const std::vector<tracking::PositionRow>& positions, const Vec3& at) {
+  constexpr float kAnywhere = 3e38F;
+  NearestNodes<BruteForce::kMostNodes> numbers(kAnywhere);
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    const tracking::PositionRow& p = positions[n];
     const Vec3 offset = sub(at, {constant(p[0]), constant(p[1]), constant(p[2])});
-    const I bits = hn::BitCast(di, dot(offset, offset));
-    F key = hn::BitCast(Floats(), hn::Or(hn::AndNot(number_bits, bits), hn::Set(di, n)));
-    for (F& kept : keys) {
-      const F nearer = hn::Min(kept, key);
-      key = hn::Max(kept, key);
-      kept = nearer;
-    }
+    numbers.add(dot(offset, offset), static_cast<std::int32_t>(n));
   }
   Nearest nearest;
-  for (int k = 0; k <= kBlended; ++k) {
-    nearest.node[k] = hn::And(hn::BitCast(di, keys[k]), number_bits);
-    const Vec3 offset = sub(at, gather4(positions.data(), hn::ShiftLeft<2>(nearest.node[k])).v);
+  for (int k = 0; k < kWeighed; ++k) {
+    nearest.node[k] = numbers.number(k);
+    const Vec3 offset = sub(at, gather_positions(positions.data(), nearest.node[k]));
     nearest.squared[k] = dot(offset, offset);
   }
   return nearest;
 }
 
-struct Blend {
-  Quat real, dual;
-  F twice_inverse_norm;
-
-  Vec3 moved(const Vec3& at) const {
-    const Vec3 turned = add(mul_add(real.w, at, cross(real.v, at)), dual.v);
-    const Vec3 shift = add(cross(real.v, turned), sub(mul(real.w, dual.v), mul(dual.w, real.v)));
-    return mul_add(twice_inverse_norm, shift, at);
-  }
-  Vec3 rotated_back(const Vec3& v) const {
-    return sub(v, mul(twice_inverse_norm, cross(real.v, sub(mul(real.w, v), cross(real.v, v)))));
-  }
-  Vec3 moved_back(const Vec3& at) const {
-    const Vec3 shift = add(cross(real.v, dual.v), sub(mul(real.w, dual.v), mul(dual.w, real.v)));
-    return rotated_back(sub(at, mul(twice_inverse_norm, shift)));
-  }
-};
-
-Blend blend(const Nodes& nodes, const Nearest& nearest, bool less_the_first_without) {
-  const Floats df;
-  const F sharpness = constant(nodes.inverse_squared_weight_radius);
-  const auto weight = [&](F squared) { return hn::Exp(df, hn::Mul(hn::Sub(nearest.squared[0], squared), sharpness)); };
-  const F reach = constant(nodes.squared_influence_radius);
-  const F without = less_the_first_without ? weight(hn::Min(nearest.squared[kBlended], reach)) : zero();
-  Blend sum{{{zero(), zero(), zero()}, zero()}, {{zero(), zero(), zero()}, zero()}, zero()};
-  Quat first{};
-  for (int k = 0; k < kBlended; ++k) {
-    const I at = hn::ShiftLeft<3>(nearest.node[k]);
-    const Quat real = gather4(nodes.transforms.data(), at);
-    const Quat dual = gather4(nodes.transforms.data() + 4, at);
-    if (k == 0) first = real;
-    F share = hn::Max(hn::Sub(weight(nearest.squared[k]), without), constant(k == 0 ? 1e-6F : 0.0F));
-    share = hn::IfThenElse(hn::Lt(dot(real, first), zero()), hn::Neg(share), share);
-    sum.real = mul_add(share, real, sum.real);
-    sum.dual = mul_add(share, dual, sum.dual);
-  }
-  sum.twice_inverse_norm = hn::Div(constant(2), dot(sum.real, sum.real));
-  return sum;
+/// `less_the_first_without`: as DeformationGraph weighs.
+Blend blend(const Nodes& nodes, Nearest nearest, bool less_the_first_without) {
+  F& last = nearest.squared[kMaxNodes];
+  last = hn::Min(last, constant(nodes.squared_influence_radius));
+  const NodeWeights weights = weigh(nearest.squared, nodes.inverse_squared_weight_radius);
+  return Blend(weighed_sum(
+      [&](std::size_t k)
+          HWY_ATTR { return less_the_first_without ? hn::Max(weights.values[k], zero()) : weights.falloffs[k]; },
+      [&](std::size_t k) HWY_ATTR { return gather_transforms(nodes.transforms.data(), nearest.node[k]); }));
 }
 
 /// Calls carry(world) for as many points at a time as there are lanes.
@@ -116,7 +74,7 @@ HWY_INLINE void for_lanes(const BruteForce::Point* world, std::size_t count, Bru
 void by_live_nodes(const Nodes& nodes, const BruteForce::Point* world, std::size_t count,
                    BruteForce::Point* canonical) {
   for_lanes(world, count, canonical, [&](const Vec3& at) HWY_ATTR {
-    return blend(nodes, find_nearest(nodes.live, nodes.count, at), false).moved_back(at);
+    return blend(nodes, find_nearest(nodes.live, at), false).inverse_apply(at);
   });
 }
 
@@ -125,14 +83,14 @@ void exactly(const Nodes& nodes, const BruteForce::Point* world, std::size_t cou
   constexpr int kSteps = 12;
   for_lanes(world, count, canonical, [&](const Vec3& at) HWY_ATTR {
     const F nothing = hn::NaN(Floats());
-    Vec3 place = blend(nodes, find_nearest(nodes.live, nodes.count, at), false).moved_back(at);
+    Vec3 place = blend(nodes, find_nearest(nodes.live, at), false).inverse_apply(at);
     Mask settled = hn::Ne(zero(), zero());
     for (int step = 0; step < kSteps; ++step) {
-      const Blend here = blend(nodes, find_nearest(nodes.canonical, nodes.count, place), true);
-      const Vec3 miss = sub(at, here.moved(place));
+      const Blend here = blend(nodes, find_nearest(nodes.canonical, place), true);
+      const Vec3 miss = sub(at, here.apply(place));
       settled = hn::Or(settled, hn::Lt(dot(miss, miss), constant(kTolerance * kTolerance)));
       if (hn::AllTrue(Floats(), settled)) break;
-      place = choose(settled, place, add(place, here.rotated_back(miss)));
+      place = choose(settled, place, add(place, here.inverse_rotate(miss)));
     }
     return choose(settled, place, {nothing, nothing, nothing});
   });
@@ -149,21 +107,13 @@ HWY_EXPORT(exactly);
 
 BruteForce::BruteForce(const tracking::DeformationGraph& graph, const tracking::Warp& warp)
     : canonical_origin_(graph.nodes().front()), world_origin_(warp.node_positions().front()) {
-  const auto append = [](std::vector<float>& rows, const Eigen::Vector3d& at) {
-    for (const double x : {at.x(), at.y(), at.z(), 0.0}) rows.push_back(static_cast<float>(x));
-  };
-  nodes_.count = static_cast<int>(graph.nodes().size());
-  if (nodes_.count > kMostNodes) throw Error(ErrorCode::kFailure, "the graph has too many nodes for this bench");
-  for (std::size_t n = 0; n < static_cast<std::size_t>(nodes_.count); ++n) {
-    append(nodes_.canonical, graph.nodes()[n] - canonical_origin_);
-    append(nodes_.live, warp.node_positions()[n] - world_origin_);
-    SE3 relative = warp.node_to_world()[n].to_se3();
-    relative.translation() += relative.linear() * canonical_origin_ - world_origin_;
-    const DualQuaternion q = DualQuaternion::from(relative);
-    for (const Eigen::Quaterniond& part : {q.real, q.dual}) {
-      for (int c = 0; c < 4; ++c) nodes_.transforms.push_back(static_cast<float>(part.coeffs()[c])); // x y z w
-    }
+  // The last number of the keys stands for no node; those that are weighed are always found.
+  if (graph.nodes().size() > kMostNodes || graph.nodes().size() < tracking::Influence::kMost + 1) {
+    throw Error(ErrorCode::kFailure, "the graph has too many nodes for this bench, or too few");
   }
+  nodes_.canonical = tracking::position_rows(graph.nodes(), canonical_origin_);
+  nodes_.live = tracking::position_rows(warp.node_positions(), world_origin_);
+  nodes_.transforms = tracking::transform_rows(warp.node_to_world(), canonical_origin_, world_origin_);
   nodes_.inverse_squared_weight_radius = static_cast<float>(1 / (graph.weight_radius() * graph.weight_radius()));
   nodes_.squared_influence_radius = static_cast<float>(graph.influence_radius() * graph.influence_radius());
 }

@@ -31,29 +31,31 @@ DualQuaternion operator*(const DualQuaternion& second, const DualQuaternion& fir
   return result;
 }
 
-DualQuaternion blend(std::span<const DualQuaternion> transforms, std::span<const double> weights) {
-  constexpr double kVanishing = 1e-8;
-  const std::size_t heaviest =
-      static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
-  const DualQuaternion& pivot = transforms[heaviest];
-  Eigen::Vector4d real = Eigen::Vector4d::Zero();
-  Eigen::Vector4d dual = Eigen::Vector4d::Zero();
-  double total = 0;
-  for (std::size_t i = 0; i < transforms.size(); ++i) {
-    const double sign = transforms[i].real.coeffs().dot(pivot.real.coeffs()) < 0 ? -1.0 : 1.0;
-    real += sign * weights[i] * transforms[i].real.coeffs();
-    dual += sign * weights[i] * transforms[i].dual.coeffs();
-    total += weights[i];
-  }
-  const double norm = real.norm();
-  if (!(total > 0) || !(norm > kVanishing * total)) return pivot;
-  real /= norm;
-  dual /= norm;
+double DualQuaternionSum::add(const DualQuaternion& transform, double weight) {
+  const double sign = transform.real.coeffs().dot(heaviest_) < 0 ? -1.0 : 1.0;
+  real_ += sign * weight * transform.real.coeffs();
+  dual_ += sign * weight * transform.dual.coeffs();
+  return sign;
+}
+
+DualQuaternionSum::Normalised DualQuaternionSum::normalised() const {
+  Normalised result;
+  result.real_norm = real_.norm();
+  result.dual_norm = real_.dot(dual_) / result.real_norm;
+  const Eigen::Vector4d real = real_ / result.real_norm;
+  Eigen::Vector4d dual = dual_ / result.real_norm;
   dual -= real * real.dot(dual); // back onto the unit dual quaternions
-  DualQuaternion result;
-  result.real.coeffs() = real;
-  result.dual.coeffs() = dual;
+  result.transform.real.coeffs() = real;
+  result.transform.dual.coeffs() = dual;
   return result;
+}
+
+DualQuaternion blend(std::span<const DualQuaternion> transforms, std::span<const double> weights) {
+  const auto heaviest = static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  if (!(weights[heaviest] > 0)) return transforms[heaviest];
+  DualQuaternionSum sum(transforms[heaviest].real);
+  for (std::size_t i = 0; i < transforms.size(); ++i) sum.add(transforms[i], weights[i]);
+  return sum.normalised().transform;
 }
 
 } // namespace kinora

@@ -40,6 +40,7 @@ HWY_INLINE Vec3 mul(F s, const Vec3& a) { return {hn::Mul(s, a.x), hn::Mul(s, a.
 HWY_INLINE Vec3 mul_add(F s, const Vec3& a, const Vec3& b) {
   return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
 }
+HWY_INLINE Quat mul(F s, const Quat& a) { return {mul(s, a.v), hn::Mul(s, a.w)}; }
 HWY_INLINE Quat mul_add(F s, const Quat& a, const Quat& b) { return {mul_add(s, a.v, b.v), hn::MulAdd(s, a.w, b.w)}; }
 HWY_INLINE F dot(const Vec3& a, const Vec3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
 HWY_INLINE F dot(const Quat& a, const Quat& b) { return hn::MulAdd(a.w, b.w, dot(a.v, b.v)); }
@@ -49,14 +50,6 @@ HWY_INLINE Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 HWY_INLINE Vec3 choose(Mask m, const Vec3& yes, const Vec3& no) {
   return {hn::IfThenElse(m, yes.x, no.x), hn::IfThenElse(m, yes.y, no.y), hn::IfThenElse(m, yes.z, no.z)};
-}
-
-/// By how much a dual quaternion r + εd moves a point, without the factor 2 / |r|²: Σ of translation + rotation −
-/// identity.
-HWY_INLINE Vec3 displacement(const Quat& r, const Quat& d, const Vec3& at, Vec3& turned) {
-  turned = mul_add(r.w, at, cross(r.v, at));
-  const Vec3 inner = add(turned, d.v);
-  return add(cross(r.v, inner), sub(mul(r.w, d.v), mul(d.w, r.v)));
 }
 
 /// `index` counts floats.
@@ -104,6 +97,9 @@ template <class RowOf> HWY_INLINE Quat load_rows(const RowOf& row_of) {
           hn::BitCast(df, hn::InterleaveUpper(pairs, zw_first, zw_second))};
 }
 #endif
+
+/// Which of `count` items each lane takes: beyond the last, the last again.
+HWY_INLINE std::size_t item_of(std::size_t lane, std::size_t count) { return lane < count ? lane : count - 1; }
 
 /// Stores x, y, z, w of the first `count` lanes at row_of(lane).
 template <class RowOf> HWY_INLINE void store_rows(const Quat& q, std::size_t count, const RowOf& row_of) {

@@ -28,7 +28,7 @@ struct Draft {
 /// With what was chosen for the layer so far.
 Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
                StageTimes& times, Progress& progress) {
-  constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
+  constexpr double kDraftRays = 0.3; // of the layer's (docs/experiments/fields.md)
   const std::string& name = outcome.layer.name;
   fields::TrainerConfig shorter = outcome.trainer;
   shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));

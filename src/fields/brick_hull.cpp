@@ -114,7 +114,8 @@ PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp)
   for (const Eigen::Vector3d& node : warp.node_positions()) {
     origin_ += node / static_cast<double>(warp.node_positions().size());
   }
-  const std::vector<float> transforms = transforms_of(warp);
+  const std::vector<tracking::TransformRow> transforms =
+      tracking::transform_rows(warp.node_to_world(), hull.origin(), origin_);
   corners_.world.resize(places_.size());
   corners_.rotation.resize(places_.size());
   parallel_for(hull.corner_count(), kChunk, [&](const Chunk& chunk) {
@@ -133,21 +134,6 @@ PosedHull::PosedHull(const BrickHull& hull, const tracking::Warp& warp)
   carry_rigidly(torn, transforms);
 }
 
-// From places in metres to the world relative to origin_.
-std::vector<float> PosedHull::transforms_of(const tracking::Warp& warp) const {
-  std::vector<float> transforms;
-  transforms.reserve(8 * warp.node_to_world().size());
-  for (const DualQuaternion& transform : warp.node_to_world()) {
-    SE3 relative = transform.to_se3();
-    relative.translation() += relative.linear() * hull_->origin() - origin_;
-    const DualQuaternion q = DualQuaternion::from(relative);
-    for (const Eigen::Quaterniond& part : {q.real, q.dual}) {
-      for (int c = 0; c < 4; ++c) transforms.push_back(static_cast<float>(part.coeffs()[c])); // x y z w
-    }
-  }
-  return transforms;
-}
-
 bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell) const {
   const auto side = static_cast<float>(BrickHull::kCellSide * hull_->lattice_step());
   const float longest = kTorn * side * kTorn * side;
@@ -162,7 +148,8 @@ bool PosedHull::is_whole(const std::array<std::uint32_t, 8>& cell) const {
 }
 
 // Each of these cells for itself, with corners and faces of its own.
-void PosedHull::carry_rigidly(std::span<const std::uint32_t> cells, const std::vector<float>& transforms) {
+void PosedHull::carry_rigidly(std::span<const std::uint32_t> cells,
+                              std::span<const tracking::TransformRow> transforms) {
   const auto scale = static_cast<float>(hull_->lattice_step());
   const std::size_t padded = cells.size() + kernels::kPadding;
   kernels::Influences influences(cells.size());

@@ -92,9 +92,8 @@ public:
   const std::vector<HullFace>& faces() const { return faces_; }
 
 private:
-  std::vector<float> transforms_of(const tracking::Warp& warp) const;
   bool is_whole(const std::array<std::uint32_t, 8>& cell) const;
-  void carry_rigidly(std::span<const std::uint32_t> cells, const std::vector<float>& transforms);
+  void carry_rigidly(std::span<const std::uint32_t> cells, std::span<const tracking::TransformRow> transforms);
 
   const BrickHull* hull_;
   Eigen::Vector3d origin_;

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "tracking/deformation_graph.h"
+#include "tracking/node_rows.h"
 
 namespace kinora::fields::kernels {
 
@@ -35,11 +36,10 @@ struct CarriedPoints {
   std::vector<Eigen::Vector4f> rotation;
 };
 
-/// Points begin … end of `canonical` (metres, times `scale`) by the blend of their nodes' unit dual quaternions, real
-/// x y z w and dual x y z w of each in `transforms`; not a number where no node moves them. begin: a multiple of
-/// kPadding.
-void carry(const Influences& influences, const float* transforms, const Eigen::Vector3f* canonical, float scale,
-           std::size_t begin, std::size_t end, CarriedPoints& carried);
+/// Points begin … end of `canonical` (metres, times `scale`) by the blend of their nodes' transforms; not a number
+/// where no node moves them. begin: a multiple of kPadding.
+void carry(const Influences& influences, const tracking::TransformRow* transforms, const Eigen::Vector3f* canonical,
+           float scale, std::size_t begin, std::size_t end, CarriedPoints& carried);
 
 /// A camera among carried points.
 struct Viewpoint {

@@ -6,21 +6,13 @@
 
 #include <hwy/highway.h>
 
-#include "core/vectors_simd.h"
+#include "tracking/skinning_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::kernels::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using namespace vectors::HWY_NAMESPACE;
+using namespace skinning::HWY_NAMESPACE;
 
-constexpr std::size_t kNodes = tracking::Influence::kMost;
 static_assert(kMostLanes <= kPadding);
-
-/// By a unit quaternion; `w` negated turns back.
-HWY_INLINE Vec3 rotated(const Vec3& v, F w, const Vec3& by) {
-  const Vec3 turned = mul_add(w, by, cross(v, by));
-  return mul_add(constant(2), cross(v, turned), by);
-}
 
 HWY_INLINE Vec3 load3(const Eigen::Vector3f* points) {
   Vec3 v;
@@ -31,46 +23,18 @@ HWY_INLINE void store3(const Vec3& v, Eigen::Vector3f* points) {
   hn::StoreInterleaved3(v.x, v.y, v.z, Floats(), points->data());
 }
 
-void carry(const Influences& influences, const float* transforms, const Eigen::Vector3f* canonical, float scale,
+void carry(const Influences& influences, const TransformRow* transforms, const Eigen::Vector3f* canonical, float scale,
            std::size_t begin, std::size_t end, CarriedPoints& carried) {
   const Floats df;
   const Ints di;
   for (std::size_t i = begin; i < end; i += hn::Lanes(df)) {
-    Quat real{{zero(), zero(), zero()}, zero()};
-    Quat dual = real;
-    Quat heaviest[2];
-    const F heaviest_weight = hn::LoadU(df, influences.weights[0].data() + i);
-    for (std::size_t k = 0; k < kNodes; ++k) {
-      const I at = hn::ShiftLeft<3>(hn::LoadU(di, influences.nodes[k].data() + i));
-      const F weight = hn::LoadU(df, influences.weights[k].data() + i);
-      const Quat node_real = gather4(transforms, at);
-      const Quat node_dual = gather4(transforms + 4, at);
-      if (k == 0) {
-        heaviest[0] = node_real;
-        heaviest[1] = node_dual;
-      }
-      // q and −q are the same rotation: into the hemisphere of the heaviest.
-      const F signed_weight = hn::IfThenElse(hn::Lt(dot(node_real, heaviest[0]), zero()), hn::Neg(weight), weight);
-      real = mul_add(signed_weight, node_real, real);
-      dual = mul_add(signed_weight, node_dual, dual);
-    }
-    const F squared = dot(real, real);
-    const auto vanishes = hn::Not(hn::Gt(squared, constant(1e-12F))); // the heaviest alone, then
-    const F to_unit = hn::Div(constant(1), hn::Sqrt(hn::IfThenElse(vanishes, constant(1), squared)));
-    const auto choose = [&](F heaviest_value, F value)
-                            HWY_ATTR { return hn::IfThenElse(vanishes, heaviest_value, hn::Mul(to_unit, value)); };
-    const Vec3 v{choose(heaviest[0].v.x, real.v.x), choose(heaviest[0].v.y, real.v.y),
-                 choose(heaviest[0].v.z, real.v.z)};
-    const Vec3 d{choose(heaviest[1].v.x, dual.v.x), choose(heaviest[1].v.y, dual.v.y),
-                 choose(heaviest[1].v.z, dual.v.z)};
-    const F w = choose(heaviest[0].w, real.w);
-    const F dw = choose(heaviest[1].w, dual.w);
-    const Vec3 half_translation = add(cross(v, d), mul_add(w, d, mul(hn::Neg(dw), v)));
-    const Vec3 point = rotated(v, w, mul(constant(scale), load3(canonical + i)));
-    const Vec3 world = mul_add(constant(2), half_translation, point);
-    const F nothing = hn::IfThenElse(hn::Gt(heaviest_weight, zero()), zero(), hn::NaN(df));
-    store3({hn::Add(world.x, nothing), hn::Add(world.y, nothing), hn::Add(world.z, nothing)}, carried.world.data() + i);
-    hn::StoreInterleaved4(v.x, v.y, v.z, w, df, carried.rotation[i].data());
+    const Blend blend(weighed_sum(
+        [&](std::size_t k) HWY_ATTR { return hn::LoadU(df, influences.weights[k].data() + i); },
+        [&](std::size_t k)
+            HWY_ATTR { return gather_transforms(transforms, hn::LoadU(di, influences.nodes[k].data() + i)); }));
+    store3(blend.apply(mul(constant(scale), load3(canonical + i))), carried.world.data() + i);
+    const Quat rotation = blend.rotation();
+    hn::StoreInterleaved4(rotation.v.x, rotation.v.y, rotation.v.z, rotation.w, df, carried.rotation[i].data());
   }
 }
 
@@ -89,7 +53,7 @@ void look(const Viewpoint& viewpoint, const CarriedPoints& carried, std::size_t 
     store3({row(from_camera, 0), row(from_camera, 1), row(from_camera, 2)}, corners + i);
     Quat q;
     hn::LoadInterleaved4(df, carried.rotation[i].data(), q.v.x, q.v.y, q.v.z, q.w);
-    store3(mul(constant(viewpoint.per_metre), rotated(q.v, hn::Neg(q.w), from_camera)), ways + i);
+    store3(mul(constant(viewpoint.per_metre), rotated(inverse(q), from_camera)), ways + i);
   }
 }
 
@@ -172,7 +136,7 @@ void refine(const CellMotion& motion, std::size_t n, const PointLanes& points, P
       const Vec3 c1 = cross(local.columns[2], local.columns[0]);
       const Vec3 c2 = cross(local.columns[0], local.columns[1]);
       const F inverse_volume = hn::Div(constant(1), dot(local.columns[0], c0));
-      const Vec3 by = mul(inverse_volume, {dot(c0, miss), dot(c1, miss), dot(c2, miss)}); // cells
+      const Vec3 by = mul(inverse_volume, Vec3{dot(c0, miss), dot(c1, miss), dot(c2, miss)}); // cells
       const F squared = dot(by, by);
       active = hn::And(active, hn::Lt(squared, constant(1)));
       at[0] = hn::IfThenElse(active, hn::Add(at[0], by.x), at[0]);
@@ -208,8 +172,8 @@ void Influences::set(std::size_t point, const tracking::Influence& influence) {
   }
 }
 
-void carry(const Influences& influences, const float* transforms, const Eigen::Vector3f* canonical, float scale,
-           std::size_t begin, std::size_t end, CarriedPoints& carried) {
+void carry(const Influences& influences, const tracking::TransformRow* transforms, const Eigen::Vector3f* canonical,
+           float scale, std::size_t begin, std::size_t end, CarriedPoints& carried) {
   HWY_DYNAMIC_DISPATCH(carry)(influences, transforms, canonical, scale, begin, end, carried);
 }
 

@@ -57,39 +57,27 @@ Eigen::Vector3d BlendedMotion::apply(const Eigen::Vector3d& point) const {
   return rotate(point) + 2.0 * (transform.dual * transform.real.conjugate()).vec();
 }
 
-BlendedMotion blend_motion(const NodeStates& states, const Influence& influence) {
-  constexpr double kVanishing = 1e-8; // as in kinora::blend
+BlendedMotion blend_motion(std::span<const DualQuaternion> transforms, const Influence& influence) {
   BlendedMotion result;
-  const DualQuaternion& heaviest = states.transforms[static_cast<std::size_t>(influence.nodes[0])];
-  Eigen::Vector4d real = Eigen::Vector4d::Zero();
-  Eigen::Vector4d dual = Eigen::Vector4d::Zero();
+  DualQuaternionSum sum(transforms[static_cast<std::size_t>(influence.nodes[0])].real);
   for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-    const DualQuaternion& q = states.transforms[static_cast<std::size_t>(influence.nodes[k])];
-    result.signs[k] = q.real.coeffs().dot(heaviest.real.coeffs()) < 0 ? -1.0 : 1.0;
-    real += result.signs[k] * influence.weights[k] * q.real.coeffs();
-    dual += result.signs[k] * influence.weights[k] * q.dual.coeffs();
+    result.signs[k] = sum.add(transforms[static_cast<std::size_t>(influence.nodes[k])], influence.weights[k]);
   }
-  const double norm = real.norm();
-  if (!(norm > kVanishing)) {
-    result.transform = heaviest;
-    result.degenerate = true;
-    return result;
-  }
-  result.real_norm = norm;
-  result.dual_norm = real.dot(dual) / norm;
-  real /= norm;
-  dual = (dual - result.dual_norm * real) / norm;
-  result.transform.real.coeffs() = real;
-  result.transform.dual.coeffs() = dual;
+  const DualQuaternionSum::Normalised blended = sum.normalised();
+  result.transform = blended.transform;
+  result.real_norm = blended.real_norm;
+  result.dual_norm = blended.dual_norm;
   return result;
+}
+
+BlendedMotion blend_motion(const NodeStates& states, const Influence& influence) {
+  return blend_motion(states.transforms, influence);
 }
 
 // Real and dual: D = q · blended⁻¹ / norm, a dual number short of it, which normalisation takes out as it does what is
 // not pure.
 NodePart::NodePart(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot)
-    : real_(slot == 0 ? 1 : 0, 0, 0, 0), dual_(0, 0, 0, 0),
-      position_(states.positions[static_cast<std::size_t>(influence.nodes[slot])]) {
-  if (blended.degenerate) return;
+    : position_(states.positions[static_cast<std::size_t>(influence.nodes[slot])]) {
   const DualQuaternion& q = states.transforms[static_cast<std::size_t>(influence.nodes[slot])];
   const Eigen::Quaterniond back = blended.transform.real.conjugate();
   const double share = blended.signs[slot] * influence.weights[slot] / blended.real_norm;

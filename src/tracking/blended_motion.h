@@ -35,13 +35,13 @@ struct BlendedMotion {
   std::array<double, Influence::kMost> signs{}; ///< ±1: the hemisphere of the heaviest node
   double real_norm = 1;                         ///< of the sum before normalisation …
   double dual_norm = 0;                         ///< … a dual number
-  bool degenerate = false;                      ///< rotations cancel: the heaviest node moves the point alone
 
   Eigen::Vector3d apply(const Eigen::Vector3d& point) const;
   Eigen::Vector3d rotate(const Eigen::Vector3d& vector) const;
 };
 
-/// `influence.count` must be at least 1.
+/// `influence.count` must be at least 1. The plain way, in double precision: skinning_simd.h does the same in lanes.
+BlendedMotion blend_motion(std::span<const DualQuaternion> transforms, const Influence& influence);
 BlendedMotion blend_motion(const NodeStates& states, const Influence& influence);
 
 /// What a step of one node does to the transform at a point that it moves.

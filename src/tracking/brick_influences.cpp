@@ -17,9 +17,7 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const Defo
   graph_ = std::move(graph);
   candidates_.resize(volume.brick_count());
   revisions_.resize(volume.brick_count(), 0);
-  for (const Eigen::Vector3d& node : added) {
-    for (const double along : {node.x(), node.y(), node.z(), 0.0}) positions_.push_back(static_cast<float>(along));
-  }
+  for (const Eigen::Vector3d& node : added) positions_.push_back(position_row(node));
   if (added.empty() && old == candidates_.size()) return;
   const NodeCandidates search(*graph_, volume.brick_size());
   parallel_for(candidates_.size(), kBricksPerChunk, [&](const Chunk& chunk) {

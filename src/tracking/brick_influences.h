@@ -27,7 +27,7 @@ public:
 
 private:
   std::shared_ptr<const DeformationGraph> graph_;
-  std::vector<float> positions_;                      ///< x y z 0 of each node
+  std::vector<PositionRow> positions_;                ///< of each node
   std::vector<std::vector<std::int32_t>> candidates_; ///< nodes, of each brick
   std::vector<std::uint32_t> revisions_;
 };

@@ -16,14 +16,7 @@ BulkWarp::BulkWarp(std::shared_ptr<const InfluenceTable> table, const Warp& warp
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& node : warp_.node_positions()) bounds.extend(node);
   world_origin_ = bounds.center();
-  for (const DualQuaternion& transform : warp_.node_to_world()) {
-    SE3 relative = transform.to_se3();
-    relative.translation() += relative.linear() * table_->origin() - world_origin_;
-    const DualQuaternion q = DualQuaternion::from(relative);
-    for (const Eigen::Quaterniond& part : {q.real, q.dual}) {
-      for (int c = 0; c < 4; ++c) transforms_.push_back(static_cast<float>(part.coeffs()[c])); // x y z w
-    }
-  }
+  transforms_ = transform_rows(warp_.node_to_world(), table_->origin(), world_origin_);
   index_nodes();
 }
 

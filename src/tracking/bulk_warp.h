@@ -41,7 +41,7 @@ private:
   std::shared_ptr<const InfluenceTable> table_;
   Warp warp_;
   Eigen::Vector3d world_origin_;
-  std::vector<float> transforms_;
+  std::vector<TransformRow> transforms_;
   // A grid over the world: the node that is nearest to each cell's centre.
   std::array<float, 3> low_{};
   float cells_per_metre_ = 1;

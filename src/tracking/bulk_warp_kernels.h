@@ -13,7 +13,7 @@ namespace kinora::tracking::kernels {
 /// A warp, in the coordinates of BulkWarp.
 struct NodeMotion {
   const InfluenceTable::Cells* cells;
-  const float* transforms; ///< per node a unit dual quaternion: real x y z w, dual x y z w
+  const TransformRow* transforms; ///< of each node
 };
 
 /// A point in the world and a straight line through it: point + t · direction.

@@ -1,29 +1,24 @@
 #include "tracking/bulk_warp_kernels.h"
 
+#include "tracking/node_candidates.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tracking/bulk_warp_simd.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 
 #include <hwy/highway.h>
-// after highway.h
-#include <hwy/contrib/math/math-inl.h>
 
-#include "core/vectors_simd.h"
+#include "tracking/skinning_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::kernels::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-using namespace vectors::HWY_NAMESPACE;
-
-constexpr int kMost = Influence::kMost;
-constexpr int kWeighed = kMost + 1; // the last has no say, but its weight is taken from the others
-constexpr std::int32_t kSlotBits = 0xFF;
+using namespace skinning::HWY_NAMESPACE;
 
 /// The nodes that move each lane's point, nearest first, and the first that does not.
 struct Nodes {
   Vec3 position[kWeighed];
   Mask present[kWeighed];
-  Quat real[kMost], dual[kMost]; ///< in the hemisphere of the nearest
+  DualQuat transform[kMaxNodes]; ///< in the hemisphere of the nearest
 };
 
 HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& nodes) {
@@ -49,89 +44,62 @@ HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& no
   const I count = hn::IfThenElseZero(hn::RebindMask(di, inside), hn::Sub(end, first));
   const std::int32_t most = hn::GetLane(hn::MaxOfLanes(di, count));
 
-  // The lowest bits of a squared distance say which candidate it is: then the nearest are found with min and max alone.
-  const I slots = hn::Set(di, kSlotBits);
-  const F none = hn::BitCast(df, hn::Or(hn::BitCast(di, constant(cells.squared_influence_radius)), slots));
-  F nearest[kWeighed] = {none, none, none, none, none};
+  constexpr std::int32_t kNone = NodeCandidates::kMost;
+  NearestNodes<kNone> nearest(cells.squared_influence_radius);
   const std::int32_t* candidates = cells.candidates.data();
-  const float* positions = cells.positions.data();
   for (std::int32_t slot = 0; slot < most; ++slot) {
     const auto present = hn::Lt(hn::Set(di, slot), count);
-    HWY_ALIGN std::int32_t candidate[hn::MaxLanes(di)];
-    hn::Store(hn::IfThenElseZero(present, hn::Add(first, hn::Set(di, slot))), di, candidate);
+    const I candidate = hn::IfThenElseZero(present, hn::Add(first, hn::Set(di, slot)));
+    HWY_ALIGN std::int32_t places[hn::MaxLanes(di)];
+    hn::Store(candidate, di, places);
     const Vec3 position =
-        load_rows([&](std::size_t lane) { return positions + 4 * std::ptrdiff_t{candidates[candidate[lane]]}; }).v;
+        load_rows([&](std::size_t lane) { return cells.positions[candidates[places[lane]]].data(); }).v;
     const Vec3 offset = sub(at, position);
-    const I key = hn::Or(hn::AndNot(slots, hn::BitCast(di, dot(offset, offset))), hn::Set(di, slot));
-    F distance = hn::IfThenElse(hn::RebindMask(df, present), hn::BitCast(df, key), none);
-    for (F& kept : nearest) {
-      const F nearer = hn::Min(kept, distance);
-      distance = hn::Max(kept, distance);
-      kept = nearer;
-    }
+    nearest.add_where(hn::RebindMask(df, present), dot(offset, offset), slot);
   }
   for (int k = 0; k < kWeighed; ++k) {
-    const I slot = hn::And(hn::BitCast(di, nearest[k]), slots);
-    const auto present = hn::Ne(slot, slots);
+    const I slot = nearest.number(k);
+    const auto present = hn::Ne(slot, hn::Set(di, kNone));
     nodes.present[k] = hn::RebindMask(df, present);
-    const I node = hn::GatherIndex(di, cells.candidates.data(), hn::IfThenElseZero(present, hn::Add(first, slot)));
-    nodes.position[k] = gather4(cells.positions.data(), hn::ShiftLeft<2>(node)).v;
-    if (k == kMost) break;
-    const I transform = hn::ShiftLeft<3>(node);
-    nodes.real[k] = gather4(motion.transforms, transform);
-    nodes.dual[k] = gather4(motion.transforms + 4, transform);
-    const Mask flipped = hn::Lt(dot(nodes.real[k], nodes.real[0]), zero());
-    const F sign = hn::IfThenElse(flipped, constant(-1), constant(1));
-    nodes.real[k] = {mul(sign, nodes.real[k].v), hn::Mul(sign, nodes.real[k].w)};
-    nodes.dual[k] = {mul(sign, nodes.dual[k].v), hn::Mul(sign, nodes.dual[k].w)};
+    const I node = hn::GatherIndex(di, candidates, hn::IfThenElseZero(present, hn::Add(first, slot)));
+    nodes.position[k] = gather_positions(cells.positions.data(), node);
+    if (k == kMaxNodes) break;
+    const DualQuat transform = gather_transforms(motion.transforms, node);
+    const Quat& heaviest = k == 0 ? transform.real : nodes.transform[0].real;
+    nodes.transform[k] = mul(in_hemisphere(constant(1), transform.real, heaviest), transform);
   }
 }
 
-/// The blend of the nodes' transforms at a point: not normalised; what it does does not depend on its scale.
-struct Blend {
-  F weights[kMost];
-  Vec3 weight_slopes[kMost]; ///< by the point
-  Quat real, dual;
-  F twice_inverse_norm; ///< 2 / |real|²
+/// The blend of the nodes' transforms at a point, and how it changes with the point. The nodes are not looked for
+/// again wherever it goes: weights may be below zero by then, so that Newton's steps see a smooth function.
+struct BlendAt {
+  Blend blend;
+  Vec3 weight_slopes[kMaxNodes]; ///< by the point
 };
 
-HWY_INLINE void blend_at(const NodeMotion& motion, const Nodes& nodes, const Vec3& at, Blend& blend) {
-  const Floats df;
-  const F inverse = constant(motion.cells->inverse_squared_weight_radius);
+HWY_INLINE BlendAt blend_at(const NodeMotion& motion, const Nodes& nodes, const Vec3& at) {
+  const float inverse = motion.cells->inverse_squared_weight_radius;
   const F reach = constant(motion.cells->squared_influence_radius);
-  F nearest = zero();
-  F weights[kWeighed];
-  Vec3 slopes[kWeighed];
+  Vec3 offsets[kWeighed];
+  F squared[kWeighed];
   for (int k = 0; k < kWeighed; ++k) {
-    const Vec3 offset = sub(at, nodes.position[k]);
-    const F squared = hn::IfThenElse(nodes.present[k], dot(offset, offset), reach);
-    if (k == 0) nearest = squared;
-    weights[k] = hn::Exp(df, hn::Mul(hn::Sub(nearest, squared), inverse));
-    slopes[k] = mul(hn::IfThenElseZero(nodes.present[k], hn::Mul(hn::Mul(constant(-2), inverse), weights[k])), offset);
+    offsets[k] = sub(at, nodes.position[k]);
+    squared[k] = hn::IfThenElse(nodes.present[k], dot(offsets[k], offsets[k]), reach);
   }
-  for (int k = 0; k < kMost; ++k) {
-    blend.weights[k] = hn::Sub(weights[k], weights[kMost]);
-    blend.weight_slopes[k] = sub(slopes[k], slopes[kMost]);
+  const NodeWeights weights = weigh(squared, inverse);
+  const auto slope = [&](int k) HWY_ATTR {
+    const F per_offset = hn::Mul(hn::Mul(constant(-2), constant(inverse)), weights.falloffs[k]);
+    return mul(hn::IfThenElseZero(nodes.present[k], per_offset), offsets[k]);
+  };
+  BlendAt result;
+  DualQuat sum = no_transform();
+  const Vec3 last_slope = slope(kMaxNodes);
+  for (int k = 0; k < kMaxNodes; ++k) {
+    result.weight_slopes[k] = sub(slope(k), last_slope);
+    sum = mul_add(weights.values[k], nodes.transform[k], sum);
   }
-  // All nodes equally far: the nearest moves the point alone.
-  blend.weights[0] = hn::Max(blend.weights[0], constant(1e-6F));
-  blend.real = blend.dual = {{zero(), zero(), zero()}, zero()};
-  for (int k = 0; k < kMost; ++k) {
-    blend.real = mul_add(blend.weights[k], nodes.real[k], blend.real);
-    blend.dual = mul_add(blend.weights[k], nodes.dual[k], blend.dual);
-  }
-  blend.twice_inverse_norm = hn::Div(constant(2), dot(blend.real, blend.real));
-}
-
-HWY_INLINE Vec3 rotated_back(const Blend& blend, const Vec3& v) {
-  const Vec3 turned = sub(mul(blend.real.w, v), cross(blend.real.v, v));
-  return sub(v, mul(blend.twice_inverse_norm, cross(blend.real.v, turned)));
-}
-
-/// The rotation of a blend as a unit quaternion.
-HWY_INLINE Quat unit(const Blend& blend) {
-  const F to_unit = hn::Sqrt(hn::Mul(constant(0.5F), blend.twice_inverse_norm));
-  return {mul(to_unit, blend.real.v), hn::Mul(to_unit, blend.real.w)};
+  result.blend = Blend(sum);
+  return result;
 }
 
 struct Moved {
@@ -139,33 +107,33 @@ struct Moved {
   Vec3 columns[3]; ///< of the derivative by the canonical point
 };
 
-HWY_INLINE Moved move_with_derivative(const Nodes& nodes, const Blend& blend, const Vec3& at) {
+HWY_INLINE Moved move_with_derivative(const Nodes& nodes, const BlendAt& there, const Vec3& at) {
   Moved moved;
   Vec3 turned;
-  const Quat& r = blend.real;
-  const Quat& d = blend.dual;
+  const Quat& r = there.blend.real;
+  const Quat& d = there.blend.dual;
+  const F factor = there.blend.twice_inverse_norm;
   const Vec3 shift = displacement(r, d, at, turned);
-  moved.point = mul_add(blend.twice_inverse_norm, shift, at);
+  moved.point = mul_add(factor, shift, at);
   const F one = constant(1);
   const Vec3 axes[3] = {{one, zero(), zero()}, {zero(), one, zero()}, {zero(), zero(), one}};
   const Vec3 inner = add(turned, d.v);
   for (int a = 0; a < 3; ++a) {
-    Quat dr{{zero(), zero(), zero()}, zero()};
-    Quat dd = dr;
-    for (int k = 0; k < kMost; ++k) {
-      const Vec3& slopes = blend.weight_slopes[k];
-      const F slope = a == 0 ? slopes.x : a == 1 ? slopes.y : slopes.z;
-      dr = mul_add(slope, nodes.real[k], dr);
-      dd = mul_add(slope, nodes.dual[k], dd);
+    DualQuat by_point = no_transform();
+    for (int k = 0; k < kMaxNodes; ++k) {
+      const Vec3& slopes = there.weight_slopes[k];
+      by_point = mul_add(a == 0 ? slopes.x : a == 1 ? slopes.y : slopes.z, nodes.transform[k], by_point);
     }
+    const Quat& dr = by_point.real;
+    const Quat& dd = by_point.dual;
     // The product rule over displacement(), then over its factor.
     const Vec3 inner_slope =
         add(add(mul_add(dr.w, at, cross(dr.v, at)), mul_add(r.w, axes[a], cross(r.v, axes[a]))), dd.v);
     Vec3 slope = add(cross(dr.v, inner), cross(r.v, inner_slope));
     slope = mul_add(dr.w, d.v, mul_add(r.w, dd.v, slope));
     slope = sub(slope, mul_add(dd.w, r.v, mul(d.w, dr.v)));
-    const F shrink = hn::Mul(blend.twice_inverse_norm, dot(r, dr));
-    moved.columns[a] = mul_add(blend.twice_inverse_norm, sub(slope, mul(shrink, shift)), axes[a]);
+    const F shrink = hn::Mul(factor, dot(r, dr));
+    moved.columns[a] = mul_add(factor, sub(slope, mul(shrink, shift)), axes[a]);
   }
   return moved;
 }
@@ -189,12 +157,12 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
   const F longest = constant(0.25F * radius_squared); // squared step
   WayBack back{start, direction, hn::Ne(zero(), zero()), {}};
   Nodes nodes;
-  Blend blend;
+  BlendAt there;
   Vec3 found_at = start;
   find_nodes(motion, start, nodes);
   for (int step = 0; step < kSteps; ++step) {
-    blend_at(motion, nodes, back.point, blend);
-    const Moved moved = move_with_derivative(nodes, blend, back.point);
+    there = blend_at(motion, nodes, back.point);
+    const Moved moved = move_with_derivative(nodes, there, back.point);
     const Vec3 miss = sub(world, moved.point);
     const Vec3 gone = sub(back.point, found_at);
     const Mask fresh = hn::Le(dot(gone, gone), stale);
@@ -208,7 +176,7 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
     const auto pull_back = [&](const Vec3& v) {
       const Vec3 solved{hn::Mul(inverse_volume, dot(c0, v)), hn::Mul(inverse_volume, dot(c1, v)),
                         hn::Mul(inverse_volume, dot(c2, v))};
-      return choose(regular, solved, rotated_back(blend, v));
+      return choose(regular, solved, there.blend.inverse_rotate(v));
     };
     back.direction = pull_back(direction);
     const F tolerance = hn::IfThenElse(regular, constant(kQuadratic * kQuadratic), constant(kTolerance * kTolerance));
@@ -226,7 +194,7 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
       found_at = back.point;
     }
   }
-  back.rotation = unit(blend);
+  back.rotation = there.blend.rotation();
   return back;
 }
 
@@ -247,13 +215,7 @@ template <int kFields> struct Lanes {
 
 /// Where the node alone would have a world point from.
 HWY_INLINE Vec3 start_at(const NodeMotion& motion, I node, const Vec3& world) {
-  const I transform = hn::ShiftLeft<3>(node);
-  const Quat r = gather4(motion.transforms, transform);
-  const Quat d = gather4(motion.transforms + 4, transform);
-  const F two = constant(2);
-  const Vec3 translation = mul(two, add(sub(mul(r.w, d.v), mul(d.w, r.v)), cross(r.v, d.v)));
-  const Vec3 v = sub(world, translation);
-  return sub(v, mul(two, cross(r.v, sub(mul(r.w, v), cross(r.v, v)))));
+  return Blend::of_unit(gather_transforms(motion.transforms, node)).inverse_apply(world);
 }
 
 void rays_to_canonical_at(const NodeMotion& motion, const Ray* rays, std::size_t count, CanonicalRay* out) {
@@ -321,15 +283,12 @@ void points_to_world(const NodeMotion& motion, const std::array<float, 3>* canon
     }
     const Vec3 at = in.field3(0);
     Nodes nodes;
-    Blend blend;
-    Vec3 turned;
     find_nodes(motion, at, nodes);
-    blend_at(motion, nodes, at, blend);
-    const Vec3 moved = mul_add(blend.twice_inverse_norm, displacement(blend.real, blend.dual, at, turned), at);
+    const Blend blend = blend_at(motion, nodes, at).blend;
     const F nothing = hn::NaN(Floats());
-    const Quat rotation = unit(blend);
+    const Quat rotation = blend.rotation();
     Lanes<7> out;
-    out.set3(0, choose(nodes.present[0], moved, {nothing, nothing, nothing}));
+    out.set3(0, choose(nodes.present[0], blend.apply(at), {nothing, nothing, nothing}));
     out.set3(3, rotation.v);
     out.set(6, rotation.w);
     for (std::size_t i = 0; i < here; ++i) {

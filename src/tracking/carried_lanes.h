@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
-#include "tracking/blended_motion.h"
+#include "tracking/deformation_graph.h"
+#include "tracking/node_rows.h"
 
 namespace kinora::tracking {
 
@@ -36,22 +36,19 @@ struct InfluenceLanes {
 /// The nodes that are in question for some points, 255 at most (node_candidates.h).
 struct NodesInQuestion {
   std::span<const std::int32_t> nodes;
-  const float* positions; ///< x y z 0 of each node of the graph; relative to what the points are relative to
-  float influence_radius; ///< metres
-  float weight_radius;    ///< metres
+  const PositionRow* positions; ///< of each node of the graph; relative to what the points are relative to
+  float influence_radius;       ///< metres
+  float weight_radius;          ///< metres
 };
 
 /// As DeformationGraph::influence.
 void weigh_nodes(const NodesInQuestion& nodes, const PointLanes& points, InfluenceLanes& influences);
 
-/// Eight numbers for each node: its unit dual quaternion, real x y z w, then dual x y z w.
-std::vector<float> packed_transforms(const NodeStates& states);
-
 /// As blend_motion and BlendedMotion::apply: NaN where nothing moves a point.
-void carry_points(std::span<const float> transforms, const InfluenceLanes& influences, const PointLanes& points,
+void carry_points(std::span<const TransformRow> transforms, const InfluenceLanes& influences, const PointLanes& points,
                   PointLanes& places);
 /// The same, and as BlendedMotion::rotate of a vector at each point.
-void carry_points(std::span<const float> transforms, const InfluenceLanes& influences, const PointLanes& points,
+void carry_points(std::span<const TransformRow> transforms, const InfluenceLanes& influences, const PointLanes& points,
                   PointLanes& places, const PointLanes& vectors, PointLanes& turned);
 
 } // namespace kinora::tracking

@@ -82,7 +82,7 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
   const std::size_t old = nodes_.size();
   adopt_pieces(view, states, places);
   influences_.renew(*volume_, graph_);
-  const std::vector<float> transforms = packed_transforms(states);
+  const std::vector<TransformRow> transforms = transform_rows(states.transforms);
   const auto to_camera = [&](std::size_t brick, const BrickCorners& points, BrickCorners& in_camera) {
     InfluenceLanes influences;
     for (std::size_t i = 0; i < points.points.size(); ++i) {

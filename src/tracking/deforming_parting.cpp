@@ -128,8 +128,8 @@ void DeformingTracker::carry_model(std::span<const Eigen::Vector3d> old_nodes, s
     there.push_back(pose[n], old_nodes[n]);
     back.push_back(SE3(pose[n].inverse()), nodes_[n]);
   }
-  const std::vector<float> transforms_there = packed_transforms(there);
-  const std::vector<float> transforms_back = packed_transforms(back);
+  const std::vector<TransformRow> transforms_there = transform_rows(there.transforms);
+  const std::vector<TransformRow> transforms_back = transform_rows(back.transforms);
   const auto band = static_cast<float>(old_volume->config().truncation);
   volume_->take(*old_volume, [&](std::size_t brick, const PointLanes& points, PointLanes& places) {
     InfluenceLanes influences;

@@ -25,7 +25,7 @@ bool faces_camera(const PosedPoint& point, const Intrinsics& camera) {
 } // namespace
 
 void DeformingSelection::add_last_view(const ObjectView& view, const NodeStates& states) {
-  const std::vector<NodeRow> nodes = rows_of(states);
+  const std::vector<TransformRow> nodes = transform_rows(states.transforms);
   parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     const std::size_t count = chunk.end - chunk.begin;
     std::array<PosedPoint, kPointsPerChunk> posed;
@@ -40,7 +40,7 @@ DeformingSelection select_facing(std::span<const SurfacePoint> surface, std::spa
                                  const ObjectView& view, const NodeStates& states, std::size_t max_points,
                                  const std::function<bool(const Influence&)>& takes_part) {
   std::vector<std::uint8_t> chosen(surface.size(), 0);
-  const std::vector<NodeRow> nodes = rows_of(states);
+  const std::vector<TransformRow> nodes = transform_rows(states.transforms);
   parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     std::vector<std::size_t> which;
     std::vector<SkinnedPoint> points;

@@ -30,7 +30,7 @@ using EdgeResiduals = std::array<EdgeResidual, 2>;
 
 /// Half the sum of squares of all residuals in units of `sigma`, growing linearly beyond `huber` of them. `residuals`:
 /// one item for each edge, or none wanted. Serial.
-double energy_of(std::span<const EdgeRow> edges, std::span<const NodeRow> nodes, double sigma, double huber,
+double energy_of(std::span<const EdgeRow> edges, const NodeRows& nodes, double sigma, double huber,
                  std::span<EdgeResiduals> residuals = {});
 
 } // namespace kinora::tracking

@@ -7,12 +7,13 @@
 #include <hwy/highway.h>
 
 #include "core/robust_cost_simd.h"
-#include "tracking/point_blend_simd.h"
+#include "tracking/skinning_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
+using namespace skinning::HWY_NAMESPACE;
 
-double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRow* nodes, float sigma, float threshold,
+double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRows& nodes, float sigma, float threshold,
                       EdgeResiduals* residuals) {
   const Floats df;
   const F per_sigma = constant(1 / sigma);
@@ -22,15 +23,19 @@ double edges_in_lanes(const EdgeRow* edges, std::size_t count, const NodeRow* no
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(df)) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(df));
     const EdgeRow* some = edges + begin;
-    const auto load = [&](std::int32_t EdgeRow::*node, const std::array<float, 4> NodeRow::*row) {
-      return load_rows([&](std::size_t lane) { return (nodes[some[item_of(lane, here)].*node].*row).data(); });
+    const auto node_of = [&](std::size_t lane, std::int32_t EdgeRow::*end) {
+      return static_cast<std::size_t>(some[item_of(lane, here)].*end);
+    };
+    const auto position = [&](std::int32_t EdgeRow::*end) {
+      return load_rows([&](std::size_t lane) { return nodes.positions[node_of(lane, end)].data(); }).v;
+    };
+    const auto rotation = [&](std::int32_t EdgeRow::*end) {
+      return load_rows([&](std::size_t lane) { return nodes.transforms[node_of(lane, end)].real.data(); });
     };
     const Vec3 along = load_rows([&](std::size_t lane) { return some[item_of(lane, here)].along.data(); }).v;
-    const Vec3 a = load(&EdgeRow::a, &NodeRow::position).v;
-    const Vec3 b = load(&EdgeRow::b, &NodeRow::position).v;
-    const Vec3 ab = sub(b, a);
-    const Vec3 there = sub(rotated(load(&EdgeRow::a, &NodeRow::real), along), ab);
-    const Vec3 back = sub(ab, rotated(load(&EdgeRow::b, &NodeRow::real), along));
+    const Vec3 ab = sub(position(&EdgeRow::b), position(&EdgeRow::a));
+    const Vec3 there = sub(rotated(rotation(&EdgeRow::a), along), ab);
+    const Vec3 back = sub(ab, rotated(rotation(&EdgeRow::b), along));
     const Mask in_range = hn::Lt(hn::Iota(df, 0), constant(static_cast<float>(here)));
     for (const std::size_t way : {std::size_t{0}, std::size_t{1}}) {
       const Vec3& residual = way == 0 ? there : back;
@@ -63,9 +68,9 @@ std::vector<EdgeRow> rows_of(std::span<const GraphEdge> edges, std::span<const E
   return rows;
 }
 
-double energy_of(std::span<const EdgeRow> edges, std::span<const NodeRow> nodes, double sigma, double huber,
+double energy_of(std::span<const EdgeRow> edges, const NodeRows& nodes, double sigma, double huber,
                  std::span<EdgeResiduals> residuals) {
-  return HWY_DYNAMIC_DISPATCH(edges_in_lanes)(edges.data(), edges.size(), nodes.data(), static_cast<float>(sigma),
+  return HWY_DYNAMIC_DISPATCH(edges_in_lanes)(edges.data(), edges.size(), nodes, static_cast<float>(sigma),
                                               static_cast<float>(huber),
                                               residuals.empty() ? nullptr : residuals.data());
 }

@@ -31,10 +31,7 @@ InfluenceTable::InfluenceTable(std::shared_ptr<const DeformationGraph> graph) : 
   cells_.per_metre = static_cast<float>(1 / side);
   cells_.squared_influence_radius = static_cast<float>(radius * radius);
   cells_.inverse_squared_weight_radius = static_cast<float>(1 / (graph_->weight_radius() * graph_->weight_radius()));
-  for (const Eigen::Vector3d& node : graph_->nodes()) {
-    for (int a = 0; a < 3; ++a) cells_.positions.push_back(static_cast<float>(node[a] - origin_[a]));
-    cells_.positions.push_back(0);
-  }
+  cells_.positions = position_rows(graph_->nodes(), origin_);
   find_candidates(low, side);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tracking/deformation_graph.h"
+#include "tracking/node_rows.h"
 
 namespace kinora::tracking {
 
@@ -31,7 +32,7 @@ public:
     std::array<std::int32_t, 3> count{};
     std::vector<std::int32_t> begin;      ///< per cell, x fastest, into candidates; one more at the end
     std::vector<std::int32_t> candidates; ///< nodes, nearest to the cell's centre first
-    std::vector<float> positions;         ///< x y z 0 of each node
+    std::vector<PositionRow> positions;   ///< of each node
     float squared_influence_radius = 0;
     float inverse_squared_weight_radius = 0;
   };

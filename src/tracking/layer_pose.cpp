@@ -29,15 +29,7 @@ Influence SkinnedPoint::influence() const {
   return result;
 }
 
-std::vector<NodeRow> rows_of(const NodeStates& nodes) {
-  std::vector<NodeRow> rows(nodes.size());
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    Eigen::Map<Eigen::Vector4f>(rows[n].real.data()) = nodes.transforms[n].real.coeffs().cast<float>();
-    Eigen::Map<Eigen::Vector4f>(rows[n].dual.data()) = nodes.transforms[n].dual.coeffs().cast<float>();
-    Eigen::Map<Eigen::Vector3f>(rows[n].position.data()) = nodes.positions[n].cast<float>();
-  }
-  return rows;
-}
+NodeRows rows_of(const NodeStates& nodes) { return {transform_rows(nodes.transforms), position_rows(nodes.positions)}; }
 
 LayerPose pose_layer(std::span<const SkinnedPoint> points, NodeStates nodes) {
   constexpr std::size_t kPointsPerChunk = 1024;
@@ -47,7 +39,8 @@ LayerPose pose_layer(std::span<const SkinnedPoint> points, NodeStates nodes) {
   pose.points.resize(points.size());
   parallel_for(points.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     const std::size_t count = chunk.end - chunk.begin;
-    pose_points(points.subspan(chunk.begin, count), pose.rows, std::span(pose.points).subspan(chunk.begin, count));
+    pose_points(points.subspan(chunk.begin, count), pose.rows.transforms,
+                std::span(pose.points).subspan(chunk.begin, count));
   });
   return pose;
 }

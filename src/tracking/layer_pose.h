@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tracking/blended_motion.h"
+#include "tracking/node_rows.h"
 
 namespace kinora::tracking {
 
@@ -38,23 +39,24 @@ struct PosedPoint {
 };
 static_assert(sizeof(PosedPoint) == 32);
 
-/// What kernels read of a node; rows of four numbers.
-struct NodeRow {
-  std::array<float, 4> real, dual; ///< x, y, z, w
-  std::array<float, 4> position;   ///< in the camera, and a zero
+/// What kernels read of nodes.
+struct NodeRows {
+  std::vector<TransformRow> transforms;
+  std::vector<PositionRow> positions; ///< in the camera
 };
 
 /// Plain data.
 struct LayerPose {
   NodeStates nodes;
-  std::vector<NodeRow> rows;      ///< of the nodes
+  NodeRows rows;                  ///< of the nodes
   std::vector<PosedPoint> points; ///< of each point, in the camera
 };
 
-std::vector<NodeRow> rows_of(const NodeStates& nodes);
+NodeRows rows_of(const NodeStates& nodes);
 
-/// `posed`: one for each point. Serial.
-void pose_points(std::span<const SkinnedPoint> points, std::span<const NodeRow> nodes, std::span<PosedPoint> posed);
+/// `posed`: one for each point; not a number for one that no node carries. Serial.
+void pose_points(std::span<const SkinnedPoint> points, std::span<const TransformRow> nodes,
+                 std::span<PosedPoint> posed);
 
 /// Uses all threads; same bits for any number of them.
 LayerPose pose_layer(std::span<const SkinnedPoint> points, NodeStates nodes);

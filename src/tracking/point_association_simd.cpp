@@ -10,7 +10,7 @@
 
 #include "core/free_space_simd.h"
 #include "core/sensor_noise_simd.h"
-#include "tracking/point_blend_simd.h"
+#include "core/vectors_simd.h"
 #include "tracking/texture_simd.h"
 #include "tracking/visibility.h"
 
@@ -37,6 +37,8 @@ struct FloatGates {
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+using namespace vectors::HWY_NAMESPACE;
 
 constexpr auto kFacing = static_cast<float>(kFacingCosine);
 constexpr DepthMargin kTextureMargin{0.015, 3}; // of a surface that shows a point's texture

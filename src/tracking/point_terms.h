@@ -53,8 +53,8 @@ double find_rows(std::span<const PosedPoint> points, std::span<const PointTerms>
                  double huber, std::span<PointRows> rows);
 
 /// Returns that energy, with the rows' derivatives by the twists of the nodes that carry the points.
-double find_jacobians(std::span<const SkinnedPoint> skinned, std::span<const NodeRow> nodes,
-                      std::span<const PosedPoint> points, std::span<const PointTerms> terms,
-                      const TextureImage& texture, double huber, std::span<PointJacobians> jacobians);
+double find_jacobians(std::span<const SkinnedPoint> skinned, const NodeRows& nodes, std::span<const PosedPoint> points,
+                      std::span<const PointTerms> terms, const TextureImage& texture, double huber,
+                      std::span<PointJacobians> jacobians);
 
 } // namespace kinora::tracking

@@ -7,12 +7,13 @@
 #include <hwy/highway.h>
 
 #include "core/robust_cost_simd.h"
-#include "tracking/point_blend_simd.h"
+#include "tracking/skinned_points_simd.h"
 #include "tracking/texture_simd.h"
 #include "tracking/visibility.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::tracking::HWY_NAMESPACE {
+using namespace skinning::HWY_NAMESPACE;
 
 /// The residuals of some points side by side.
 struct Residuals {
@@ -92,22 +93,20 @@ HWY_INLINE RowLanes texture_row(const Residuals& r, const HuberLanes& huber) {
 /// What a step of one node does to the transform at the points that it helps to move: NodePart, in lanes.
 class NodePartLanes {
 public:
-  HWY_INLINE NodePartLanes(const Blend& b, std::size_t slot, const Vec3& position) : position_(position) {
+  /// `weighed`: the node's share in the sum that `b` is of.
+  HWY_INLINE NodePartLanes(const NormalisedBlend& b, const DualQuat& weighed, const Vec3& position)
+      : position_(position) {
     // q · conjugate of the blend
     const auto back = [](const Quat& q, const Quat& by) {
       return Quat{add(sub(mul(by.w, q.v), mul(q.w, by.v)), cross(by.v, q.v)), dot(q, by)};
     };
-    const Quat real = back(b.real[slot], b.sum_real);
-    const Quat first = back(b.dual[slot], b.sum_real);
-    const Quat second = back(b.real[slot], b.sum_dual);
+    const Quat real = back(weighed.real, b.real);
+    const Quat first = back(weighed.dual, b.real);
+    const Quat second = back(weighed.real, b.dual);
     const F shrink = hn::Neg(hn::Mul(b.dual_norm, b.inverse_norm));
     const Quat dual = mul_add(shrink, real, {add(first.v, second.v), hn::Add(first.w, second.w)});
-    const F alone = slot == 0 ? constant(1) : zero();
-    const Vec3 nothing{zero(), zero(), zero()};
-    real_ = {choose(b.regular, mul(b.inverse_norm, real.v), nothing),
-             hn::IfThenElse(b.regular, hn::Mul(b.inverse_norm, real.w), alone)};
-    dual_ = {choose(b.regular, mul(b.inverse_norm, dual.v), nothing),
-             hn::IfThenElseZero(b.regular, hn::Mul(b.inverse_norm, dual.w))};
+    real_ = mul(b.inverse_norm, real);
+    dual_ = mul(b.inverse_norm, dual);
   }
 
   HWY_INLINE void pull_back(const Vec3& g, const Vec3& m, Vec3& translation, Vec3& rotation) const {
@@ -150,7 +149,7 @@ double rows_in_lanes(const PosedPoint* points, const PointTerms* terms, std::siz
   return static_cast<double>(hn::GetLane(hn::SumOfLanes(Floats(), sum)));
 }
 
-double jacobians_in_lanes(const SkinnedPoint* skinned, const NodeRow* nodes, const PosedPoint* points,
+double jacobians_in_lanes(const SkinnedPoint* skinned, const NodeRows& nodes, const PosedPoint* points,
                           const PointTerms* terms, std::size_t count, const TextureImage& image, float threshold,
                           PointJacobians* jacobians) {
   const Floats df;
@@ -172,13 +171,15 @@ double jacobians_in_lanes(const SkinnedPoint* skinned, const NodeRow* nodes, con
       out[lane].residuals = {residuals[0][lane], residuals[1][lane]};
     }
     if (hn::AllTrue(df, hn::Eq(hn::Load(df, used), zero()))) continue;
-    const Blend b = blend(skinned + begin, here, nodes);
+    const WeighedTransforms weighed = weighed_transforms(skinned + begin, here, nodes.transforms.data());
+    const NormalisedBlend blend(weighed.sum);
     const Vec3 moments[] = {cross(r.place, row[0].gradient), cross(r.place, row[1].gradient)};
     for (std::size_t k = 0; k < Influence::kMost; ++k) {
       const Vec3 position = load_rows([&](std::size_t lane) {
-                              return nodes[skinned[begin + item_of(lane, here)].nodes[k]].position.data();
+                              const std::int32_t node = skinned[begin + item_of(lane, here)].nodes[k];
+                              return nodes.positions[static_cast<std::size_t>(node)].data();
                             }).v;
-      const NodePartLanes part(b, k, position);
+      const NodePartLanes part(blend, weighed.of_node[k], position);
       for (std::size_t i = 0; i < PointJacobians::kRows; ++i) {
         Vec3 t;
         Vec3 w;
@@ -223,11 +224,11 @@ double find_rows(std::span<const PosedPoint> points, std::span<const PointTerms>
                                              static_cast<float>(huber), rows.data());
 }
 
-double find_jacobians(std::span<const SkinnedPoint> skinned, std::span<const NodeRow> nodes,
-                      std::span<const PosedPoint> points, std::span<const PointTerms> terms,
-                      const TextureImage& texture, double huber, std::span<PointJacobians> jacobians) {
-  return HWY_DYNAMIC_DISPATCH(jacobians_in_lanes)(skinned.data(), nodes.data(), points.data(), terms.data(),
-                                                  points.size(), texture, static_cast<float>(huber), jacobians.data());
+double find_jacobians(std::span<const SkinnedPoint> skinned, const NodeRows& nodes, std::span<const PosedPoint> points,
+                      std::span<const PointTerms> terms, const TextureImage& texture, double huber,
+                      std::span<PointJacobians> jacobians) {
+  return HWY_DYNAMIC_DISPATCH(jacobians_in_lanes)(skinned.data(), nodes, points.data(), terms.data(), points.size(),
+                                                  texture, static_cast<float>(huber), jacobians.data());
 }
 
 } // namespace kinora::tracking

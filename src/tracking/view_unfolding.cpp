@@ -29,7 +29,7 @@ TsdfVolume::Places unfold_view(const ObjectView& view, std::span<const SurfacePo
   const int columns = (view.intrinsics.width + kStride - 1) / kStride;
   const int rows = (view.intrinsics.height + kStride - 1) / kStride;
   std::vector<Live> live(surface.size());
-  const std::vector<float> transforms = packed_transforms(states);
+  const std::vector<TransformRow> transforms = transform_rows(states.transforms);
   parallel_for(surface.size(), kPointsPerChunk, [&](const Chunk& chunk) {
     PointLanes points{}, normals{}, places, turned;
     InfluenceLanes influences{};

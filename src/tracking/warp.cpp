@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/error.h"
+#include "tracking/blended_motion.h"
 
 namespace kinora::tracking {
 
@@ -38,12 +39,7 @@ std::size_t Warp::nearest_nodes(const Eigen::Vector3d& world, std::span<NearestP
 }
 
 SE3 Warp::at(const Influence& influence) const {
-  std::array<DualQuaternion, Influence::kMost> transforms;
-  const auto count = static_cast<std::size_t>(influence.count);
-  for (std::size_t k = 0; k < count; ++k) {
-    transforms[k] = live_->node_to_world[static_cast<std::size_t>(influence.nodes[k])];
-  }
-  return blend(std::span(transforms).first(count), std::span(influence.weights).first(count)).to_se3();
+  return blend_motion(live_->node_to_world, influence).transform.to_se3();
 }
 
 std::optional<SE3> Warp::at(const Eigen::Vector3d& canonical) const {

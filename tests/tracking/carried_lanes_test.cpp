@@ -18,15 +18,13 @@ struct Scene {
   std::vector<Eigen::Vector3d> nodes;
   NodeStates states;
   std::vector<std::int32_t> all;
-  std::vector<float> positions;
+  std::vector<PositionRow> positions;
 
   Scene(Random& random, std::size_t count) : all(count) {
     std::iota(all.begin(), all.end(), 0);
     for (std::size_t i = 0; i < count; ++i) {
       nodes.push_back(random_vector(random, 0.1));
-      for (const double along : {nodes[i].x(), nodes[i].y(), nodes[i].z(), 0.0}) {
-        positions.push_back(static_cast<float>(along));
-      }
+      positions.push_back(position_row(nodes[i]));
       Twist twist;
       twist << random_vector(random, 0.05) + Eigen::Vector3d(0, 0, 3), random_vector(random, 0.3);
       const DualQuaternion transform = DualQuaternion::from(exp_se3(twist));
@@ -88,7 +86,7 @@ TEST_P(CarriedLanesOnEveryInstructionSet, WithoutNodesNothingMovesAPoint) {
 TEST_P(CarriedLanesOnEveryInstructionSet, PointsAreCarriedAsOneByOne) {
   Random random(6);
   const Scene scene(random, 30);
-  const std::vector<float> transforms = packed_transforms(scene.states);
+  const std::vector<TransformRow> transforms = transform_rows(scene.states.transforms);
   for (int round = 0; round < 50; ++round) {
     const PointLanes points = random_points(random, 0.2);
     const PointLanes vectors = random_points(random, 1);

@@ -20,7 +20,7 @@ inline DualQuaternion negated(DualQuaternion transform) {
   return transform;
 }
 
-/// Four half turns whose sum vanishes whatever the signs: blending has no answer.
+/// Four half turns about axes at right angles, whose sum vanishes without care for their hemispheres.
 struct CancellingTurns {
   NodeStates states;
   Influence influence;
