@@ -112,7 +112,8 @@ std::string why_not_modelled(const TrackedLabel& label) {
   if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
     return "too little of it is measured in every frame to follow it";
   }
-  if (label.bending && !label.bending->started()) return "too little of it is measured in every frame to follow it";
+  if (label.plan.motion == tracking::MotionKind::kDeforming && !label.layer)
+    return "too little of it is measured in every frame to follow it";
   return "";
 }
 
@@ -184,8 +185,8 @@ RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig
   });
   progress.stage("refining the motion of " + layer.name, pass.pixels.frames().size());
   layer.motion = pass.times.measure("refine the motion of " + layer.name, [&] {
-    return refine_motion(refined.draft, pass.pixels, tracked.plan.label, layer.motion, tracked.bending->edges(),
-                         tracked.bending->node_spacing(), progress, &refined.refinement);
+    return refine_motion(refined.draft, pass.pixels, tracked.plan.label, layer.motion, tracked.layer->edges,
+                         tracked.layer->node_spacing, progress, &refined.refinement);
   });
   return refined;
 }
@@ -322,7 +323,7 @@ Json streams_json(const ingest::StreamEstimates& estimates, const ingest::FoundR
 EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions& options, Progress& progress) {
   const ingest::CaptureInfo& info = prepared.capture->info();
   tracking::DeformingTrackerConfig deforming;
-  if (options.body) deforming.body.tracker.known = *options.body;
+  if (options.body) deforming.binding.body.tracker.known = *options.body;
   Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
             SceneTracker(info, deforming, progress),
             {},

@@ -98,7 +98,7 @@ void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& fram
 
 void SceneTracker::let_bend(TrackedLabel& tracked) {
   tracking::DeformingTrackerConfig config = deforming_;
-  config.use_body = false;
+  config.binding.use_body = false;
   tracked.bending = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
   const tracking::FrameMemory& memory = tracked.tracker->memory();
   for (std::size_t i = memory.begin(); i < memory.count(); ++i) tracked.bending->track(memory.at(i));
@@ -143,7 +143,9 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
 
 void SceneTracker::finish(StageTimes& times) {
   for (auto& [label, tracked] : labels_) {
-    if (tracked.bending) times.measure("settle " + tracked.plan.name, [&, &t = tracked] { t.bending->settle_past(); });
+    if (!tracked.bending) continue;
+    times.measure("settle " + tracked.plan.name, [&t = tracked] { t.layer = std::move(*t.bending).finish(); });
+    tracked.bending.reset();
   }
 }
 
@@ -159,7 +161,7 @@ double SceneTracker::largest_move(const TrackedLabel& label) {
 }
 
 std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& label) const {
-  auto joints = label.bending ? label.bending->body().joint_paths() : std::nullopt;
+  auto joints = label.layer ? label.layer->body.joint_paths() : std::nullopt;
   if (!joints) return std::nullopt;
   auto& places = joints->places;
   places.insert(places.begin(), static_cast<std::size_t>(label.first_frame), places.front());
@@ -167,7 +169,7 @@ std::optional<tracking::JointPaths> SceneTracker::joints_of(const TrackedLabel& 
 }
 
 tracking::Motion SceneTracker::motion_of(const TrackedLabel& label) const {
-  if (label.bending) return with_frames_before(label.bending->motion(), label.poses);
+  if (label.layer) return with_frames_before(label.layer->motion, label.poses);
   const bool moves = !label.poses.empty() && largest_move(label) > kStillMove;
   return moves ? tracking::Motion::rigid(label.poses) : tracking::Motion::still();
 }

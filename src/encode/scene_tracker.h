@@ -30,7 +30,8 @@ struct TrackedLabel {
   int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
   std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
   std::unique_ptr<tracking::RigidTracker> tracker; ///< if rigid
-  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming
+  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming, up to the last frame
+  std::optional<tracking::TrackedLayer> layer;         ///< and after that, unless it was never seen
 };
 
 /// What is rigid by default but bends is followed anew as a layer that deforms, from the first frame on that is
@@ -43,7 +44,7 @@ public:
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
 
-  /// After the last frame: what was found late is followed back to where it was before (DeformingTracker::settle_past).
+  /// After the last frame: what was found late is followed back to where it was before (DeformingTracker::finish).
   void finish(StageTimes& times);
 
   /// By label, in ascending order.
