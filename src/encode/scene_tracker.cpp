@@ -86,8 +86,9 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
 }
 
 void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& frame) {
-  const tracking::RigidTrackingResult result = tracked.tracker->track(frame);
+  tracking::RigidTrackingResult result = tracked.tracker->track(frame);
   tracked.poses.push_back(result.pose);
+  tracked.missed = std::move(result.missed);
   tracked.relocalised += result.relocalised ? 1 : 0;
   tracked.weak_directions += result.weak_directions;
   tracked.bend = tracked.tracker->bend();
@@ -129,11 +130,11 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
     times.measure("track " + layer->plan.name, [&] { layer->bending->track(frame, objects); });
   }
   for (auto& [label, tracked] : labels_) {
-    if (!tracked.tracker || tracked.tracker->poses().back().health == tracking::Health::kTracked) continue;
+    if (!tracked.tracker || !tracked.missed) continue;
     for (const TrackedLabel* layer : layers) {
       const auto motion = layer->bending->carried(label);
       if (!motion) continue;
-      tracked.tracker->carry(frame, *motion);
+      tracked.tracker->carry(frame, std::move(*tracked.missed), *motion);
       tracked.poses.back() = tracked.tracker->poses().back();
       break;
     }
