@@ -38,10 +38,10 @@ DeformingTrackerConfig config_of(Setting setting) {
   DeformingTrackerConfig config;
   if (setting != kFull) {
     config.use_searches = false;
-    config.body.tracker.use_searches = false;
-    config.alignment.silhouette_share = 0;
+    config.binding.body.tracker.use_searches = false;
+    config.in_view.alignment.silhouette_share = 0;
   }
-  config.use_body = setting != kGraph;
+  config.binding.use_body = setting != kGraph;
   return config;
 }
 

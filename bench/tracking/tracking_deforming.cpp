@@ -112,20 +112,20 @@ LabelImage read_first_mask(const std::filesystem::path& folder, const ColorImage
 tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   const auto whole = [&](const char* name) { return static_cast<int>(knobs.at(name)); };
   tracking::DeformingTrackerConfig config;
-  config.max_points = static_cast<std::size_t>(knobs.at("points"));
-  config.first_nodes = static_cast<std::size_t>(knobs.at("nodes"));
-  config.voxel_size = knobs.at("voxel");
-  config.fuse_interval = whole("fuse_interval");
-  config.use_body = whole("body") != 0;
+  config.in_view.max_points = static_cast<std::size_t>(knobs.at("points"));
+  config.model.first_nodes = static_cast<std::size_t>(knobs.at("nodes"));
+  config.model.voxel_size = knobs.at("voxel");
+  config.model.fuse_interval = whole("fuse_interval");
+  config.binding.use_body = whole("body") != 0;
   config.use_objects = whole("interaction") != 0;
-  config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
-  config.alignment.rigid_iterations = whole("rigid");
-  config.alignment.pcg_iterations = whole("pcg");
-  config.alignment.worthwhile = knobs.at("worthwhile");
-  config.alignment.rigidity = knobs.at("rigidity");
-  config.alignment.prior_sigma = knobs.at("prior");
-  config.alignment.photometric_share = knobs.at("texture");
-  config.alignment.silhouette_share = knobs.at("silhouette");
+  config.in_view.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
+  config.in_view.alignment.rigid_iterations = whole("rigid");
+  config.in_view.alignment.pcg_iterations = whole("pcg");
+  config.in_view.alignment.worthwhile = knobs.at("worthwhile");
+  config.in_view.alignment.rigidity = knobs.at("rigidity");
+  config.in_view.alignment.prior_sigma = knobs.at("prior");
+  config.in_view.alignment.photometric_share = knobs.at("texture");
+  config.in_view.alignment.silhouette_share = knobs.at("silhouette");
   return config;
 }
 
@@ -163,15 +163,16 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
                 std::string(tracking::name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
                 result.quality.on_label, result.quality.texture_correlation, milliseconds.back());
   }
+  const tracking::Motion unsettled = tracker.motion();
   const bench::Stopwatch watch;
-  if (knobs.at("settle") != 0) tracker.settle_past();
+  const tracking::TrackedLayer layer = std::move(tracker).finish().value();
   const double settling = watch.milliseconds();
-  const tracking::Motion motion = tracker.motion();
+  const tracking::Motion& motion = knobs.at("settle") != 0 ? layer.motion : unsettled;
   std::printf("# %zu frames, %d not tracked; %zu nodes, %.1f mm apart; body: %s, explained %.3f, empty %.3f; past "
               "settled in %.2f s\n",
-              frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * tracker.node_spacing(),
-              std::string(tracking::name_of(tracker.body().verdict())).c_str(), tracker.body().explained(),
-              tracker.body().free_space(), 1e-3 * settling);
+              frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * layer.node_spacing,
+              std::string(tracking::name_of(layer.body.verdict())).c_str(), layer.body.explained(), layer.body.free_space(),
+              1e-3 * settling);
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;
@@ -189,12 +190,12 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
 
 int main(int argc, char** argv) {
   const tracking::DeformingTrackerConfig defaults;
-  const tracking::DeformingAlignmentConfig& alignment = defaults.alignment;
+  const tracking::DeformingAlignmentConfig& alignment = defaults.in_view.alignment;
   bench::Knobs knobs{{"label", {1}},
-                     {"points", {static_cast<double>(defaults.max_points)}},
-                     {"nodes", {static_cast<double>(defaults.first_nodes)}},
-                     {"voxel", {defaults.voxel_size}},
-                     {"fuse_interval", {static_cast<double>(defaults.fuse_interval)}},
+                     {"points", {static_cast<double>(defaults.in_view.max_points)}},
+                     {"nodes", {static_cast<double>(defaults.model.first_nodes)}},
+                     {"voxel", {defaults.model.voxel_size}},
+                     {"fuse_interval", {static_cast<double>(defaults.model.fuse_interval)}},
                      {"coarse", {static_cast<double>(alignment.iterations[0])}},
                      {"worthwhile", {alignment.worthwhile}},
                      {"middle", {static_cast<double>(alignment.iterations[1])}},

@@ -42,11 +42,11 @@ void follow(const bench::Setting& knobs) {
   camera.focal *= scale;
   camera.seed = static_cast<std::uint64_t>(knobs.at("seed"));
   DeformingTrackerConfig config;
-  config.use_body = knobs.at("body") != 0;
-  config.alignment.worthwhile = knobs.at("worthwhile");
+  config.binding.use_body = knobs.at("body") != 0;
+  config.in_view.alignment.worthwhile = knobs.at("worthwhile");
   std::size_t stage = 0;
   for (const char* name : {"coarse", "middle", "fine"}) {
-    config.alignment.iterations[stage++] = static_cast<int>(knobs.at(name));
+    config.in_view.alignment.iterations[stage++] = static_cast<int>(knobs.at(name));
   }
   DeformingTracker tracker(1, config);
   const bool each = knobs.at("frames") != 0;
@@ -66,12 +66,12 @@ void follow(const bench::Setting& knobs) {
                 result.quality.on_label, result.quality.free_space_share(), result.quality.texture_correlation,
                 processor.back());
   }
-  tracker.settle_past();
-  const Motion motion = tracker.motion();
+  const TrackedLayer layer = std::move(tracker).finish().value();
+  const Motion& motion = layer.motion;
   const auto all = bench::compare_tracks(testing::track_person(scene, kPoints, camera), motion, numbers, false);
   const auto fast =
       bench::compare_tracks(testing::track_person(scene, kPoints, camera, scene.fast_parts), motion, numbers, each);
-  const LayerBody& body = tracker.body();
+  const LayerBody& body = layer.body;
   std::printf("# body: %s, explained %.3f, empty %.3f; %zu nodes\n", std::string(name_of(body.verdict())).c_str(),
               body.explained(), body.free_space(), motion.graph()->nodes().size());
   std::printf("%s,", std::string(scene.name).c_str());

@@ -26,7 +26,7 @@ void warn_of_unit(const ingest::Frame& frame, Progress& progress) {
 
 tracking::DeformingTrackerConfig deforming_config(const EncodeOptions& options) {
   tracking::DeformingTrackerConfig config;
-  if (options.body) config.body.tracker.known = *options.body;
+  if (options.body) config.binding.body.tracker.known = *options.body;
   return config;
 }
 

@@ -95,8 +95,8 @@ Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
   out["frames"] = health;
   if (bends) {
     out["nodes"] = motion.graph()->nodes().size();
-    out["node_spacing_m"] = round4(label.bending->node_spacing());
-    if (!label.bend) out["body"] = body_json(label.bending->body());
+    out["node_spacing_m"] = round4(label.layer->node_spacing);
+    if (!label.bend) out["body"] = body_json(label.layer->body);
     return out;
   }
   out["relocalised"] = label.relocalised;

@@ -39,7 +39,7 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
   DraftReport report{shorter.rays, {}};
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
   tracking::Motion motion = times.measure("refine the motion of " + name, [&] {
-    return refine_motion(field, observations, tracked.bending->edges(), tracked.bending->node_spacing(), progress,
+    return refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing, progress,
                          &report.refinement);
   });
   return {std::move(field), std::move(motion), report};

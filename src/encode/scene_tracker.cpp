@@ -70,8 +70,9 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
 }
 
 void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& frame) {
-  const tracking::RigidTrackingResult result = tracked.tracker->track(frame);
+  tracking::RigidTrackingResult result = tracked.tracker->track(frame);
   tracked.poses.push_back(result.pose);
+  tracked.missed = std::move(result.missed);
   tracked.relocalised += result.relocalised ? 1 : 0;
   tracked.weak_directions += result.weak_directions;
   tracked.bend = tracked.tracker->bend();
@@ -82,7 +83,7 @@ void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& fram
 
 void SceneTracker::let_bend(TrackedLabel& tracked) {
   tracking::DeformingTrackerConfig config = deforming_;
-  config.use_body = false;
+  config.binding.use_body = false;
   tracked.bending = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
   const tracking::FrameMemory& memory = tracked.tracker->memory();
   for (std::size_t i = memory.begin(); i < memory.count(); ++i) tracked.bending->track(memory.at(i));
@@ -113,11 +114,11 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
     times.measure("track " + layer->plan.name, [&] { layer->bending->track(frame, objects); });
   }
   for (auto& [label, tracked] : labels_) {
-    if (!tracked.tracker || tracked.tracker->poses().back().health == tracking::Health::kTracked) continue;
+    if (!tracked.tracker || !tracked.missed) continue;
     for (const TrackedLabel* layer : layers) {
       const auto motion = layer->bending->carried(label);
       if (!motion) continue;
-      tracked.tracker->carry(frame, *motion);
+      tracked.tracker->carry(frame, std::move(*tracked.missed), *motion);
       tracked.poses.back() = tracked.tracker->poses().back();
       break;
     }
@@ -127,7 +128,9 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
 
 std::map<int, TrackedLabel> SceneTracker::finish(StageTimes& times) && {
   for (auto& [label, tracked] : labels_) {
-    if (tracked.bending) times.measure("settle " + tracked.plan.name, [&, &t = tracked] { t.bending->settle_past(); });
+    if (!tracked.bending) continue;
+    times.measure("settle " + tracked.plan.name, [&t = tracked] { t.layer = std::move(*t.bending).finish(); });
+    tracked.bending.reset();
   }
   return std::move(labels_);
 }

@@ -21,7 +21,7 @@ public:
   void add(const ingest::Frame& frame, StageTimes& times);
 
   /// All that was followed, by label in ascending order; it takes the tracker, which can follow nothing more. What was
-  /// found late is followed back to where it was before (DeformingTracker::settle_past).
+  /// found late is followed back to where it was before (DeformingTracker::finish).
   std::map<int, TrackedLabel> finish(StageTimes& times) &&;
 
 private:

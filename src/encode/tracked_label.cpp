@@ -26,13 +26,13 @@ tracking::Motion with_frames_before(const tracking::Motion& motion, const std::v
 } // namespace
 
 tracking::Motion TrackedLabel::motion() const {
-  if (bending) return with_frames_before(bending->motion(), poses);
+  if (layer) return with_frames_before(layer->motion, poses);
   const bool moves = !poses.empty() && largest_move() > kStillMove;
   return moves ? tracking::Motion::rigid(poses) : tracking::Motion::still();
 }
 
 std::optional<tracking::JointPaths> TrackedLabel::joints() const {
-  auto joints = bending ? bending->body().joint_paths() : std::nullopt;
+  auto joints = layer ? layer->body.joint_paths() : std::nullopt;
   if (!joints) return std::nullopt;
   auto& places = joints->places;
   places.insert(places.begin(), static_cast<std::size_t>(first_frame), places.front());

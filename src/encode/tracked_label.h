@@ -27,7 +27,9 @@ struct TrackedLabel {
   int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
   std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
   std::unique_ptr<tracking::RigidTracker> tracker; ///< if rigid
-  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming
+  std::optional<tracking::MissedObject> missed;    ///< by that in the last frame
+  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming, up to the last frame
+  std::optional<tracking::TrackedLayer> layer;         ///< and after that, unless it was never seen
 
   /// Over the whole timeline: still if it never left its place by more than tracking can tell.
   tracking::Motion motion() const;

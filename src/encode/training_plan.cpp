@@ -35,7 +35,8 @@ std::string why_not_modelled(const TrackedLabel& label) {
   if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
     return "too little of it is measured in every frame to follow it";
   }
-  if (label.bending && !label.bending->started()) return "too little of it is measured in every frame to follow it";
+  if (label.plan.motion == tracking::MotionKind::kDeforming && !label.layer)
+    return "too little of it is measured in every frame to follow it";
   return "";
 }
 

@@ -27,7 +27,7 @@ public:
   /// nearer it comes to where `nodes` are.
   void renew(const Bones& bones, std::span<const SE3> nodes, std::span<const double> seen);
 
-  /// To be called when the nodes' canonical turns have become others: each has turned by `before`, for each node, less.
+  /// Another canonical pose of the nodes: in it each has turned by `before`, one for each node, already.
   void turn_back(std::span<const Eigen::Quaterniond> before);
 
   /// Where the bones have the node; nothing if it is not bound.

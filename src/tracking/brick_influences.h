@@ -15,8 +15,8 @@ namespace kinora::tracking {
 /// Thread-safe to read; renew() needs exclusive use.
 class BrickInfluences {
 public:
-  /// To be called when the volume has got bricks, or the graph nodes: both only ever grow. `graph`: over canonical
-  /// space relative to the volume's origin. Same bits for any number of threads.
+  /// Takes in bricks and nodes that volume and graph have got since the last call: both only ever grow. `graph`: over
+  /// canonical space relative to the volume's origin. Same bits for any number of threads.
   void renew(const TsdfVolume& volume, std::shared_ptr<const DeformationGraph> graph);
 
   /// As DeformationGraph::influence at places of that brick (metres, relative to the volume's origin), in single

@@ -16,7 +16,7 @@ public:
   /// Takes anew the points of bricks that are marked as changed, or have no mark. `unit_weight`: of a point that was
   /// seen once; 0: not known yet.
   void renew_points(const TsdfVolume& volume, std::span<const std::uint8_t> changed, float unit_weight);
-  /// To be called after either points or influences have been renewed.
+  /// Takes anew the skin of bricks whose points, or whose influences, are others than in the last call.
   void renew_skin(const BrickInfluences& influences);
 
   /// As TsdfVolume::surface_points, brick by brick.

@@ -132,7 +132,7 @@ bool CameraTracker::find_by_features(const ObjectView& view, double time, const 
 // At the place that is expected, else where it was last; if it has been lost, first where its features are known from.
 CameraFit CameraTracker::search(const ObjectView& view, double time, const SE3& expected, Place& found) {
   CameraFit best;
-  if (gap_ > 0) {
+  if (gap_.is_open()) {
     doubtful_ = !find_by_features(view, time, expected, best, found);
     if (!doubtful_) return best;
   }
@@ -152,7 +152,7 @@ CameraFit CameraTracker::search(const ObjectView& view, double time, const SE3& 
 }
 
 void CameraTracker::follow(const BackgroundFrame& reduced, const ObjectView& view, CameraTrackingResult& result) {
-  const SE3 expected = carried_on(reduced.time, kVelocityShare * std::pow(kFading, gap_));
+  const SE3 expected = carried_on(reduced.time, kVelocityShare * std::pow(kFading, gap_.frames()));
   const SE3 last = map_pose(places_.back());
   Place place{};
   const CameraFit fit = search(view, reduced.time, expected, place);
@@ -160,8 +160,8 @@ void CameraTracker::follow(const BackgroundFrame& reduced, const ObjectView& vie
   result.quality = fit.quality;
   result.weak_directions = fit.alignment.weak_directions;
   const bool anchored = fit.supported() && fit.alignment.weak_directions == 0;
-  if (anchored && gap_ > 0) {
-    const auto count = static_cast<std::size_t>(gap_);
+  if (anchored && gap_.is_open()) {
+    const auto count = static_cast<std::size_t>(gap_.frames());
     const Place& before = places_.back();
     gaps_.push_back({places_.size() - count,
                      count,
@@ -169,17 +169,15 @@ void CameraTracker::follow(const BackgroundFrame& reduced, const ObjectView& vie
   }
   const double step = reduced.time - last_time_;
   if (fit.supported() && step > 0) {
-    velocity_ = anchored && gap_ > 0 ? Twist::Zero() : Twist(log_se3(last.inverse() * found) / step);
+    velocity_ = anchored && gap_.is_open() ? Twist::Zero() : Twist(log_se3(last.inverse() * found) / step);
   }
-  gap_ = anchored ? 0 : gap_ + 1;
+  const Health health = gap_.add(anchored ? Health::kTracked : Health::kHeld);
   if (anchored) {
     anchor_ = place;
     anchor_time_ = reduced.time;
   }
   reference_ = place.keyframe;
-  if (!fit.complete()) {
-    result.health = fit.supported() || gap_ <= config_.held_frames ? Health::kHeld : Health::kLost;
-  }
+  if (!fit.complete()) result.health = fit.supported() ? Health::kHeld : health;
   places_.push_back(place);
   if (fit.complete() && !moves()) judge_stillness(view, found);
   if (!moves()) {

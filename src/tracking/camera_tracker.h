@@ -11,6 +11,7 @@
 #include "tracking/camera_loops.h"
 #include "tracking/motion.h"
 #include "tracking/pose_graph.h"
+#include "tracking/tracking_gap.h"
 
 namespace kinora::tracking {
 
@@ -41,7 +42,7 @@ struct CameraTrackingResult {
 /// of threads.
 class CameraTracker {
 public:
-  explicit CameraTracker(const CameraTrackerConfig& config = {}) : config_(config) {}
+  explicit CameraTracker(const CameraTrackerConfig& config = {}) : config_(config), gap_(config.held_frames) {}
 
   /// Frames in order of time; their own poses are not looked at. A frame without labels is all background.
   /// Throws Error(kFailure) if the frame's images differ in size.
@@ -104,7 +105,7 @@ private:
   std::vector<CameraTrackingResult> results_;
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
-  int gap_ = 0;           ///< frames in a row that do not show where the camera is in all directions
+  TrackingGap gap_;       ///< of frames that do not show where the camera is in all directions
   bool doubtful_ = false; ///< since the last key frame the camera was lost, and has not been found by features
   Place anchor_{};        ///< the last that a frame showed in all directions
   double anchor_time_ = 0;

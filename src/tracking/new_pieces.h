@@ -21,4 +21,19 @@ struct NewPiece {
 std::vector<NewPiece> find_new_pieces(const ObjectView& view, const TsdfVolume::Places& places, std::size_t least_cells,
                                       double max_jump);
 
+/// The pieces that have kept apart from what is known for long enough to be taken in. One that is apart for a moment is
+/// a part that was lost and will be found again. Not thread-safe.
+class LastingPieces {
+public:
+  /// The next frame. Returns those of its pieces that frame after frame has shown, up to this one.
+  std::vector<NewPiece> add(const ObjectView& view, const TsdfVolume::Places& places);
+
+private:
+  struct Seen {
+    Eigen::Vector3d centroid; ///< in the camera
+    int frames;               ///< in a row that have shown it
+  };
+  std::vector<Seen> seen_; ///< in the last frame
+};
+
 } // namespace kinora::tracking

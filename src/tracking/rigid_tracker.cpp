@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/sensor_noise.h"
+#include "tracking/constant_velocity.h"
 #include "tracking/point_selection.h"
 
 namespace kinora::tracking {
@@ -20,7 +21,7 @@ constexpr double kKnownShare = 0.97;         // the model explains less than thi
 constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
 constexpr double kTurnInHand = 0.35;         // likewise: of starts beside where what holds it has it
 constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
-constexpr int kMostSteps = 3;                // times that motion: for longer, nothing is expected of it
+constexpr int kMostSteps = 3;                // frames without it: after them, nothing is expected of that motion
 constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
 constexpr double kCertainCorrelation = 0.85; // they are not, however little of the label is covered
 constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
@@ -101,7 +102,8 @@ struct RigidTracker::Past {
   double earlier_time = 0;
 };
 
-RigidTracker::RigidTracker(int label, const RigidTrackerConfig& config) : label_(label), config_(config) {}
+RigidTracker::RigidTracker(int label, const RigidTrackerConfig& config)
+    : label_(label), config_(config), gap_(config.held_frames) {}
 RigidTracker::~RigidTracker() = default;
 RigidTracker::RigidTracker(RigidTracker&&) noexcept = default;
 RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
@@ -112,22 +114,19 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
   if (config_.remembers) memory_.add(frame, view);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
-  is_visible_ = view.depth_pixels >= config_.min_pixels;
   if (volume_ == nullptr) {
     result.pose.health = Health::kLost;
     if (view.depth_pixels >= config_.first_pixels) begin(frame, std::move(view), result);
   } else {
-    if (is_visible_) {
-      follow(frame, std::move(view), result);
+    result.visible = is_visible(view);
+    if (const auto found = result.visible ? find(frame, view, result) : std::nullopt) {
+      accept(frame, std::move(view), *found, result);
     } else {
-      result.pose.health = Health::kHeld;
+      result.pose.health = result.visible ? Health::kLost : Health::kHeld;
+      result.missed = MissedObject{std::move(view)};
     }
     is_carried_ = false;
-    if (result.pose.health == Health::kTracked) {
-      unseen_ = 0;
-    } else if (++unseen_ > config_.held_frames) {
-      result.pose.health = Health::kLost;
-    }
+    result.pose.health = gap_.add(result.pose.health);
     result.pose.canonical_to_world = canonical_to_world();
   }
   poses_.push_back(result.pose);
@@ -165,8 +164,8 @@ bool RigidTracker::is_in_free_space(const ingest::Frame& frame, const SE3& model
   return static_cast<double>(violations) > kLetGoShare * static_cast<double>(facing);
 }
 
-void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
-  if (volume_ == nullptr || unseen_ == 0 || is_let_go_) return;
+void RigidTracker::carry(const ingest::Frame& frame, MissedObject missed, const SE3& motion) {
+  if (is_let_go_) return;
   const SE3 there = renormalized(motion * past_->model_to_world);
   is_let_go_ = is_in_free_space(frame, there);
   if (is_let_go_) return;
@@ -174,20 +173,17 @@ void RigidTracker::carry(const ingest::Frame& frame, const SE3& motion) {
   past_->earlier_model_to_world.reset(); // its motion is what holds it
   is_carried_ = true;
   Motion::Pose& pose = poses_.back();
-  if (is_visible_) {
-    ObjectView view = view_object(frame, label_);
-    leave_out_shading(view);
+  if (is_visible(missed.view)) {
     const SE3 start = frame.camera.camera_to_world.inverse() * model_to_world_;
-    Candidate found = attempt(view, start, start, {});
-    for (const SE3& turned : starts(view, frame.camera.camera_to_world, Where::kInHand)) {
-      Candidate other = attempt(view, turned, turned, {});
+    Candidate found = attempt(missed.view, start, start, {});
+    for (const SE3& turned : starts(missed.view, frame.camera.camera_to_world, Where::kInHand)) {
+      Candidate other = attempt(missed.view, turned, turned, {});
       if (other.score > found.score + kClearlyBetter) found = std::move(other);
     }
     if (is_found_again(found.quality)) {
       RigidTrackingResult result;
-      accept(frame, std::move(view), found, result);
-      pose.health = result.pose.health;
-      unseen_ = 0;
+      accept(frame, std::move(missed.view), found, result);
+      pose.health = gap_.add(result.pose.health);
     }
   } else {
     pose.health = Health::kHeld;
@@ -214,18 +210,9 @@ void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrack
 
 // Constant velocity, of the object's centre and of its rotation about it.
 SE3 RigidTracker::predicted(double time) const {
-  if (unseen_ >= kMostSteps || !past_->earlier_model_to_world) return model_to_world_;
-  const SE3& earlier = *past_->earlier_model_to_world;
-  const double before = past_->time - past_->earlier_time;
-  const double steps = before > 0 ? std::clamp((time - past_->time) / before, 0.0, 1.0 * kMostSteps) : 1.0;
-  const double share = kVelocityShare * steps;
-  Twist rotation = Twist::Zero();
-  rotation.tail<3>() = share * log_se3(model_to_world_ * earlier.inverse()).tail<3>();
-  SE3 result = SE3::Identity();
-  result.linear() = exp_se3(rotation).linear() * model_to_world_.linear();
-  result.translation() =
-      model_to_world_.translation() + share * (model_to_world_.translation() - earlier.translation());
-  return renormalized(result);
+  if (gap_.frames() >= kMostSteps || !past_->earlier_model_to_world) return model_to_world_;
+  const double steps = kVelocityShare * steps_ahead(past_->earlier_time, past_->time, time);
+  return extrapolated(*past_->earlier_model_to_world, model_to_world_, Eigen::Vector3d::Zero(), steps);
 }
 
 std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, const SE3& model_to_camera) const {
@@ -235,7 +222,7 @@ std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, con
     for (std::size_t level = 1; level < point.texture.size(); ++level) {
       point.texture[level] = std::numeric_limits<float>::quiet_NaN();
     }
-    if (unseen_ > 0) continue;
+    if (gap_.is_open()) continue;
     add_coarse_texture(past_->view, past_->model_to_camera, point);
   }
   return points;
@@ -246,7 +233,7 @@ void RigidTracker::renew_rim() {
   const double turned = rotation_angle(past_->rim_to_camera.inverse() * past_->model_to_camera);
   const double more = static_cast<double>(past_->view.depth_pixels) / static_cast<double>(past_->rim_pixels);
   const bool serves =
-      unseen_ == 0 && ++past_->rim_age < kOldestRim && turned < kRimTurn && std::abs(more - 1) < kRimChange;
+      !gap_.is_open() && ++past_->rim_age < kOldestRim && turned < kRimTurn && std::abs(more - 1) < kRimChange;
   if (serves && !past_->rim.empty()) return;
   past_->rim = rim_of(past_->view);
   const SE3 to_model = past_->model_to_camera.inverse();
@@ -333,11 +320,12 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
   return result;
 }
 
-void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
-  result.visible = true;
+// Near to where it is expected, or elsewhere; nothing if no place is to be believed.
+std::optional<RigidTracker::Candidate> RigidTracker::find(const ingest::Frame& frame, const ObjectView& view,
+                                                          RigidTrackingResult& result) {
   std::optional<RimPair> pair;
   const RimSource rims = [&]() -> const RimPair* {
-    if (unseen_ > 0) return nullptr;
+    if (gap_.is_open()) return nullptr;
     if (!pair) pair = RimPair{past_->rim, RimMap(view)};
     return &*pair;
   };
@@ -356,10 +344,10 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
     }
   };
   const auto believed = [&] {
-    return unseen_ == 0 && !elsewhere ? is_healthy(best.quality) : is_found_again(best.quality);
+    return !gap_.is_open() && !elsewhere ? is_healthy(best.quality) : is_found_again(best.quality);
   };
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kNear);
-  if (unseen_ > 0) try_starts(Where::kAsBefore);
+  if (gap_.is_open()) try_starts(Where::kAsBefore);
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   if (!believed()) try_starts(Where::kTurnedDiagonally);
   result.quality = best.quality;
@@ -367,18 +355,14 @@ void RigidTracker::follow(const ingest::Frame& frame, ObjectView view, RigidTrac
   if (believed() || shows_its_texture) {
     bending_.add(poses_.size(), contradiction_of_rigid(best.seen, view, best.alignment.model_to_camera));
   }
-  if (believed()) {
-    accept(frame, std::move(view), best, result);
-  } else {
-    result.pose.health = Health::kLost;
-  }
+  return believed() ? std::optional(std::move(best)) : std::nullopt;
 }
 
 void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Candidate& best,
                           RigidTrackingResult& result) {
   const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
   result.pose.health = Health::kTracked;
-  result.relocalised = unseen_ > 0;
+  result.relocalised = gap_.is_open();
   is_let_go_ = false;
   result.weak_directions = best.alignment.weak_directions;
   for (int i = 0; i < best.alignment.weak_directions; ++i) {
@@ -387,7 +371,7 @@ void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Can
     in_world << camera_rotation * direction.head<3>(), camera_rotation * direction.tail<3>();
     result.weak.push_back(in_world);
   }
-  if (unseen_ == 0) {
+  if (!gap_.is_open()) {
     past_->earlier_model_to_world = past_->model_to_world;
     past_->earlier_time = past_->time;
   } else {

@@ -13,6 +13,7 @@
 #include "tracking/motion.h"
 #include "tracking/pose_quality.h"
 #include "tracking/rigid_alignment.h"
+#include "tracking/tracking_gap.h"
 #include "tracking/tsdf.h"
 
 namespace kinora::tracking {
@@ -29,6 +30,11 @@ struct RigidTrackerConfig {
   AlignmentConfig alignment;
 };
 
+/// What a frame shows of an object that has been seen before but is not found in it: what RigidTracker::carry needs.
+struct MissedObject {
+  ObjectView view;
+};
+
 /// One frame's answer.
 struct RigidTrackingResult {
   Motion::Pose pose;       ///< canonical = world at the object's first frame; identity before it
@@ -38,7 +44,8 @@ struct RigidTrackingResult {
   int weak_directions = 0; ///< left to the motion prior, of six
   /// The weak directions in the world, as twists about the object's centre: metres, and radians × radius.
   std::vector<Twist> weak;
-  bool relocalised = false; ///< found again after having been held or lost
+  bool relocalised = false;           ///< found again after having been held or lost
+  std::optional<MissedObject> missed; ///< unless it was found, or has not been seen yet
 };
 
 /// Health: kTracked: the view supports the pose; kHeld: too little of the object is seen, the last pose stays;
@@ -55,10 +62,10 @@ public:
   /// Frames in order of time. Throws Error(kFailure) if the frame's images differ in size.
   RigidTrackingResult track(const ingest::Frame& frame);
 
-  /// To be called after track() where that has not found the object: what holds it has moved like this in the world
-  /// since the last frame that did. The object goes along, and is held, until the camera sees past most of where it
-  /// would be: then it was let go, and stays. If the view shows it there, it is tracked again.
-  void carry(const ingest::Frame& frame, const SE3& motion);
+  /// What holds the object that the last frame has `missed` has moved like this in the world since the last one that
+  /// has not. The object goes along, and is held, until the camera sees past most of where it would be: then it was let
+  /// go, and stays. If the view shows it there, it is tracked again.
+  void carry(const ingest::Frame& frame, MissedObject missed, const SE3& motion);
 
   int label() const { return label_; }
   /// Poses of all frames so far, for Motion::rigid.
@@ -80,9 +87,10 @@ private:
 
   void leave_out_shading(ObjectView& view);
   void begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
-  void follow(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result);
+  std::optional<Candidate> find(const ingest::Frame& frame, const ObjectView& view, RigidTrackingResult& result);
   void accept(const ingest::Frame& frame, ObjectView view, const Candidate& best, RigidTrackingResult& result);
   void fuse(const ingest::Frame& frame, const ObjectView& view);
+  bool is_visible(const ObjectView& view) const { return view.depth_pixels >= config_.min_pixels; }
   bool is_in_free_space(const ingest::Frame& frame, const SE3& model_to_world) const;
   SE3 canonical_to_world() const;
   SE3 predicted(double time) const;
@@ -101,8 +109,7 @@ private:
   SE3 model_to_world_ = SE3::Identity(); ///< model = canonical − the volume's origin
   std::unique_ptr<Past> past_;
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
-  int unseen_ = 0;
-  bool is_visible_ = false;
+  TrackingGap gap_;
   bool wears_print_ = false;
   bool is_let_go_ = false;  ///< by what held it, since it was found last
   bool is_carried_ = false; ///< in the last frame, by what holds it

@@ -84,11 +84,11 @@ std::vector<Motion::Pose> follow(bool is_let_go) {
   std::vector<Motion::Pose> poses;
   for (int i = 0; i < kFrames; ++i) {
     const ingest::Frame frame = frame_at(i, is_let_go);
-    const bool is_found = box.track(frame).pose.health == Health::kTracked;
+    auto missed = box.track(frame).missed;
     const auto object = nearby_object(box);
     person.track(frame, std::span(object ? &*object : nullptr, object ? 1 : 0));
     const auto motion = person.carried(2);
-    if (!is_found && motion) box.carry(frame, *motion);
+    if (missed && motion) box.carry(frame, std::move(*missed), *motion);
     poses.push_back(box.poses().back());
   }
   return poses;

@@ -46,7 +46,7 @@ class LostLayer : public ::testing::TestWithParam<int> {};
 TEST_P(LostLayer, IsFoundAgainBentAndTurnedAsBefore) {
   constexpr int kCount = kBefore + kAway + kAfter;
   DeformingTrackerConfig config;
-  config.use_body = false;
+  config.binding.use_body = false;
   DeformingTracker tracker(2, config);
   for (int i = 0; i < kCount; ++i) {
     const auto result = tracker.track(frame_at(i, GetParam()));

@@ -194,7 +194,6 @@ TEST(DeformingTracker, FramesBeforeTheFirstAreLostAndStandStill) {
   covered.occluded_columns = covered.width;
   DeformingTracker tracker(2);
   EXPECT_EQ(tracker.track(render_plate(plates[0], SE3::Identity(), 0, covered)).health, Health::kLost);
-  EXPECT_FALSE(tracker.started());
   EXPECT_THROW(tracker.motion(), Error);
   tracker.track(render_plate(plates[1], SE3::Identity(), 1, noisy()));
   const Motion motion = tracker.motion();
@@ -282,8 +281,7 @@ double error_of_past(const Motion& motion) {
 TEST(DeformingTracker, SettlesThePastOfNodesFoundLate) {
   DeformingTracker tracker = follow_unveiled_plate();
   const double guessed = error_of_past(tracker.motion());
-  tracker.settle_past();
-  const double settled = error_of_past(tracker.motion());
+  const double settled = error_of_past(std::move(tracker).finish().value().motion);
   EXPECT_LT(settled, 0.75 * guessed); // 12.4 mm of 19.4 mm
 }
 
@@ -291,9 +289,7 @@ TEST(DeformingTracker, SettlesThePastAlikeWithAnyNumberOfThreads) {
   std::vector<Motion> motions;
   for (const int threads : {1, 4}) {
     set_thread_count(threads);
-    DeformingTracker tracker = follow_unveiled_plate();
-    tracker.settle_past();
-    motions.push_back(tracker.motion());
+    motions.push_back(follow_unveiled_plate().finish().value().motion);
   }
   set_thread_count(0);
   expect_same(motions[0], motions[1]);
@@ -302,11 +298,17 @@ TEST(DeformingTracker, SettlesThePastAlikeWithAnyNumberOfThreads) {
 TEST(DeformingTracker, HasNoPastToSettleWhereAllWasSeenFromTheFirst) {
   const Plate plate;
   DeformingTracker tracker(2);
-  tracker.settle_past(); // nothing was ever seen
   for (int i = 0; i < 3; ++i) tracker.track(render_plate(plate, pose_at({0, 0, -1}, 0, 0), i, noisy()));
   const Motion before = tracker.motion();
-  tracker.settle_past();
-  expect_same(before, tracker.motion());
+  expect_same(before, std::move(tracker).finish().value().motion);
+}
+
+TEST(DeformingTracker, HasNothingToTellOfALayerThatWasNeverSeen) {
+  SceneOptions covered = noisy();
+  covered.occluded_columns = covered.width;
+  DeformingTracker tracker(2);
+  tracker.track(render_plate({}, pose_at({0, 0, -1}, 0, 0), 0, covered));
+  EXPECT_FALSE(std::move(tracker).finish());
 }
 
 TEST(DeformingTracker, RefusesFramesWhoseImagesDifferInSize) {

@@ -93,11 +93,10 @@ TEST(LayerBody, DecidesNothingByAFewFrames) {
 
 Motion follow(const std::vector<ingest::Frame>& frames, int label, bool use_body) {
   DeformingTrackerConfig config;
-  config.use_body = use_body;
+  config.binding.use_body = use_body;
   DeformingTracker tracker(label, config);
   for (const ingest::Frame& frame : frames) tracker.track(frame);
-  tracker.settle_past();
-  return tracker.motion();
+  return std::move(tracker).finish().value().motion;
 }
 
 void expect_same(const Motion& a, const Motion& b) {

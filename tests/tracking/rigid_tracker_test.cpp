@@ -207,8 +207,9 @@ TEST(RigidTracker, ObjectThatIsNotSeenGoesWithWhatHoldsIt) {
   RigidTracker tracker(2, config);
   for (int i = 0; i < 12; ++i) {
     const ingest::Frame frame = behind_a_screen(i);
-    tracker.track(frame);
-    tracker.carry(frame, SE3(Eigen::Translation3d(0.01 * (i - 2), 0, 0)));
+    auto missed = tracker.track(frame).missed;
+    EXPECT_EQ(missed.has_value(), i >= 3) << i;
+    if (missed) tracker.carry(frame, std::move(*missed), SE3(Eigen::Translation3d(0.01 * (i - 2), 0, 0)));
     EXPECT_EQ(tracker.poses().back().health, i < 3 ? Health::kTracked : Health::kHeld) << i;
     Errors errors;
     add_error(tracker.poses().back().canonical_to_world, pose_at({0, 0, 1}, 20, 30), pose_at({0.01 * i, 0, 1}, 20, 30),
@@ -225,8 +226,9 @@ TEST(RigidTracker, ObjectThatWouldBeSeenIsNotInTheHand) {
     // In the last of these the hand is hidden again, which does not mean that the box is in it.
     const ingest::Frame frame =
         i < 5 ? render_frame({}, pose_at({9, 0, 1}, 0, 0), SE3::Identity(), i) : behind_a_screen(i);
-    tracker.track(frame);
-    tracker.carry(frame, SE3(Eigen::Translation3d(0.1, 0, 0)));
+    auto missed = tracker.track(frame).missed;
+    ASSERT_TRUE(missed) << i;
+    tracker.carry(frame, std::move(*missed), SE3(Eigen::Translation3d(0.1, 0, 0)));
     EXPECT_EQ(tracker.poses().back().canonical_to_world.matrix(), last.matrix()) << i;
   }
 }
