@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
 #include "core/sensor_noise.h"
 #include "tracking/point_association.h"
@@ -91,42 +92,26 @@ ProblemWeights weights_of(double spacing, const DeformingAlignmentConfig& config
   return weights;
 }
 
-/// Levenberg–Marquardt with the damping of Nielsen, "Damping Parameter in Marquardt's Method", 1999.
-class Damped {
-public:
-  /// One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
-  bool step(DeformingProblem& problem, const DeformingAlignmentConfig& config, LayerPose& pose,
-            std::vector<double>& energies) {
-    constexpr int kTries = 4;
-    constexpr double kFloor = 1e-6;
-    double before = 0;
-    const BlockSystem& system = problem.linearise(pose, before);
-    for (int attempt = 0; attempt < kTries; ++attempt) {
-      const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
-      const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
-      const double promised = -model_change(problem.pattern(), system, solved.step);
-      LayerPose candidate = pose_layer(problem.model().points, stepped(pose.nodes, solved.step));
-      const double after = problem.energy(candidate);
-      if (after < before) {
-        const double gain = promised > 0 ? (before - after) / promised : 1.0;
-        const double factor = 1 - std::pow(2 * std::min(gain, 1.0) - 1, 3);
-        damping_ = std::clamp(damping_ * std::max(1.0 / 3, factor), 1e-6, 1e3);
-        growth_ = 2;
-        energies.push_back(before);
-        energies.push_back(after);
-        pose = std::move(candidate);
-        return true;
-      }
-      damping_ = std::min(damping_ * growth_, 1e3);
-      growth_ *= 2;
-    }
-    return false;
-  }
-
-private:
-  double damping_ = 1e-3;
-  double growth_ = 2;
-};
+// One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
+bool take_step(DeformingProblem& problem, const DeformingAlignmentConfig& config, NielsenDamping& damping,
+               LayerPose& pose, std::vector<double>& energies) {
+  constexpr int kTries = 4;
+  constexpr double kFloor = 1e-6;
+  double before = 0;
+  const BlockSystem& system = problem.linearise(pose, before);
+  return damped_gauss_newton(damping, kTries, [&](double value) -> StepOutcome {
+    const std::vector<Twist> added = damping_of(problem.pattern(), system, value, kFloor);
+    const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
+    const double promised = -model_change(problem.pattern(), system, solved.step);
+    LayerPose candidate = pose_layer(problem.model().points, stepped(pose.nodes, solved.step));
+    const double after = problem.energy(candidate);
+    if (!(after < before)) return {};
+    energies.push_back(before);
+    energies.push_back(after);
+    pose = std::move(candidate);
+    return {.is_taken = true, .is_last = true, .gain = promised > 0 ? (before - after) / promised : 1.0};
+  });
+}
 
 /// The share of each node's points of which something holds. A node that carries less than one point counts as if it
 /// did not hold of the rest of that.
@@ -274,6 +259,7 @@ void associate(const LayerModel& model, std::span<const PointTexture> textures, 
 NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
                          const NodeStates& start, int level, double gate, int iterations,
                          const DeformingAlignmentConfig& config) {
+  constexpr int kTries = 6;
   DeformingProblem problem(model, view, weights_of(1, config));
   LayerPose pose = pose_layer(model.points, start);
   problem.set_level(level);
@@ -286,15 +272,16 @@ NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> 
     const double largest = information.diagonal().maxCoeff();
     if (!(largest > 0)) break;
     const double before = problem.energy(pose);
-    for (double damping = 1e-3; damping < 1e3; damping *= 10) {
+    MarquardtDamping damping({});
+    const bool is_taken = damped_gauss_newton(damping, kTries, [&](double value) -> StepOutcome {
       Matrix6d damped = information;
-      damped.diagonal() += (damping * information.diagonal()).cwiseMax(1e-6 * largest);
+      damped.diagonal() += (value * information.diagonal()).cwiseMax(1e-6 * largest);
       LayerPose candidate = pose_layer(model.points, turned_about(pose.nodes, pivot, damped.ldlt().solve(-gradient)));
-      if (problem.energy(candidate) < before) {
-        pose = std::move(candidate);
-        break;
-      }
-    }
+      if (!(problem.energy(candidate) < before)) return {};
+      pose = std::move(candidate);
+      return {.is_taken = true, .is_last = true};
+    });
+    if (!is_taken) break;
   }
   return pose.nodes;
 }
@@ -308,7 +295,7 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
   problem.set_prior(prior);
   LayerPose pose = pose_layer(model.points,
                               config.rigid_iterations > 0 ? moved_as_one(model, textures, view, start, config) : start);
-  Damped damped;
+  NielsenDamping damping;
   const NodeShares shares(model);
   for (std::size_t s = 0; s < kStages.size(); ++s) {
     const Stage& stage = kStages[s];
@@ -320,7 +307,7 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
       const auto looked_at =
           shares.of([&](std::size_t p) { return terms[p].on_surface || terms[p].violates_free_space; });
       problem.set_binding(bowed(binding, looked_at));
-      if (!damped.step(problem, config, pose, result.energies)) break;
+      if (!take_step(problem, config, damping, pose, result.energies)) break;
       const std::size_t tries = result.energies.size();
       if (result.energies[tries - 1] > (1 - config.worthwhile) * result.energies[tries - 2]) break;
     }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
 #include "core/robust_cost.h"
 
@@ -20,7 +21,6 @@ constexpr TruncatedHuber kTextureCost{2}; // of the texture, whose noise is that
 constexpr double kFittingCost = 0.5;      // mean of a point that fits, at a standard deviation of 1
 constexpr double kFlatTexture = 0.01;     // per pixel; below, the gradient is mostly noise
 constexpr std::size_t kPointsPerChunk = 640;
-constexpr double kFirstDamping = 1e-3;
 constexpr double kRefusedDamping = 0.3; // at least, after a step that does not pay: with less the next is the same
 
 struct Stage {
@@ -202,18 +202,18 @@ void run_stage(std::span<const ModelPoint> all_points, const ObjectView& view, c
     return system;
   };
   System system = build(alignment.model_to_camera);
-  double damping = kFirstDamping;
-  for (int i = 0; i < stage.iterations; ++i) {
+  MarquardtDamping damping({.max = 1e4, .min_after_refusal = kRefusedDamping});
+  damped_gauss_newton(damping, stage.iterations, [&](double value) -> StepOutcome {
     ++alignment.iterations;
     pivot = pivot_at(alignment.model_to_camera);
     const Twist toward_prior = step_between(pivot, alignment.model_to_camera, prior);
-    DampedStep solved = solve(system, toward_prior, damping, config);
+    DampedStep solved = solve(system, toward_prior, value, config);
     const bool is_open = !(solved.eigenvalues[0] > config.nearly_weak * weak_below(system, config));
     if (rim == nullptr && is_open && rims) {
       rim = rims();
       if (rim != nullptr) {
         add_rim(*rim, view, alignment.model_to_camera, pivot, stage, config, system);
-        solved = solve(system, toward_prior, damping, config);
+        solved = solve(system, toward_prior, value, config);
       }
     }
     alignment.eigenvalues = solved.eigenvalues;
@@ -229,12 +229,9 @@ void run_stage(std::span<const ModelPoint> all_points, const ObjectView& view, c
     if (pays) {
       alignment.model_to_camera = moved;
       system = std::move(next);
-      damping = std::max(1e-6, damping / 5);
-    } else {
-      damping = std::max(kRefusedDamping, 10 * damping);
     }
-    if (solved.step.norm() < stage.still || damping > 1e4) break;
-  }
+    return {.is_taken = pays, .is_last = solved.step.norm() < stage.still};
+  });
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
 #include "tracking/body/body_match.h"
 
@@ -221,30 +222,26 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
   constexpr double kSlack = 0.02;
   constexpr double kSmallStep = 2e-3; // metres and radians
   const int freedoms = with_shape ? kFreedoms : kPoseFreedoms;
-  double damping = 1e-3;
+  MarquardtDamping damping({.min = 1e-4});
   BodyEquations equations = evaluate(evidence, state, prior, config);
-  for (int i = 0; i < iterations; ++i) {
+  damped_gauss_newton(damping, iterations, [&](double value) -> StepOutcome {
     Eigen::MatrixXd hessian = equations.hessian.topLeftCorner(freedoms, freedoms);
-    hessian.diagonal().array() += damping * (hessian.diagonal().array() + 1);
+    hessian.diagonal().array() += value * (hessian.diagonal().array() + 1);
     const Eigen::VectorXd step = hessian.ldlt().solve(-equations.gradient.head(freedoms));
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return {.is_last = true};
     BodyState next = state;
     next.pose = moved(state.pose, step.head<kPoseFreedoms>());
     if (with_shape) next.shape += step.tail<kMeasures>();
     if (step.cwiseAbs().maxCoeff() < kSmallStep) {
       state = next;
-      break;
+      return {.is_taken = true, .is_last = true};
     }
     const BodyEquations tried = evaluate(evidence, next, prior, config);
-    if (!(tried.energy < (1 + kSlack) * equations.energy)) {
-      damping *= 10;
-      if (damping > 1e3) break;
-      continue;
-    }
+    if (!(tried.energy < (1 + kSlack) * equations.energy)) return {};
     state = next;
     equations = tried;
-    damping = std::max(1e-4, damping / 5);
-  }
+    return {.is_taken = true};
+  });
   return equations.energy;
 }
 
