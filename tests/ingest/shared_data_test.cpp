@@ -92,7 +92,7 @@ TEST_P(StillSharedData, IsAllBackground) {
     options.frames = range;
     return Capture::open(plugins, folder, options, progress);
   };
-  const auto labelled = segmented_capture(open, {0, -1, GetParam().step}, make_motion_segmenter(), progress);
+  const auto labelled = segmented_capture(open, {0, std::nullopt, GetParam().step}, make_motion_segmenter(), progress);
   while (const auto frame = labelled->next()) {
     const auto values = frame->labels.values();
     EXPECT_EQ(std::count(values.begin(), values.end(), 0), std::ssize(values)) << "frame " << frame->index;
