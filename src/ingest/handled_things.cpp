@@ -1,6 +1,5 @@
 #include "ingest/handled_things.h"
 
-
 #include "core/parallel.h"
 #include "ingest/flat_faces.h"
 
