@@ -59,6 +59,23 @@ function(kinora_library name)
   kinora_use_pch(kinora_${name})
 endfunction()
 
+# kinora_module(name FOR library SOURCES a.cpp … [LINK lib …]): lib/kinora/<name>.so, which src/core/module.h opens when it
+# is first used. It exports its entry alone. Programs that link kinora_<library> are built with it.
+function(kinora_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FOR" "SOURCES;LINK")
+  set(target kinora_module_${name})
+  set(exports ${PROJECT_SOURCE_DIR}/cmake/module.map)
+  add_library(${target} MODULE ${arg_SOURCES})
+  target_link_libraries(${target} PRIVATE kinora_flags ${arg_LINK} Eigen3::Eigen)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${exports} LINKER:-z,defs)
+  set_target_properties(
+    ${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name} DEFINE_SYMBOL "" LINK_DEPENDS ${exports}
+                         LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/kinora)
+  kinora_use_pch(${target})
+  set_property(TARGET kinora_${arg_FOR} APPEND PROPERTY INTERFACE_LINK_DEPENDS $<TARGET_FILE:${target}>)
+  install(TARGETS ${target} LIBRARY DESTINATION lib/kinora)
+endfunction()
+
 # What `./check` builds under sanitizers: the tests labelled `parse` (they read input that is not trusted) and `threads`.
 add_custom_target(sanitized_tests)
 add_custom_target(threaded_tests)

@@ -11,7 +11,7 @@
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,
-                                                &kPngFormat, &kMp4Format,      &kGltfFormat,        &kOpenVdbFormat};
+                                                &kPngFormat, &mp4_format(),    &kGltfFormat,        &openvdb_format()};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

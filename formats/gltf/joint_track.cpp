@@ -1,6 +1,7 @@
 #include "gltf/joint_track.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kinora::formats {

@@ -1,7 +1,6 @@
 // Where a joint is over time, as glTF wants it.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "kinora/plugin.h"

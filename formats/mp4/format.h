@@ -1,10 +1,10 @@
-// MP4 films, for the table of built-in formats.
+// MP4 films, for the table of built-in formats. FFmpeg's libraries are in a module (module.cpp).
 #pragma once
 
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
 
-extern const KinoraFormat kMp4Format; ///< mp4
+const KinoraFormat& mp4_format();
 
 } // namespace kinora::formats

@@ -1,4 +1,4 @@
-// What the OpenVDB format says of itself, with the library and without.
+// What the OpenVDB format says of itself.
 #pragma once
 
 #include <iterator>

@@ -1,52 +1,15 @@
 #include "openvdb/format.h"
 
+#include "common/deferred.h"
 #include "openvdb/description.h"
-#include "openvdb/vdb_writer.h"
 
 namespace kinora::formats {
-namespace {
 
-VdbWriter* self(KinoraWriter* writer) { return reinterpret_cast<VdbWriter*>(writer); }
+static constexpr FormatModule kModule = {"openvdb", "to write OpenVDB volumes"};
 
-KinoraStatus open_vdb(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
-                      KinoraMessage* message) {
-  return guarded(message, [&] {
-    const auto given = option_map(options, option_count);
-    const auto precision = given.find("precision");
-    const bool half = precision == given.end() || precision->second == "half";
-    *writer = reinterpret_cast<KinoraWriter*>(new VdbWriter(path, half));
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus volume_vdb(KinoraWriter* writer, const KinoraVolume* volume, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->write(*volume);
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus finish_vdb(KinoraWriter* writer, KinoraMessage* message) {
-  const std::unique_ptr<VdbWriter> owned(self(writer));
-  return guarded(message, [&] {
-    owned->finish();
-    return KINORA_OK;
-  });
-}
-
-void abandon_vdb(KinoraWriter* writer) { delete self(writer); }
-
-constexpr KinoraFormat openvdb_format() {
-  KinoraFormat format = openvdb_description();
-  format.open_writer = open_vdb;
-  format.writer_volume = volume_vdb;
-  format.writer_finish = finish_vdb;
-  format.writer_abandon = abandon_vdb;
+const KinoraFormat& openvdb_format() {
+  static const KinoraFormat format = deferred_format<kModule>(openvdb_description());
   return format;
 }
-
-} // namespace
-
-constinit const KinoraFormat kOpenVdbFormat = openvdb_format();
 
 } // namespace kinora::formats

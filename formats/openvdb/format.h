@@ -1,12 +1,11 @@
-// OpenVDB volumes, for the table of built-in formats.
+// OpenVDB volumes, for the table of built-in formats. The OpenVDB library is in a module (module.cpp), which is left
+// out where the library is not there when Kinora is built.
 #pragma once
 
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
 
-/// openvdb. Where the library was not there when Kinora was built, everything that it is asked for fails with
-/// KINORA_MISSING (unavailable.cpp).
-extern const KinoraFormat kOpenVdbFormat;
+const KinoraFormat& openvdb_format();
 
 } // namespace kinora::formats

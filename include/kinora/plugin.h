@@ -115,8 +115,9 @@ typedef struct KinoraFrame {
   KinoraImage color;      /* U8, 3 channels, sRGB */
   KinoraImage depth;      /* U16, 1 channel; 0 = no measurement; along the optical axis */
   double depth_unit;      /* metres per unit of depth */
-  KinoraImage infrared;   /* U16, 1 channel; may be absent */
-  KinoraImage confidence; /* U8, 1 channel; may be absent */
+  KinoraImage infrared;   /* U16, 1 channel; may be absent. Not used: the host says so once and passes over it */
+  KinoraImage confidence; /* U8, 1 channel, pixel by pixel as depth: 0 = that depth is not to be believed, and the host
+                             takes it for no measurement; other values mean the same to it; may be absent */
   KinoraImage labels;     /* U8, 1 channel: 0 background, 1 person, 2 object, 3... further objects; may be absent */
   int32_t has_pose;
   double camera_to_world[16];
@@ -195,6 +196,8 @@ enum { /* KinoraFormat.capabilities */
        KINORA_SEEKS = 1u << 1,
        KINORA_READS_POSES = 1u << 2,
        KINORA_READS_MASKS = 1u << 3,
+       KINORA_READS_CONFIDENCE = 1u << 4, /* of depth */
+       KINORA_READS_INFRARED = 1u << 5,
        KINORA_WRITES_PICTURES = 1u << 16,
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */

@@ -89,6 +89,8 @@ Json capture_json(const fs::path& path, Context& context) {
   for (const auto& [label, what] : info.labels) {
     labels[std::to_string(label)] = {{"name", what.name}, {"kind", what.kind}};
   }
+  Json unused = Json::array(); // what the format can bring and nothing here looks at
+  if (host::supports(context.plugins().find(info.format), KINORA_READS_INFRARED)) unused.push_back("infrared");
   return {{"schema", "kinora.info/1"},
           {"path", path.string()},
           {"kind", "capture"},
@@ -100,6 +102,7 @@ Json capture_json(const fs::path& path, Context& context) {
           {"has_masks", info.has_masks},
           {"intrinsics", intrinsics_json(info.intrinsics)},
           {"labels", labels},
+          {"unused", unused},
           {"parts", std::move(parts)}};
 }
 
@@ -140,11 +143,12 @@ std::string clip_text(const Json& info) {
 }
 
 std::string capture_text(const Json& info) {
-  return fmt::format("{}: a capture (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n",
+  return fmt::format("{}: a capture (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n{}",
                      info["path"].get<std::string>(), info["format"].get<std::string>(),
                      format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
                      info["frames_per_second"].get<double>(), size_text(info), info["camera"].get<std::string>(),
-                     info["has_masks"].get<bool>() ? "with masks" : "without masks") +
+                     info["has_masks"].get<bool>() ? "with masks" : "without masks",
+                     info["unused"].empty() ? "" : "Infrared images, which this format can bring, are not used.\n") +
          parts_text(info);
 }
 

@@ -1,6 +1,5 @@
 #include "cli/point_file.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/module.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
@@ -41,9 +42,7 @@ std::vector<fs::path> plugin_folders(std::span<const fs::path> extra) {
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
   }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) folders.push_back(program.parent_path().parent_path() / "lib" / "kinora" / "plugins");
+  if (const fs::path modules = module_folder(); !modules.empty()) folders.push_back(modules / "plugins");
   return folders;
 }
 

@@ -1,7 +1,5 @@
 #include "host/picture_writer.h"
 
-#include <fmt/format.h>
-
 #include "host/interface_struct.h"
 #include "host/plugin_table.h"
 

@@ -25,6 +25,8 @@ constexpr Capability kCapabilities[] = {
     {KINORA_SEEKS, "seek"},
     {KINORA_READS_POSES, "read-poses"},
     {KINORA_READS_MASKS, "read-masks"},
+    {KINORA_READS_CONFIDENCE, "read-confidence"},
+    {KINORA_READS_INFRARED, "read-infrared"},
     {KINORA_WRITES_PICTURES, "write-pictures"},
     {KINORA_WRITES_FILM, "write-film"},
     {KINORA_WRITES_ALPHA, "write-alpha"},

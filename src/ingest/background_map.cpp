@@ -1,7 +1,6 @@
 #include "ingest/background_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 

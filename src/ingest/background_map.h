@@ -18,7 +18,6 @@ public:
 
   /// As in BackgroundModel, over all places: small if the camera was not where it is said to have been.
   double still_share() const;
-  std::size_t place_count() const { return places_.size(); }
 
 private:
   friend class BackgroundLook;

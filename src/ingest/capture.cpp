@@ -1,6 +1,7 @@
 #include "ingest/capture.h"
 
 #include <future>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,6 +54,7 @@ public:
       SourceResult result = take();
       ended_ = result.end;
       if (ended_) break;
+      if (result.has_infrared) warn_of_infrared();
       if (result.problem.empty()) return std::move(result.frame);
       skip(result);
     }
@@ -65,6 +67,12 @@ private:
     SourceResult result = ahead_.valid() ? ahead_.get() : source_.next();
     if (read_ahead && !result.end) ahead_ = std::async(std::launch::async, [this] { return source_.next(); });
     return result;
+  }
+
+  void warn_of_infrared() {
+    if (!std::exchange(warned_of_infrared_, true))
+      progress_.warn(
+          fmt::format("{}: the infrared images that the format {} delivers are not used", path_, info_.format));
   }
 
   void skip(const SourceResult& result) {
@@ -84,6 +92,7 @@ private:
   FrameSource source_;
   std::vector<SkippedFrame> skipped_;
   bool ended_ = false;
+  bool warned_of_infrared_ = false;
   std::future<SourceResult> ahead_; ///< last, so that its thread has ended before anything else goes
 };
 

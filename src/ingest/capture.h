@@ -62,7 +62,8 @@ public:
 
   virtual const CaptureInfo& info() const = 0;
   /// The next usable frame within the range. A bad frame (missing, truncated, wrong size or type, without any depth)
-  /// is warned of through Progress, counted in `skipped()` and passed over; nothing at the end.
+  /// is warned of through Progress, counted in `skipped()` and passed over; nothing at the end. Infrared images that a
+  /// plugin delivers are not used, which is warned of once.
   /// Throws Error(kCorruptInput) when more than half of the frames are bad, and Error(kInterrupted).
   virtual std::optional<Frame> next() = 0;
   virtual const std::vector<SkippedFrame>& skipped() const = 0;

@@ -29,14 +29,21 @@ template <class T> Image<T> copy_of(const KinoraImage& image) {
   return copy;
 }
 
-DepthImage metres_of(const KinoraImage& image, double unit) {
-  DepthImage depth(image.width, image.height);
-  for (int v = 0; v < image.height; ++v) {
-    const auto* row = reinterpret_cast<const std::uint16_t*>(static_cast<const std::byte*>(image.data) +
-                                                             image.row_bytes * static_cast<std::size_t>(v));
-    for (int u = 0; u < image.width; ++u) {
-      const double metres = row[u] * unit;
-      depth.at(u, v) = metres <= kMaxDepth ? static_cast<float>(metres) : 0.0F;
+template <class T> const T* row_of(const KinoraImage& image, int v) {
+  return reinterpret_cast<const T*>(static_cast<const std::byte*>(image.data) +
+                                    image.row_bytes * static_cast<std::size_t>(v));
+}
+
+/// Metres, 0 where nothing is measured or where the plugin has no confidence in it.
+DepthImage metres_of(const KinoraFrame& frame) {
+  DepthImage depth(frame.depth.width, frame.depth.height);
+  for (int v = 0; v < depth.height(); ++v) {
+    const auto* row = row_of<std::uint16_t>(frame.depth, v);
+    const auto* confidence = frame.confidence.data != nullptr ? row_of<std::uint8_t>(frame.confidence, v) : nullptr;
+    for (int u = 0; u < depth.width(); ++u) {
+      const double metres = row[u] * frame.depth_unit;
+      const bool believed = confidence == nullptr || confidence[u] > 0;
+      depth.at(u, v) = believed && metres <= kMaxDepth ? static_cast<float>(metres) : 0.0F;
     }
   }
   return depth;
@@ -47,13 +54,17 @@ bool has_measurement(const DepthImage& depth) {
   return std::any_of(values.begin(), values.end(), [](float z) { return z > 0; });
 }
 
-/// Of an image in which nothing counts as measured.
-std::string why_unmeasured(const KinoraImage& image) {
-  const auto depth = copy_of<std::uint16_t>(image);
-  const auto values = depth.values();
-  if (std::all_of(values.begin(), values.end(), [](std::uint16_t z) { return z == 0; })) {
-    return "the depth image holds no measurement";
-  }
+template <class T> bool is_zero_everywhere(const KinoraImage& image) {
+  const auto copy = copy_of<T>(image);
+  const auto values = copy.values();
+  return std::all_of(values.begin(), values.end(), [](T value) { return value == 0; });
+}
+
+/// Of a frame in which nothing counts as measured.
+std::string why_unmeasured(const KinoraFrame& frame) {
+  if (is_zero_everywhere<std::uint16_t>(frame.depth)) return "the depth image holds no measurement";
+  if (frame.confidence.data != nullptr && is_zero_everywhere<std::uint8_t>(frame.confidence))
+    return "the confidence of every depth pixel is 0";
   return fmt::format(
       "nothing is measured within {} m; if the scene is nearer, the capture states a wrong unit of depth "
       "(depth_factor)",
@@ -124,12 +135,13 @@ SourceResult FrameSource::next() {
   }
   result.problem = read->problem.empty() ? problem_of(read->frame) : read->problem;
   if (!result.problem.empty()) return result;
+  result.has_infrared = read->frame.infrared.data != nullptr;
   Frame frame = convert(read->frame);
   frame.index = result.index;
   if (has_measurement(frame.depth))
     result.frame = std::move(frame);
   else
-    result.problem = why_unmeasured(read->frame.depth);
+    result.problem = why_unmeasured(read->frame);
   return result;
 }
 
@@ -138,8 +150,11 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
   const std::string format = reader_.format().name;
   if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
     return format + " gave no colour image of the camera's size";
-  if (!is_image(frame.depth, registration_ ? registration_->depth : intrinsics_, 1, KINORA_PIXEL_U16))
+  const Intrinsics& depth_camera = registration_ ? registration_->depth : intrinsics_;
+  if (!is_image(frame.depth, depth_camera, 1, KINORA_PIXEL_U16))
     return format + " gave no depth image of the camera's size";
+  if (frame.confidence.data != nullptr && !is_image(frame.confidence, depth_camera, 1, KINORA_PIXEL_U8))
+    return format + " gave a confidence image that is not of the depth camera's size";
   if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";
   if (frame.labels.data != nullptr && !is_image(frame.labels, intrinsics_, 1, KINORA_PIXEL_U8))
     return format + " gave a mask that is not of the camera's size";
@@ -151,7 +166,7 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
 
 /// As the undistorted colour camera sees it.
 DepthImage FrameSource::depth_of(const KinoraFrame& given) const {
-  DepthImage depth = metres_of(given.depth, given.depth_unit);
+  DepthImage depth = metres_of(given);
   const std::optional<Undistortion>& undistortion = registration_ ? depth_undistortion_ : undistortion_;
   if (undistortion) depth = undistortion->depth(depth);
   return registration_ ? register_depth(depth, *registration_) : depth;

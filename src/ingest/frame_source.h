@@ -12,7 +12,8 @@ namespace kinora::ingest {
 struct SourceResult {
   int index = 0;
   std::optional<Frame> frame;
-  std::string problem; ///< why there is no frame; empty with a frame and at the end
+  std::string problem;       ///< why there is no frame; empty with a frame and at the end
+  bool has_infrared = false; ///< the plugin delivered an infrared image, which no part of Kinora uses
   bool end = false;
 };
 

@@ -2,11 +2,11 @@
 // same bits for any number of threads; thread-safe.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/image.h"
+#include "ingest/opencv_functions.h"
 #include "ingest/surface_components.h"
 
 namespace kinora::ingest {
@@ -29,12 +29,9 @@ public:
   /// 1 where `color` has the label. What `known` is not sure of is decided by these mixtures and by edges.
   Mask cut(const ColorImage& color, const Image<Belonging>& known) const;
 
-  static constexpr std::size_t kSize = 65; ///< 5 Gaussians: weights, means, covariances; as OpenCV keeps them
-
 private:
-  using Model = std::array<double, kSize>;
-  Model own_{};
-  Model rest_{};
+  ColorMixture own_{};
+  ColorMixture rest_{};
 };
 
 /// Decides anew within `radius` pixels of the labels' borders, by the colours of this frame. Labels too small to have

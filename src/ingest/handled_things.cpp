@@ -1,7 +1,5 @@
 #include "ingest/handled_things.h"
 
-#include <numeric>
-
 #include "core/parallel.h"
 #include "ingest/flat_faces.h"
 

@@ -1,7 +1,6 @@
 // Things that people handle, found over a whole capture: where they were alone, and what they look like.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 

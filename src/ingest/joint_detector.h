@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "ingest/capture.h"
+#include "ingest/opencv_functions.h"
 
 namespace kinora::ingest {
 
@@ -25,7 +26,9 @@ public:
 /// times as large. A joint is where its heat map is largest, a quarter of a cell towards the larger neighbour; its
 /// score is that value. Throws Error: kCorruptInput if the file is missing, is no network that OpenCV can run, or takes
 /// or gives anything else; said before any picture is looked at.
-std::unique_ptr<JointDetector> make_network_detector(const std::filesystem::path& network);
+inline std::unique_ptr<JointDetector> make_network_detector(const std::filesystem::path& network) {
+  return opencv_functions().make_network_detector(network);
+}
 
 /// The capture with joints of its people in every frame (Frame::people): of the labels that the capture says to be
 /// deforming, and of label 1 if it says nothing of that.

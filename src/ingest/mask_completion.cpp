@@ -3,10 +3,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 #include "ingest/grab_cut.h"
-#include "ingest/opencv_images.h"
+#include "ingest/opencv_functions.h"
 #include "ingest/optical_flow.h"
 
 namespace kinora::ingest {
@@ -93,9 +92,9 @@ Mask on_same_surfaces(const Frame& frame, const Mask& found, const Mask& before)
   Mask result = found;
   for (std::size_t i = 0; i < found.pixel_count(); ++i)
     if (pieces.map.data()[i] >= 0 && !wanted[static_cast<std::size_t>(pieces.map.data()[i])]) result.data()[i] = 0;
-  cv::Mat regions;
-  std::vector<bool> measured(static_cast<std::size_t>(cv::connectedComponents(view_of(result), regions)));
-  const auto region = [&](std::size_t i) { return static_cast<std::size_t>(regions.ptr<int>()[i]); };
+  const PixelRegions regions = opencv_functions().connected_regions(result);
+  std::vector<bool> measured(static_cast<std::size_t>(regions.count));
+  const auto region = [&](std::size_t i) { return static_cast<std::size_t>(regions.map.data()[i]); };
   for (std::size_t i = 0; i < found.pixel_count(); ++i)
     if (result.data()[i] != 0 && pieces.map.data()[i] >= 0) measured[region(i)] = true;
   for (std::size_t i = 0; i < found.pixel_count(); ++i)

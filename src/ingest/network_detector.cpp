@@ -139,7 +139,7 @@ private:
 
 } // namespace
 
-std::unique_ptr<JointDetector> make_network_detector(const std::filesystem::path& network) {
+std::unique_ptr<JointDetector> opencv::make_network_detector(const std::filesystem::path& network) {
   return std::make_unique<NetworkDetector>(network);
 }
 

@@ -83,7 +83,7 @@ private:
 
 } // namespace
 
-std::unique_ptr<Segmenter> make_network_segmenter(const std::filesystem::path& network) {
+std::unique_ptr<Segmenter> opencv::make_network_segmenter(const std::filesystem::path& network) {
   return std::make_unique<NetworkSegmenter>(network);
 }
 

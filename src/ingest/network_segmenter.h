@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "ingest/opencv_functions.h"
 #include "ingest/segmenter.h"
 
 namespace kinora::ingest {
@@ -15,6 +16,8 @@ namespace kinora::ingest {
 /// Scores of another size are read at the nearest pixel. No pass over the capture is needed.
 /// Throws Error: kCorruptInput if the file is missing or is no network that OpenCV can run; `label` throws
 /// kCorruptInput if the output is of another form.
-std::unique_ptr<Segmenter> make_network_segmenter(const std::filesystem::path& network);
+inline std::unique_ptr<Segmenter> make_network_segmenter(const std::filesystem::path& network) {
+  return opencv_functions().make_network_segmenter(network);
+}
 
 } // namespace kinora::ingest

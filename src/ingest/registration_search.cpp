@@ -5,9 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
-
 #include "core/parallel.h"
+#include "ingest/opencv_functions.h"
 #include "ingest/segmentation_view.h"
 
 namespace kinora::ingest {
@@ -40,7 +39,7 @@ using Parameters = Eigen::Vector3d;
 double square(double x) { return x * x; }
 
 struct View {
-  std::array<cv::Mat, kBlurs.size()> brightness;
+  std::array<Image<float>, kBlurs.size()> brightness;
   DepthImage depth;
   SE3 camera_to_world;
 };
@@ -53,16 +52,15 @@ struct Pair {
 
 View view_of(Frame&& frame) {
   View view;
-  cv::Mat luma(frame.color.height(), frame.color.width(), CV_32F);
-  for (int v = 0; v < luma.rows; ++v) {
-    for (int u = 0; u < luma.cols; ++u) {
+  Image<float> luma(frame.color.width(), frame.color.height());
+  for (int v = 0; v < luma.height(); ++v) {
+    for (int u = 0; u < luma.width(); ++u) {
       const std::uint8_t* rgb = frame.color.pixel(u, v);
-      luma.at<float>(v, u) = 0.299F * rgb[0] + 0.587F * rgb[1] + 0.114F * rgb[2];
+      luma.at(u, v) = 0.299F * rgb[0] + 0.587F * rgb[1] + 0.114F * rgb[2];
     }
   }
   for (std::size_t i = 0; i < kBlurs.size(); ++i) {
-    const double sigma = luma.cols / kBlurs[i];
-    cv::GaussianBlur(luma, view.brightness[i], {}, sigma, sigma, cv::BORDER_REPLICATE);
+    view.brightness[i] = opencv_functions().gaussian_blur(luma, luma.width() / kBlurs[i]);
   }
   view.depth = std::move(frame.clean_depth);
   view.camera_to_world = frame.camera.camera_to_world;
@@ -137,17 +135,17 @@ struct Look {
   Parameters gradient;
 };
 
-std::optional<Look> look(const cv::Mat& image, const Eigen::Vector3d& point, const Intrinsics& k) {
+std::optional<Look> look(const Image<float>& image, const Eigen::Vector3d& point, const Intrinsics& k) {
   const Eigen::Vector2d pixel = k.project(point);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.cols - 1 && pixel.y() < image.rows - 1)) {
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.width() - 1 && pixel.y() < image.height() - 1)) {
     return std::nullopt;
   }
   const int u = static_cast<int>(pixel.x());
   const int v = static_cast<int>(pixel.y());
   const double x = pixel.x() - u;
   const double y = pixel.y() - v;
-  const float* above = image.ptr<float>(v) + u;
-  const float* below = image.ptr<float>(v + 1) + u;
+  const float* above = image.pixel(u, v);
+  const float* below = image.pixel(u, v + 1);
   const double along_u = (1 - y) * (above[1] - above[0]) + y * (below[1] - below[0]);
   const double along_v = (1 - x) * (below[0] - above[0]) + x * (below[1] - above[1]);
   Look seen;

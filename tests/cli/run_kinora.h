@@ -28,9 +28,10 @@ inline std::string contents_of(const fs::path& path) {
 /// A program under way. Its stderr is read line by line; its stdout lies in a file.
 class Running {
 public:
-  Running(const fs::path& folder, std::vector<std::string> words, const std::string& out_path = {})
+  Running(const fs::path& folder, std::vector<std::string> words, const std::string& out_path = {},
+          const std::string& program = KINORA_PROGRAM)
       : out_path_(out_path.empty() ? (folder / "stdout.txt").string() : out_path), keeps_out_(out_path.empty()) {
-    words.insert(words.begin(), KINORA_PROGRAM);
+    words.insert(words.begin(), program);
     std::vector<char*> argv;
     argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
@@ -44,7 +45,7 @@ public:
       dup2(ends[1], STDERR_FILENO);
       close(ends[0]);
       close(ends[1]);
-      execv(KINORA_PROGRAM, argv.data());
+      execv(program.c_str(), argv.data());
       _exit(127);
     }
     close(ends[1]);

@@ -40,6 +40,45 @@ TEST_F(Tool, VersionNamesTheLibraries) {
   }
 }
 
+TEST_F(Tool, StartsWithoutTheLibrariesThatFewCommandsNeed) {
+  setenv("LD_TRACE_LOADED_OBJECTS", "1", 1); // the linker lists what it would load, and does no more
+  const Said said = run({"--help"});
+  unsetenv("LD_TRACE_LOADED_OBJECTS");
+  EXPECT_NE(said.out.find("libstdc++"), std::string::npos) << said.out;
+  for (const char* library : {"libopencv", "libopenvdb", "libavcodec"}) {
+    EXPECT_EQ(said.out.find(library), std::string::npos) << said.out;
+  }
+}
+
+TEST_F(Tool, AMissingModuleIsNamedWithExitCode6) {
+  fs::create_directory(folder_.path() / "bin");
+  const std::string program = path("bin/kinora"); // a copy, beside which no modules lie
+  fs::copy_file(KINORA_PROGRAM, program);
+  const auto run_copy = [&](const std::vector<std::string>& words) {
+    return Running(folder_.path(), words, "", program).finish();
+  };
+  const std::string clip = sample_clip();
+  write_numbered(folder_, 3);
+  folder_.write("net.onnx", "any");
+  expect_error(run_copy({"render", clip, path("film.mp4"), "--size", "32x24"}), 6, "lib/kinora/mp4.so is not there");
+  expect_error(run_copy({"convert", clip, path("v.vdb"), "-q"}), 6, "lib/kinora/openvdb.so is not there");
+  expect_error(run_copy({"encode", folder_.path(), path("c.mkv"), "--segmenter", path("net.onnx")}), 6,
+               "lib/kinora/opencv.so is not there");
+  const Said formats = run_copy({"formats"});
+  EXPECT_EQ(formats.code, 0) << formats.err;
+  EXPECT_NE(formats.out.find("mp4.so is not installed"), std::string::npos) << formats.out;
+}
+
+TEST_F(Tool, InfoSaysWhatAFormatBringsThatIsNotUsed) {
+  folder_.write("a.world", "flat");
+  const std::vector<std::string> words = {"info", path("a.world"), "--plugin-dir",
+                                          fs::path(KINORA_EXAMPLE_PLUGIN).parent_path()};
+  const Said said = run(words);
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("Infrared images, which this format can bring, are not used."), std::string::npos)
+      << said.out;
+}
+
 TEST_F(Tool, WrongWordsAreUsageErrors) {
   expect_error(run({}), 2, "--help");
   expect_error(run({"dance"}), 2, "--help");

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <string_view>
 
 #include <unistd.h>

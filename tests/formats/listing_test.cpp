@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "formats/sample_capture.h"
 #include "rgbd_folder/numbering.h"
 

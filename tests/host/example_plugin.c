@@ -1,5 +1,5 @@
-/* An external plugin in plain C: reads files that begin with "flat" as captures of grey frames. Variants for tests of
- * bad plugins are chosen when it is compiled. */
+/* An external plugin in plain C: reads files that begin with "flat" as captures of grey frames, with infrared, and with
+ * no confidence in the first column of depth. Variants for tests of bad plugins are chosen when it is compiled. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +19,8 @@ struct KinoraReader {
   int64_t next;
   uint8_t color[WIDTH * HEIGHT * 3];
   uint16_t depth[WIDTH * HEIGHT];
+  uint16_t infrared[WIDTH * HEIGHT];
+  uint8_t confidence[WIDTH * HEIGHT];
 };
 
 static void probe(const char* path, KinoraProbe* answer) {
@@ -60,7 +62,11 @@ static KinoraStatus reader_next(KinoraReader* reader, KinoraFrame* frame, Kinora
     return KINORA_BAD_FRAME;
   }
   memset(reader->color, (int)(100 + frame->index), sizeof reader->color);
-  for (int i = 0; i < WIDTH * HEIGHT; ++i) reader->depth[i] = 500;
+  for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+    reader->depth[i] = 500;
+    reader->infrared[i] = 1000;
+    reader->confidence[i] = i % WIDTH == 0 ? 0 : 2;
+  }
   frame->time = 0.1 * (double)frame->index;
   frame->color.width = frame->depth.width = WIDTH;
   frame->color.height = frame->depth.height = HEIGHT;
@@ -72,6 +78,11 @@ static KinoraStatus reader_next(KinoraReader* reader, KinoraFrame* frame, Kinora
   frame->depth.pixel_type = KINORA_PIXEL_U16;
   frame->depth.row_bytes = WIDTH * 2;
   frame->depth.data = reader->depth;
+  frame->infrared = frame->confidence = frame->depth;
+  frame->infrared.data = reader->infrared;
+  frame->confidence.pixel_type = KINORA_PIXEL_U8;
+  frame->confidence.row_bytes = WIDTH;
+  frame->confidence.data = reader->confidence;
   frame->depth_unit = 0.002;
   return KINORA_OK;
 }
@@ -83,7 +94,8 @@ static const KinoraFormat format = {.struct_size = sizeof(KinoraFormat),
                                     .name = EXAMPLE_NAME,
                                     .description = "a flat world",
                                     .extensions = "",
-                                    .capabilities = KINORA_READS_FRAMES,
+                                    .capabilities =
+                                        KINORA_READS_FRAMES | KINORA_READS_CONFIDENCE | KINORA_READS_INFRARED,
                                     .probe = probe,
                                     .open_reader = open_reader,
                                     .reader_info = reader_info,

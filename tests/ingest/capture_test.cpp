@@ -32,6 +32,12 @@ protected:
     return frames;
   }
 
+  void load_example_plugin() {
+    const fs::path folders[] = {fs::path(KINORA_EXAMPLE_PLUGIN).parent_path()};
+    host::load_external_plugins(plugins_, folders, listener_);
+    listener_.warnings.clear(); // of its broken variants
+  }
+
   /// Opens and reads everything; the error must have this code and its sentence must hold these words.
   void expect_error(ErrorCode code, const std::vector<std::string>& words, const CaptureOptions& options = {}) {
     try {
@@ -117,6 +123,42 @@ TEST_F(CaptureTest, CarriesDepthIntoTheColourCameraThatItIsGiven) {
   // The capture's pose is the depth camera's, 20 cm before the colour camera's.
   const SE3 expected_pose = as_given[1].camera.camera_to_world * options.registration->depth_to_color.inverse();
   EXPECT_TRUE(frames[1].camera.camera_to_world.isApprox(expected_pose));
+}
+
+TEST_F(CaptureTest, DepthWithoutConfidenceIsNoMeasurementAndInfraredIsWarnedOfOnce) {
+  load_example_plugin();
+  folder_.write("a.world", "flat and grey");
+  const auto capture = Capture::open(plugins_, folder_.path() / "a.world", {}, listener_);
+  const std::vector<Frame> frames = read_all(*capture);
+  ASSERT_EQ(frames.size(), 3U);
+  for (const Frame& frame : frames) {
+    for (int v = 0; v < frame.depth.height(); ++v) {
+      for (int u = 0; u < frame.depth.width(); ++u) EXPECT_FLOAT_EQ(frame.depth.at(u, v), u == 0 ? 0.0F : 1.0F);
+    }
+  }
+  const auto of_infrared = [](const std::string& sentence) { return sentence.find("infrared") != std::string::npos; };
+  EXPECT_EQ(std::ranges::count_if(listener_.warnings, of_infrared), 1);
+}
+
+const KinoraFormat* flat = nullptr; ///< the example plugin's format
+
+KinoraStatus next_with_narrow_confidence(KinoraReader* reader, KinoraFrame* frame, KinoraMessage* message) {
+  const KinoraStatus status = flat->reader_next(reader, frame, message);
+  --frame->confidence.width;
+  return status;
+}
+
+TEST_F(CaptureTest, FramesWithConfidenceOfAnotherSizeThanDepthAreBad) {
+  load_example_plugin();
+  flat = &plugins_.find("flat");
+  KinoraFormat narrow = *flat;
+  narrow.name = "narrow";
+  narrow.reader_next = next_with_narrow_confidence;
+  const KinoraFormat* const formats[] = {&narrow};
+  plugins_.add({sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "narrow", "1", formats, 1}, "test");
+  CaptureOptions options;
+  options.format = "narrow";
+  expect_error(ErrorCode::kCorruptInput, {"confidence image", "depth camera's size"}, options);
 }
 
 TEST_F(CaptureTest, RefusesCamerasOfAnotherSize) {

@@ -1,7 +1,6 @@
 // Real captures and a synthetic one, where they are there; never part of the repository.
 #include <gtest/gtest.h>
 
-#include "core/error.h"
 #include "host/plugin_table.h"
 #include "ingest/capture.h"
 #include "ingest/ground_truth.h"

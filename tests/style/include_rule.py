@@ -12,6 +12,8 @@ ROOMS = ["core", "container", "host", "ingest", "tracking", "fields", "encode", 
 ONE_USER = {
     "tbb/": re.compile(r"src/core/parallel\w*\.cpp"),
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
+    "libav": re.compile(r"formats/mp4/.*"),
+    "opencv2/": re.compile(r"src/ingest/(.*/)?(network|onnx|opencv)_\w+\.(cpp|h)"),
     "hwy/": re.compile(r"(src|tests|bench)/.*_simd\w*\.(cpp|h)"),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]', re.MULTILINE)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that an installation holds the tool and the public headers, and nothing else.
+"""Checks that an installation holds the tool, its modules and the public headers, and nothing else, and that it runs.
 
 usage: install_check.py ROOT BUILD
 """
@@ -13,7 +13,9 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     headers = pathlib.Path(sys.argv[1]) / "include"
-    expected = {"bin/kinora"} | {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h")}
+    modules = pathlib.Path(sys.argv[2]) / "lib/kinora"
+    expected = {"bin/kinora"} | {f"lib/kinora/{p.name}" for p in modules.glob("*.so")}
+    expected |= {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h")}
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cmake", "--install", sys.argv[2], "--prefix", folder], check=True, stdout=subprocess.DEVNULL)
         prefix = pathlib.Path(folder)
@@ -24,7 +26,10 @@ def main():
             print(f"public, but not installed: {name}")
         if found != expected:
             sys.exit(1)
-        subprocess.run([str(prefix / "bin/kinora"), "--version"], check=True)
+        said = subprocess.run([str(prefix / "bin/kinora"), "formats"], check=True, capture_output=True, text=True).stdout
+        for module in modules.glob("*.so"):
+            if f"{module.name} is not installed" in said:
+                sys.exit(f"the installed program does not find {module.name}")
 
 
 if __name__ == "__main__":
