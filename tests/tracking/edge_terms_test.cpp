@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "core/robust_cost.h"
 #include "support/every_instruction_set.h"
 
 namespace kinora::tracking {
 namespace {
 
 constexpr double kSigma = 0.005;
-constexpr double kHuber = 1.5;
+constexpr Huber kHuber{kHuberThreshold};
 
 class EdgeTermsTest : public OnEveryInstructionSet {};
 
@@ -30,8 +31,8 @@ TEST_P(EdgeTermsTest, AreThoseOfAPlainLoop) {
   for (int e = 0; e < 77; ++e) edges[static_cast<std::size_t>(e)] = {e % 30, (e + 1 + e / 30) % 30};
   const std::vector<EdgeRow> rows = rows_of(edges, nodes);
   std::vector<EdgeResiduals> residuals(edges.size());
-  const double energy = energy_of(rows, rows_of(states), kSigma, kHuber, residuals);
-  EXPECT_EQ(energy_of(rows, rows_of(states), kSigma, kHuber), energy);
+  const double energy = energy_of(rows, rows_of(states), kSigma, kHuber.threshold, residuals);
+  EXPECT_EQ(energy_of(rows, rows_of(states), kSigma, kHuber.threshold), energy);
   double expected = 0;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     for (const bool there : {true, false}) {
@@ -40,10 +41,10 @@ TEST_P(EdgeTermsTest, AreThoseOfAPlainLoop) {
       const Eigen::Vector3d residual =
           states.positions[i] + states.transforms[i].real * (nodes[j] - nodes[i]) - states.positions[j];
       const double size = residual.norm() / kSigma;
-      expected += size <= kHuber ? 0.5 * size * size : kHuber * (size - 0.5 * kHuber);
+      expected += kHuber.cost(size);
       const EdgeResidual& found = residuals[e][there ? 0 : 1];
       EXPECT_LT((found.value.cast<double>() - residual).norm(), 2e-6) << e;
-      EXPECT_NEAR(found.weight * kSigma * kSigma, size <= kHuber ? 1 : kHuber / size, 1e-3) << e;
+      EXPECT_NEAR(found.weight * kSigma * kSigma, kHuber.weight(size), 1e-3) << e;
     }
   }
   EXPECT_NEAR(energy, expected, 1e-3 * expected);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/robust_cost.h"
 #include "support/every_instruction_set.h"
 #include "tracking/node_motions.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 using testing::random_vector;
 
-constexpr double kHuber = 1.5;
+constexpr Huber kHuber{kHuberThreshold};
 constexpr int kNodes = 20;
 
 /// Points about two metres away, some without terms, some beside the picture, on a smooth texture.
@@ -59,11 +60,6 @@ struct Scene {
   }
 };
 
-double huber(double value) {
-  return std::abs(value) <= kHuber ? 0.5 * value * value : kHuber * (std::abs(value) - 0.5 * kHuber);
-}
-double huber_weight(double value) { return std::abs(value) <= kHuber ? 1 : kHuber / std::abs(value); }
-
 struct Plain {
   double energy = 0;
   double residuals[2] = {};
@@ -76,9 +72,9 @@ Plain plain_rows(const Scene& s, std::size_t p, int level) {
   const Eigen::Vector3d place = s.pose.points[p].place.cast<double>();
   const Eigen::Vector3d normal = terms.plane_normal.cast<double>();
   const double plane = terms.plane_scale * (normal.dot(place) + terms.plane_offset);
-  result.energy = huber(plane);
-  result.residuals[0] = std::sqrt(huber_weight(plane)) * plane;
-  result.gradients[0] = std::sqrt(huber_weight(plane)) * terms.plane_scale * normal;
+  result.energy = kHuber.cost(plane);
+  result.residuals[0] = std::sqrt(kHuber.weight(plane)) * plane;
+  result.gradients[0] = std::sqrt(kHuber.weight(plane)) * terms.plane_scale * normal;
   const double fx = s.view.intrinsics.fx / place.z();
   const double fy = s.view.intrinsics.fy / place.z();
   const TextureSample image =
@@ -90,9 +86,9 @@ Plain plain_rows(const Scene& s, std::size_t p, int level) {
   for (std::size_t t = 0; t < PointTerms::kTextures; ++t) {
     const double scale = terms.texture_scale[t];
     const double value = scale * (image.value - terms.expected[t]);
-    result.energy += huber(value);
-    information += huber_weight(value) * scale * scale;
-    sum += huber_weight(value) * scale * value;
+    result.energy += kHuber.cost(value);
+    information += kHuber.weight(value) * scale * scale;
+    sum += kHuber.weight(value) * scale * value;
   }
   if (information > 0 && !slope.isZero(0)) {
     result.residuals[1] = sum / std::sqrt(information);
@@ -109,10 +105,10 @@ TEST_P(PointTermsTest, AreThoseOfAPlainLoop) {
     const TextureImage texture = texture_image(s.view, level);
     std::vector<PointRows> rows(s.points.size());
     std::vector<PointJacobians> jacobians(s.points.size());
-    const double energy = energy_of(s.pose.points, s.terms, texture, kHuber);
-    EXPECT_NEAR(find_rows(s.pose.points, s.terms, texture, kHuber, rows), energy, 1e-5 * energy);
-    EXPECT_NEAR(find_jacobians(s.points, s.pose.rows, s.pose.points, s.terms, texture, kHuber, jacobians), energy,
-                1e-5 * energy);
+    const double energy = energy_of(s.pose.points, s.terms, texture, kHuber.threshold);
+    EXPECT_NEAR(find_rows(s.pose.points, s.terms, texture, kHuber.threshold, rows), energy, 1e-5 * energy);
+    EXPECT_NEAR(find_jacobians(s.points, s.pose.rows, s.pose.points, s.terms, texture, kHuber.threshold, jacobians),
+                energy, 1e-5 * energy);
     double expected = 0;
     for (std::size_t p = 0; p < s.points.size(); ++p) {
       const Plain plain = plain_rows(s, p, level);
