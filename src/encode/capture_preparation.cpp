@@ -44,7 +44,7 @@ double largest_change(const CameraPath& before, const CameraPath& after) {
 class Preparation {
 public:
   Preparation(const CaptureRequest& request, Progress& progress)
-      : request_(request), options_(request.options), progress_(progress), quiet_(progress) {
+      : request_(request), options_(request.options), progress_(progress), quiet_(progress), tracker_(request.camera) {
     // A network that is none is known before the work begins.
     if (!request.detector.empty()) {
       detector_ = ingest::make_network_detector(request.detector);
@@ -95,7 +95,7 @@ private:
     std::shared_ptr<const CameraPath> best = result_.camera;
     double most = explained();
     const tracking::CameraTrackerConfig usual = tracker_;
-    tracking::CameraTrackerConfig of_little;
+    tracking::CameraTrackerConfig of_little = usual;
     of_little.min_pixels = kLeastOfPlanes;
     of_little.frames_to_move = 0;
     tracker_ = of_little;

@@ -21,33 +21,6 @@ Json config_json(const fields::FieldConfig& config) {
           {"geometry", fields::name_of(config.geometry)}};
 }
 
-Json config_json(const fields::TrainerConfig& config) {
-  return {{"seed", config.seed},
-          {"rays", config.rays},
-          {"rays_per_step", config.rays_per_step},
-          {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
-          {"final_learning_rate", config.final_learning_rate},
-          {"negligible_gradient", config.negligible_gradient},
-          {"largest_log2_table_size", config.largest_log2_table_size},
-          {"drop_stray_cells", config.drop_stray_cells},
-          {"exact_depth", config.exact_depth},
-          {"loss_weights",
-           {{"color", config.loss.color},
-            {"opacity", config.loss.opacity},
-            {"depth", config.loss.depth},
-            {"emptiness", config.loss.emptiness},
-            {"empty_rays", config.loss.empty_rays},
-            {"depth_clamp", config.loss.depth_clamp},
-            {"distance", config.loss.distance}}},
-          {"noise", round4(config.loss.noise)},
-          {"sampling",
-           {{"surface_samples", config.sampling.surface_samples},
-            {"free_samples", config.sampling.free_samples},
-            {"unmeasured_samples", config.sampling.unmeasured_samples},
-            {"emptiness_samples", config.sampling.emptiness_samples},
-            {"near_depth_m", config.sampling.near_depth}}}};
-}
-
 Json geometry_json(const fields::GeometryTrial& trial) {
   if (trial.frames == 0) return {{"chosen", fields::name_of(trial.chosen)}, {"why", "nothing else was tried"}};
   const auto error = [](const fields::DrawingError& e) {

@@ -15,7 +15,6 @@ namespace kinora::encode {
 double round4(double value);
 
 nlohmann::json config_json(const fields::FieldConfig& config);
-nlohmann::json config_json(const fields::TrainerConfig& config);
 nlohmann::json geometry_json(const fields::GeometryTrial& trial);
 nlohmann::json motion_json(const TrackedLabel& label, const tracking::Motion& motion);
 nlohmann::json refinement_json(const MotionRefinement& refinement, std::size_t draft_rays);

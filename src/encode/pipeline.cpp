@@ -133,8 +133,9 @@ std::vector<LayerJob> share_rays(const Pass& pass, const EncodeOptions& options,
   }
   const Intrinsics& camera = pass.clip.intrinsics;
   const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(pass.clip.times.size());
-  const auto budget =
-      std::clamp(static_cast<std::size_t>(options.rays_per_pixel * pixels), options.min_rays, options.max_rays);
+  const TrainingBudget& given = options.settings.budget;
+  const auto budget = std::clamp(static_cast<std::size_t>(given.rays_per_pixel * pixels), given.min_rays,
+                                 std::max(given.min_rays, given.max_rays));
   for (LayerJob& job : jobs) {
     const double share = std::sqrt(static_cast<double>(job.rays)) / weights;
     job.rays = static_cast<std::size_t>(share * static_cast<double>(budget));
@@ -202,17 +203,16 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   Layer layer{unique_name(tracked.plan.name, pass.clip), label, {}, pass.scene.motion_of(tracked)};
   fields::FieldNeed need;
   fields::FieldConfig config = fields::choose_field_config(pass.pixels, label, layer.motion, &need);
-  fields::TrainerConfig trainer;
-  trainer.seed = options.seed;
-  trainer.rays = job.rays;
+  fields::TrainerConfig trainer = options.settings.fields.trainer;
+  if (trainer.rays == 0) trainer.rays = job.rays;
   fields::ViewAgreement agreement;
   const auto compare_views = [&] {
     agreement = fields::agreement_of_views(pass.pixels, label, layer.motion);
-    fields::adapt_to(agreement, trainer);
+    fields::adapt_to(agreement, options.settings.fields.trainer, trainer);
   };
   compare_views();
   fields::GeometryTrial trial;
-  if (options.try_geometries) {
+  if (options.settings.budget.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
     trial = pass.times.measure("try geometries of " + layer.name, [&] {
       return fields::try_geometries(pass.pixels, label, layer.motion, config, trainer, progress);
@@ -241,7 +241,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   layer.joints = pass.scene.joints_of(tracked);
   const std::string why = reason_of(tracked, layer.motion);
   pass.clip.metadata["layers"][layer.name] = {
-      {"label", label}, {"why", why}, {"field", config_json(layer.field.config)}, {"trainer", config_json(trainer)}};
+      {"label", label}, {"why", why}, {"field", config_json(layer.field.config)}, {"trainer", settings_json(trainer)}};
   report["layers"].push_back({{"name", layer.name},
                               {"label", label},
                               {"why", why},
@@ -321,10 +321,10 @@ Json streams_json(const ingest::StreamEstimates& estimates, const ingest::FoundR
 
 EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions& options, Progress& progress) {
   const ingest::CaptureInfo& info = prepared.capture->info();
-  tracking::DeformingTrackerConfig deforming;
-  if (options.body) deforming.body.tracker.known = *options.body;
-  Pass pass{fields::PixelStore(options.max_stored_pixels, options.expected_frames(info.frame_count)),
-            SceneTracker(info, deforming, progress),
+  TrackingSettings tracking = options.settings.tracking;
+  if (options.body) tracking.deforming.body.tracker.known = *options.body;
+  Pass pass{fields::PixelStore(options.settings.budget.max_stored_pixels, options.expected_frames(info.frame_count)),
+            SceneTracker(info, tracking, progress),
             {},
             {},
             0,
@@ -343,11 +343,13 @@ EncodeResult encode_capture(const PreparedCapture& prepared, const EncodeOptions
   Json config = options.json();
   config["labels_from"] = prepared.labels_from;
   config["joints_from"] = prepared.joints_from;
-  pass.clip.metadata["encoder"] = {{"version", KINORA_VERSION}, {"options", config}};
+  pass.clip.metadata["encoder"] = {
+      {"version", KINORA_VERSION}, {"options", config}, {"settings", settings_json(options.settings)}};
   pass.clip.metadata["frames_per_second"] = info.frames_per_second;
   if (info.registration) pass.clip.metadata["registration"] = ingest::to_json(*info.registration);
   report["version"] = KINORA_VERSION;
   report["config"] = std::move(config);
+  report["settings"] = pass.clip.metadata["encoder"]["settings"];
   report["capture"] = capture_json(prepared, pass);
   report["camera"] = camera_json(prepared);
   report["streams"] = streams_json(pass.streams, prepared.registration);

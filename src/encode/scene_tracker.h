@@ -10,6 +10,7 @@
 
 #include "core/progress.h"
 #include "encode/layer_plan.h"
+#include "encode/settings.h"
 #include "encode/stage_times.h"
 #include "ingest/frame.h"
 #include "tracking/deforming_tracker.h"
@@ -37,8 +38,7 @@ struct TrackedLabel {
 /// remembered (tracking::FrameMemory), and without a body. Not thread-safe.
 class SceneTracker {
 public:
-  SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
-               Progress& progress);
+  SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress);
 
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
@@ -63,7 +63,7 @@ private:
   void let_bend(TrackedLabel& tracked);
 
   const ingest::CaptureInfo& capture_;
-  tracking::DeformingTrackerConfig deforming_;
+  TrackingSettings settings_;
   Progress& progress_;
   int frames_ = 0;
   std::map<int, TrackedLabel> labels_;

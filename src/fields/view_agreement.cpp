@@ -115,26 +115,26 @@ ViewAgreement agreement_of_views(const PixelStore& pixels, int label, const trac
   return agreement;
 }
 
-LossWeights weights_for(const ViewAgreement& agreement) {
+LossWeights weights_for(const ViewAgreement& agreement, const LossWeights& usual) {
   constexpr double kRough = 0.005; // from so many looks on, opaque silhouettes would grow
   constexpr double kMostNoise = 6; // beyond it bands would hold more than one surface
   const auto trust = [&](double bound) {
     return static_cast<float>(agreement.looks == 0 ? 0 : std::max(0.0, 1 - agreement.seen_through / bound));
   };
-  LossWeights weights;
+  LossWeights weights = usual;
   weights.opacity *= 1 + trust(kRough);
   weights.depth *= 1 + trust(kRough);
   weights.empty_rays /= 1 + trust(kDoubt);
-  weights.noise = static_cast<float>(std::clamp(agreement.noise, 1.0, kMostNoise));
+  weights.noise = static_cast<float>(std::max<double>(usual.noise, std::min(agreement.noise, kMostNoise)));
   return weights;
 }
 
-void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer) {
+void adapt_to(const ViewAgreement& agreement, const TrainerConfig& usual, TrainerConfig& trainer) {
   constexpr double kExact = 0.25; // standard deviations of the sensor: less than a quarter of a pixel's footprint
   const bool contradict = agreement.looks == 0 || agreement.seen_through >= kDoubt;
-  trainer.loss = weights_for(agreement);
-  trainer.drop_stray_cells = contradict;
-  trainer.exact_depth = !contradict && agreement.noise > 0 && agreement.noise < kExact;
+  trainer.loss = weights_for(agreement, usual.loss);
+  trainer.drop_stray_cells = usual.drop_stray_cells && contradict;
+  trainer.exact_depth = usual.exact_depth || (!contradict && agreement.noise > 0 && agreement.noise < kExact);
 }
 
 } // namespace kinora::fields

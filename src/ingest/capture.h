@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "ingest/depth_cleaning.h"
 #include "ingest/frame.h"
 #include "ingest/registration.h"
 
@@ -32,6 +33,7 @@ struct CaptureOptions {
   std::string format; ///< name of the format to read with; empty: whoever recognises it best
   FrameRange frames;
   bool use_masks = true; ///< false: masks on disk are not read
+  DepthCleaning cleaning;
   /// The two cameras of a capture that says colour and depth are one camera's; its poses are then the depth camera's.
   std::optional<RegistrationGeometry> registration;
 };

@@ -78,8 +78,8 @@ RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* 
 } // namespace
 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
-    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), position_(range_.begin),
-      intrinsics_(intrinsics_of(reader_.info().camera)) {
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), cleaning_(options.cleaning),
+      position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
   undistortion_ = undistortion_of(info.camera);
@@ -172,7 +172,7 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
     frame.color = undistortion_->color(frame.color);
     if (!frame.labels.empty()) frame.labels = undistortion_->labels(frame.labels);
   }
-  frame.clean_depth = clean_depth(frame.depth, intrinsics_);
+  frame.clean_depth = clean_depth(frame.depth, intrinsics_, cleaning_);
   return frame;
 }
 
