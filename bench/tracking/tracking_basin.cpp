@@ -39,7 +39,7 @@ DeformingTrackerConfig config_of(Setting setting) {
   if (setting != kFull) {
     config.use_searches = false;
     config.body.tracker.use_searches = false;
-    config.alignment.silhouette_share = 0;
+    config.solver.silhouette_share = 0;
   }
   config.use_body = setting != kGraph;
   return config;

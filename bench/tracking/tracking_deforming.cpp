@@ -118,14 +118,14 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.fuse_interval = whole("fuse_interval");
   config.use_body = whole("body") != 0;
   config.use_objects = whole("interaction") != 0;
-  config.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
-  config.alignment.rigid_iterations = whole("rigid");
-  config.alignment.pcg_iterations = whole("pcg");
-  config.alignment.worthwhile = knobs.at("worthwhile");
-  config.alignment.rigidity = knobs.at("rigidity");
-  config.alignment.prior_sigma = knobs.at("prior");
-  config.alignment.photometric_share = knobs.at("texture");
-  config.alignment.silhouette_share = knobs.at("silhouette");
+  config.solver.iterations = {whole("coarse"), whole("middle"), whole("fine")};
+  config.solver.rigid_iterations = whole("rigid");
+  config.solver.pcg_iterations = whole("pcg");
+  config.solver.worthwhile = knobs.at("worthwhile");
+  config.solver.rigidity = knobs.at("rigidity");
+  config.solver.prior_sigma = knobs.at("prior");
+  config.solver.photometric_share = knobs.at("texture");
+  config.solver.silhouette_share = knobs.at("silhouette");
   return config;
 }
 
@@ -189,7 +189,7 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
 
 int main(int argc, char** argv) {
   const tracking::DeformingTrackerConfig defaults;
-  const tracking::DeformingAlignmentConfig& alignment = defaults.alignment;
+  const tracking::DeformingAlignmentConfig& alignment = defaults.solver;
   bench::Knobs knobs{{"label", {1}},
                      {"points", {static_cast<double>(defaults.max_points)}},
                      {"nodes", {static_cast<double>(defaults.first_nodes)}},

@@ -65,6 +65,7 @@ encode::PreparedCapture prepare(const Options& options, const encode::Settings& 
     return ingest::Capture::open(context.plugins(), options.capture, how, progress);
   };
   request.options = capture_options(options);
+  request.options.max_depth = settings.ingest.max_depth;
   request.options.cleaning = settings.ingest.cleaning;
   request.camera = settings.tracking.camera;
   request.network = options.segmenter;
@@ -80,6 +81,7 @@ encode::EncodeOptions encode_options(const Options& options) {
   out.holdout = options.holdout;
   if (options.seed) out.settings.fields.trainer.seed = *options.seed;
   for (const std::string& change : options.changes) encode::list_settings(out.settings).change(change);
+  encode::check(out.settings);
   out.frames = capture_options(options).frames;
   return out;
 }

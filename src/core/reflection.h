@@ -36,7 +36,7 @@ template <class T, std::size_t N = 0> constexpr std::size_t count_fields() {
 // clang-format off
 template <class T> constexpr auto tie_fields(T& o) {
   constexpr std::size_t n = count_fields<std::remove_const_t<T>>();
-  static_assert(n >= 1 && n <= 24, "more fields than that are better kept in structs of their own");
+  static_assert(n >= 1 && n <= 32, "more fields than that are better kept in structs of their own");
 #define KINORA_TIE(count, ...) else if constexpr (n == (count)) { auto& [__VA_ARGS__] = o; return std::tie(__VA_ARGS__); }
   if constexpr (n == 0) return std::tuple<>();
   KINORA_TIE(1, a)
@@ -63,6 +63,14 @@ template <class T> constexpr auto tie_fields(T& o) {
   KINORA_TIE(22, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x)
   KINORA_TIE(23, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y)
   KINORA_TIE(24, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z)
+  KINORA_TIE(25, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A)
+  KINORA_TIE(26, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B)
+  KINORA_TIE(27, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C)
+  KINORA_TIE(28, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C, D)
+  KINORA_TIE(29, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C, D, E)
+  KINORA_TIE(30, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C, D, E, F)
+  KINORA_TIE(31, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C, D, E, F, G)
+  KINORA_TIE(32, a, b, c, d, e, f, g, h, i, j, k, l, m, p, q, r, s, t, u, v, w, x, y, z, A, B, C, D, E, F, G, H)
 #undef KINORA_TIE
 }
 // clang-format on

@@ -16,6 +16,15 @@
 
 namespace kinora::encode {
 
+struct MotionRefinementConfig {
+  int rounds = 2;            ///< Gauss–Newton steps, each with the field looked at anew
+  double rigidity = 0.1;     ///< standard deviation of a neighbour's place, in units of the nodes' spacing
+  double prior_sigma = 0.01; ///< metres from where the tracker had a node
+  double huber = 1.5;        ///< standard deviations
+  int pcg_iterations = 60;
+  double pcg_tolerance = 1e-2;
+};
+
 struct MotionRefinement {
   std::size_t frames = 0;  ///< in which nodes were moved
   double color_before = 0; ///< typical difference (robust deviation, of 1) of field and pixels, mean over these frames
@@ -28,6 +37,7 @@ struct MotionRefinement {
 /// Error(kInterrupted) when cancelled.
 tracking::Motion refine_motion(const fields::Field& field, const fields::PixelStore& pixels, int label,
                                const tracking::Motion& motion, std::span<const tracking::GraphEdge> edges,
-                               double node_spacing, Progress& progress, MotionRefinement* report = nullptr);
+                               double node_spacing, Progress& progress, MotionRefinement* report = nullptr,
+                               const MotionRefinementConfig& config = {});
 
 } // namespace kinora::encode

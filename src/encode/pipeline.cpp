@@ -172,7 +172,8 @@ struct RefinedLayer {
 };
 
 RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig& config,
-                          const fields::TrainerConfig& trainer, Pass& pass, Layer& layer, Progress& progress) {
+                          const fields::TrainerConfig& trainer, const EncodeOptions& options, Pass& pass, Layer& layer,
+                          Progress& progress) {
   constexpr double kDraftRays = 0.3; // of the layer's (docs/fields.md)
   RefinedLayer refined;
   refined.draft_rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
@@ -186,7 +187,8 @@ RefinedLayer refine_layer(const TrackedLabel& tracked, const fields::FieldConfig
   progress.stage("refining the motion of " + layer.name, pass.pixels.frames().size());
   layer.motion = pass.times.measure("refine the motion of " + layer.name, [&] {
     return refine_motion(refined.draft, pass.pixels, tracked.plan.label, layer.motion, tracked.bending->edges(),
-                         tracked.bending->node_spacing(), progress, &refined.refinement);
+                         tracked.bending->node_spacing(), progress, &refined.refinement,
+                         options.settings.fields.refinement);
   });
   return refined;
 }
@@ -221,7 +223,7 @@ void train_layer(const LayerJob& job, const EncodeOptions& options, Pass& pass, 
   config.geometry = trial.chosen;
   std::optional<RefinedLayer> refined;
   if (layer.motion.kind() == tracking::MotionKind::kDeforming) {
-    refined = refine_layer(tracked, config, trainer, pass, layer, progress);
+    refined = refine_layer(tracked, config, trainer, options, pass, layer, progress);
     compare_views();
     // The training begins with the draft, of which nearly all is right.
     constexpr float kRate = 0.3F;

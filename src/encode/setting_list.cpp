@@ -47,13 +47,18 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-// How much has to be typed otherwise, if names may be left out at the beginning.
+// How much of each name has to be typed otherwise; of the last one, which names the setting, in the path's last place.
 std::size_t unlikeness(std::string_view wanted, std::string_view path) {
-  std::size_t least = edits_between(wanted, path);
-  for (std::size_t dot = path.find('.'); dot != std::string_view::npos; dot = path.find('.', dot + 1)) {
-    least = std::min(least, edits_between(wanted, path.substr(dot + 1)));
+  if (path.starts_with(std::string(wanted) + '.')) return 0; // a struct of several
+  const auto some = names_in(wanted);
+  const auto all = names_in(path);
+  std::size_t sum = 2 * edits_between(some.back(), all.back());
+  for (std::size_t i = 0; i + 1 < some.size(); ++i) {
+    std::size_t least = some[i].size();
+    for (const std::string_view name : all) least = std::min(least, edits_between(some[i], name));
+    sum += least;
   }
-  return least;
+  return sum;
 }
 
 std::string nearest_to(const std::string& wanted, const std::vector<Setting>& settings) {

@@ -38,7 +38,11 @@ template <std::integral T> struct SettingValue<T> {
   static std::string type() { return "a whole number, 0 or more"; }
   static nlohmann::json json(T value) { return value; }
   static std::optional<T> read(const nlohmann::json& json) {
-    if (!json.is_number_unsigned() && !(json.is_number_integer() && json.get<std::int64_t>() >= 0)) return std::nullopt;
+    constexpr double kExact = 1ULL << 53U; // a whole number may be written as 2e7
+    if (!json.is_number() || json.get<double>() < 0) return std::nullopt;
+    if (json.is_number_float() &&
+        !(json.get<double>() <= kExact && json.get<double>() == std::floor(json.get<double>())))
+      return std::nullopt;
     const auto value = json.get<std::uint64_t>();
     return std::in_range<T>(value) ? std::optional(static_cast<T>(value)) : std::nullopt;
   }
@@ -131,7 +135,8 @@ class SettingList {
 public:
   template <PlainStruct T> explicit SettingList(T& root) { append("", root); }
 
-  const std::vector<Setting>& all() const { return settings_; }
+  const std::vector<Setting>& all() const& { return settings_; }
+  std::vector<Setting> all() && { return std::move(settings_); }
   /// Structs as objects.
   nlohmann::json json() const;
   /// "path=value", as a user writes it. Names within the path may be left out where one setting alone is meant:

@@ -4,9 +4,10 @@
 
 #include <cstddef>
 
+#include "encode/motion_refinement.h"
 #include "encode/setting_list.h"
 #include "fields/trainer.h"
-#include "ingest/depth_cleaning.h"
+#include "ingest/capture.h"
 #include "tracking/camera_tracker.h"
 #include "tracking/deforming_tracker.h"
 #include "tracking/rigid_tracker.h"
@@ -14,6 +15,7 @@
 namespace kinora::encode {
 
 struct IngestSettings {
+  double max_depth = ingest::CaptureOptions().max_depth;
   ingest::DepthCleaning cleaning;
 };
 
@@ -32,6 +34,7 @@ inline fields::TrainerConfig trainer_within_budget() {
 
 struct FieldSettings {
   fields::TrainerConfig trainer = trainer_within_budget();
+  MotionRefinementConfig refinement;
 };
 
 /// How much is trained; presets differ in this alone.
@@ -57,5 +60,8 @@ template <> inline constexpr bool kIsData<tracking::BodyPrior> = true;
 /// `settings` must outlive the list.
 SettingList list_settings(Settings& settings);
 nlohmann::json settings_json(Settings settings);
+
+/// Throws Error(kUsage), naming the setting, if one is zero that is divided by or without which nothing is left to do.
+void check(Settings settings);
 
 } // namespace kinora::encode

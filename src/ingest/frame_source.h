@@ -35,6 +35,7 @@ private:
   host::FrameReader reader_;
   FrameRange range_;
   bool use_masks_;
+  double max_depth_;
   DepthCleaning cleaning_;
   int position_;
   Intrinsics intrinsics_;

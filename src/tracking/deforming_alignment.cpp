@@ -20,11 +20,7 @@ constexpr double kFacingCosine = 0.17; // 80°
 constexpr double kNormalCosine = 0.7;  // 45°
 constexpr double kNearest = 0.05;      // metres
 
-struct Stage {
-  int level;
-  double gate; ///< metres
-};
-constexpr std::array<Stage, DeformingAlignmentConfig::kStages> kStages = {{{2, 0.10}, {1, 0.06}, {0, 0.04}}};
+constexpr std::array<int, DeformingAlignmentConfig::kStages> kLevels = {2, 1, 0};
 
 /// Where a point is in the view; pixel_u < 0: nowhere.
 struct Seen {
@@ -101,11 +97,10 @@ public:
   /// One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
   bool step(DeformingProblem& problem, const DeformingAlignmentConfig& config, LayerPose& pose,
             std::vector<double>& energies) {
-    constexpr int kTries = 4;
     constexpr double kFloor = 1e-6;
     double before = 0;
     const BlockSystem& system = problem.linearise(pose, before);
-    for (int attempt = 0; attempt < kTries; ++attempt) {
+    for (int attempt = 0; attempt < config.damping_attempts; ++attempt) {
       const std::vector<Twist> added = damping_of(problem.pattern(), system, damping_, kFloor);
       const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
       const double promised = -model_change(problem.pattern(), system, solved.step);
@@ -195,7 +190,7 @@ NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> t
     some.push_back(model.points[p]);
     theirs.push_back(textures[p]);
   }
-  return align_rigidly({model.nodes, model.edges, some}, theirs, view, start, kStages[0].level, kStages[0].gate,
+  return align_rigidly({model.nodes, model.edges, some}, theirs, view, start, kLevels[0], config.gates[0],
                        config.rigid_iterations, config);
 }
 
@@ -314,11 +309,10 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
                               config.rigid_iterations > 0 ? moved_as_one(model, textures, view, start, config) : start);
   Damped damped;
   const NodeShares shares(model);
-  for (std::size_t s = 0; s < kStages.size(); ++s) {
-    const Stage& stage = kStages[s];
-    problem.set_level(stage.level);
+  for (std::size_t s = 0; s < kLevels.size(); ++s) {
+    problem.set_level(kLevels[s]);
     for (int i = 0; i < config.iterations[s]; ++i) {
-      associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
+      associate(model, textures, view, pose, kLevels[s], config.gates[s], config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
       result.seen = shares.of([&](std::size_t p) { return terms[p].on_surface; });
       const auto looked_at = shares.of([&](std::size_t p) { return terms[p].on_surface || terms[p].seen_past; });

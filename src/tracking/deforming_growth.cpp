@@ -9,16 +9,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr double kWeightRadius = 1.1;    // in units of the nodes' spacing
-constexpr double kInfluenceRadius = 2.5; // so that a surface between nodes, and what lies before it, is carried
-constexpr double kSampleShare = 1.0 / 3; // of the spacing: grid of the thinned surface
-constexpr float kSeenOften = 2.5F;       // views that a surface must have been seen in before it gets nodes
-constexpr double kUnfoldReach = 0.03;    // metres
-constexpr int kPieceFrames = 8;          // in a row that show a piece apart before it is taken into the model
-constexpr double kPieceStep = 0.08;      // metres that a piece may go from frame to frame
-constexpr std::size_t kPieceCells = 12;
-constexpr double kPieceJump = 0.03; // metres
-
 // The node that is nearest to a place now.
 std::size_t nearest_node(const NodeStates& states, const Eigen::Vector3d& place) {
   const auto nearest = std::min_element(states.positions.begin(), states.positions.end(),
@@ -35,16 +25,16 @@ std::size_t nearest_node(const NodeStates& states, const Eigen::Vector3d& place)
 std::vector<NewPiece> DeformingTracker::lasting_pieces(const ObjectView& view, const TsdfVolume::Places& places) {
   std::vector<NewPiece> lasting;
   std::vector<SeenPiece> seen;
-  for (NewPiece& piece : find_new_pieces(view, places, kPieceCells, kPieceJump)) {
+  for (NewPiece& piece : find_new_pieces(view, places, config_.growth.piece_cells, config_.growth.piece_jump)) {
     const Eigen::Vector3d centroid = piece.centroid();
     int frames = 1;
     for (const SeenPiece& before : pieces_) {
-      if ((before.centroid - centroid).norm() < kPieceStep) {
+      if ((before.centroid - centroid).norm() < config_.growth.piece_step) {
         frames = std::max(frames, before.frames + 1);
       }
     }
     seen.push_back({centroid, frames});
-    if (frames >= kPieceFrames) lasting.push_back(std::move(piece));
+    if (frames >= config_.growth.piece_frames) lasting.push_back(std::move(piece));
   }
   pieces_ = std::move(seen);
   return lasting;
@@ -74,11 +64,13 @@ void DeformingTracker::adopt_pieces(const ObjectView& view, NodeStates& states, 
   }
   if (nodes_.size() == old) return;
   births_.resize(nodes_.size(), records_.size() - 1);
-  graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+  graph_ = std::make_shared<DeformationGraph>(nodes_, config_.growth.weight_radius * spacing_,
+                                              config_.growth.influence_radius * spacing_);
 }
 
 void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
-  TsdfVolume::Places places = unfold_view(view, surface_.points(), surface_.skin(), states, kUnfoldReach);
+  TsdfVolume::Places places =
+      unfold_view(view, surface_.points(), surface_.skin(), states, config_.growth.unfold_reach);
   const std::size_t old = nodes_.size();
   adopt_pieces(view, states, places);
   influences_.renew(*volume_, graph_);
@@ -90,25 +82,26 @@ void DeformingTracker::fuse(const ObjectView& view, NodeStates states) {
       carry_points(transforms, influences, points.points[i], in_camera.points[i]);
     }
   };
-  const std::vector<std::uint8_t> changed =
-      volume_->integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places,
-                              surface_.resting(records_.size(), static_cast<std::size_t>(config_.fuse_interval)));
+  const std::vector<std::uint8_t> changed = volume_->integrate_bent(
+      view.planes, view.texture, view.intrinsics, to_camera, places,
+      surface_.resting(records_.size(), static_cast<std::size_t>(std::max(1, config_.fuse_interval))));
   surface_.renew_points(*volume_, changed, unit_weight_);
   if (nodes_.size() > old) connect_graph(old, 0);
   renew_skin();
-  grow_graph(kSeenOften * unit_weight_, changed);
+  grow_graph(config_.growth.min_views * unit_weight_, changed);
 }
 
 // To be called when there are more nodes than the `old` ones.
 void DeformingTracker::connect_graph(std::size_t old, float min_weight) {
-  graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+  graph_ = std::make_shared<DeformationGraph>(nodes_, config_.growth.weight_radius * spacing_,
+                                              config_.growth.influence_radius * spacing_);
   const double reach = 2 * EdgeConfig().reach * spacing_ + volume_->brick_size(); // more than is needed
   const auto about_new_nodes = [&](std::size_t brick) {
     const Eigen::Vector3d centre = volume_->brick_centre(brick);
     return std::any_of(nodes_.begin() + static_cast<std::ptrdiff_t>(old), nodes_.end(),
                        [&](const Eigen::Vector3d& node) { return (node - centre).squaredNorm() < reach * reach; });
   };
-  const double cell = kSampleShare * spacing_;
+  const double cell = config_.growth.sample_spacing * spacing_;
   edges_.extend(nodes_, thin_surface(surface_.points_of(about_new_nodes), cell, min_weight), spacing_, cell);
 }
 
@@ -116,7 +109,7 @@ void DeformingTracker::connect_graph(std::size_t old, float min_weight) {
 // of the thinning, which reach into bricks beside those that hold such points.
 std::vector<SurfaceSample> DeformingTracker::samples_beyond_nodes(float min_weight,
                                                                   std::span<const std::uint8_t> changed) const {
-  const double cell = kSampleShare * spacing_;
+  const double cell = config_.growth.sample_spacing * spacing_;
   const double beside = volume_->brick_size() + cell;
   std::vector<Eigen::Vector3d> beyond;
   const std::vector<std::uint8_t> marks = surface_.beyond_nodes(nodes_, spacing_, min_weight, changed);

@@ -8,14 +8,6 @@
 #include "tracking/deforming_tracker.h"
 
 namespace kinora::tracking {
-namespace {
-
-constexpr double kApart = 0.03;        // metres between both places: nearer, either leads to the other
-constexpr double kClearlyBetter = 0.1; // of the bones' surface that would face the camera
-constexpr double kMostly = 0.5;        // share of a point's weights on the bones
-
-} // namespace
-
 void DeformingTracker::place_limbs(const ObjectView& view, const SE3& world_to_camera, std::vector<SE3>& nodes) const {
   const std::vector<SE3> placed = placed_by_bones();
   if (placed.empty()) return;
@@ -41,18 +33,18 @@ void DeformingTracker::place_bones(std::span<const Joint> bones, std::span<const
     moved[n] = placed[n];
     apart = std::max(apart, (placed[n] * nodes_[n] - nodes[n] * nodes_[n]).norm());
   }
-  if (apart < kApart) return;
+  if (apart < config_.limbs.distance) return;
   const auto goes_along = [&](const Influence& influence) {
     double weight = 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       if (is_moved[static_cast<std::size_t>(influence.nodes[k])] != 0) weight += influence.weights[k];
     }
-    return weight > kMostly;
+    return weight > config_.limbs.weight_share;
   };
   const double before = shown_share(view, states_in(world_to_camera, nodes), goes_along);
   const double after = shown_share(view, states_in(world_to_camera, moved), goes_along);
   // What is mostly seen where it is expected is not far from there, in metres: a skirt, when legs move under it.
-  if (after > before + kClearlyBetter + before * apart) nodes = std::move(moved);
+  if (after > before + config_.limbs.clearly_better + before * apart) nodes = std::move(moved);
 }
 
 } // namespace kinora::tracking

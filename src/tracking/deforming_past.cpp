@@ -7,16 +7,6 @@
 #include "tracking/layer_view.h"
 
 namespace kinora::tracking {
-namespace {
-
-constexpr double kMostlyGuessed = 0.5; // share of a point's weights on such nodes
-// What is hidden lies near to what is seen, and is not it; and it stays where its neighbours would have it unless the
-// camera says otherwise.
-constexpr double kPlaneGate = 0.05;   // metres
-constexpr double kPriorSigma = 0.007; // metres
-
-} // namespace
-
 /// What the frame that was looked at before, one of later time, tells those before it.
 struct DeformingTracker::Future {
   std::vector<SE3> corrections; ///< for each node: it was at guess · correction
@@ -45,7 +35,7 @@ void DeformingTracker::follow_back(std::size_t number, const ingest::Frame& fram
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       if (is_guessed(static_cast<std::size_t>(influence.nodes[k]))) weight += influence.weights[k];
     }
-    return weight > kMostlyGuessed;
+    return weight > config_.backward.guessed_share;
   };
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (is_guessed(n)) nodes[n] = guess[n] * future.corrections[n];
@@ -54,10 +44,10 @@ void DeformingTracker::follow_back(std::size_t number, const ingest::Frame& fram
   DeformingSelection selection =
       select_facing(surface_.points(), surface_.skin(), view, start, config_.max_points, is_mostly_guessed);
   if (!future.view.empty()) selection.add_last_view(future.view, future.states);
-  DeformingAlignmentConfig config = config_.alignment;
+  DeformingAlignmentConfig config = config_.solver;
   config.rigid_iterations = 0;
-  config.plane_gate = kPlaneGate;
-  config.prior_sigma = kPriorSigma;
+  config.plane_gate = config_.backward.plane_gate;
+  config.prior_sigma = config_.backward.prior_sigma;
   const std::vector<NodePull> binding = body_.pulls(number, frame.camera.camera_to_world.inverse());
   const std::vector<GraphEdge> holding = holding_edges(binding);
   const DeformingAlignment alignment = align_deforming({nodes_, holding, selection.points}, selection.textures, view,

@@ -21,12 +21,6 @@ namespace {
 
 constexpr double kMinSpacing = 0.02;
 constexpr double kMaxSpacing = 0.25;
-constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
-constexpr double kJump = 0.05;         // metres beyond what is expected: from less, alignment finds back
-constexpr double kMoreShown = 0.1;     // share of the surface that would face the camera
-constexpr int kPassesWhenFound = 3;
-constexpr double kMuchEmpty = 0.25;        // share of the model in empty space: other places are tried as well
-constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
   const double footprint = view.centroid.z() / view.intrinsics.fx;
@@ -147,7 +141,8 @@ std::vector<SE3> DeformingTracker::predicted(double time) const {
   if (unseen_ > 0 || !past_->has_earlier) return last;
   const std::vector<SE3>& earlier = records_[records_.size() - 3].nodes;
   const double before = past_->time - past_->earlier_time;
-  const double share = kVelocityShare * (before > 0 ? std::clamp((time - past_->time) / before, 0.0, 3.0) : 1.0);
+  const double share =
+      config_.velocity_share * (before > 0 ? std::clamp((time - past_->time) / before, 0.0, 3.0) : 1.0);
   std::vector<SE3> result;
   for (std::size_t i = 0; i < last.size(); ++i) {
     const Eigen::Vector3d now = last[i] * nodes_[i];
@@ -169,11 +164,11 @@ void DeformingTracker::place_layer(const ObjectView& view, const SE3& world_to_c
   step /= static_cast<double>(nodes.size());
   const Eigen::Vector3d jump =
       world_to_camera.inverse() * view.centroid - past_->world_to_camera.inverse() * past_->view.centroid - step;
-  if (jump.norm() < kJump) return;
+  if (jump.norm() < config_.search.jump) return;
   std::vector<SE3> moved = nodes;
   for (SE3& node : moved) node.translation() += jump;
   if (shown_share(view, states_in(world_to_camera, moved)) >
-      shown_share(view, states_in(world_to_camera, nodes)) + kMoreShown) {
+      shown_share(view, states_in(world_to_camera, nodes)) + config_.search.clearly_better) {
     nodes = std::move(moved);
   }
 }
@@ -181,7 +176,7 @@ void DeformingTracker::place_layer(const ObjectView& view, const SE3& world_to_c
 // Nodes whose texture is elsewhere than they are expected go there.
 void DeformingTracker::follow_texture(const ObjectView& view, const SE3& world_to_camera, const NodeStates& then,
                                       std::vector<SE3>& nodes) const {
-  const auto flow = find_node_flow(past_->view, then, view, states_in(world_to_camera, nodes), edges());
+  const auto flow = find_node_flow(past_->view, then, view, states_in(world_to_camera, nodes), edges(), config_.flow);
   const Eigen::Matrix3d to_world = world_to_camera.linear().transpose();
   for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n].translation() += to_world * flow[n];
 }
@@ -231,9 +226,9 @@ DeformingAlignment DeformingTracker::align_from_afar(const LayerModel& model, co
                                                      std::span<const NodePull> binding) const {
   DeformingAlignment alignment;
   alignment.nodes = std::move(start);
-  for (int pass = 0; pass < kPassesWhenFound; ++pass) {
+  for (int pass = 0; pass < config_.search.passes; ++pass) {
     alignment = align_deforming(model, selection.textures, view, alignment.nodes, alignment.nodes, spacing_,
-                                config_.alignment, binding);
+                                config_.solver, binding);
   }
   return alignment;
 }
@@ -265,11 +260,11 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   const std::vector<GraphEdge> holding = holding_edges(binding);
   const LayerModel model{nodes_, holding, selection.points};
   DeformingAlignment alignment =
-      align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.alignment, binding);
+      align_deforming(model, selection.textures, view, prior, prior, spacing_, config_.solver, binding);
   result.quality = judge_deformation(model, selection.textures, view, alignment.nodes);
   const bool doubtful =
-      result.quality.empty_share() > kMuchEmpty ||
-      (result.quality.texture_correlation != 0 && result.quality.texture_correlation < kLittleCorrelation);
+      result.quality.empty_share() > config_.search.max_free_space_share ||
+      (result.quality.texture_correlation != 0 && result.quality.texture_correlation < config_.search.min_correlation);
   if (config_.use_searches && (unseen_ > 0 || doubtful || !is_healthy(result.quality))) {
     DeformingAlignment elsewhere =
         align_from_afar(model, selection, view, search_layer(model, selection.textures, view, prior).states, binding);
@@ -296,7 +291,8 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     nodes[i] = renormalized(camera_to_world * alignment.nodes.transforms[i].to_se3());
   }
-  if (result.quality.empty_share() <= kMuchEmpty) library_.add(records_.size() - 1, world_to_camera, nodes);
+  if (result.quality.empty_share() <= config_.search.max_free_space_share)
+    library_.add(records_.size() - 1, world_to_camera, nodes);
   past_->has_earlier = unseen_ == 0;
   past_->earlier_time = past_->time;
   past_->time = frame.time;

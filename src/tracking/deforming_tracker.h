@@ -13,6 +13,7 @@
 #include "tracking/brick_influences.h"
 #include "tracking/brick_surface.h"
 #include "tracking/deforming_alignment.h"
+#include "tracking/deforming_config.h"
 #include "tracking/deforming_selection.h"
 #include "tracking/frame_memory.h"
 #include "tracking/interaction.h"
@@ -39,11 +40,19 @@ struct DeformingTrackerConfig {
   int fuse_interval = 4;          ///< frames from one to the next that is fused where the surface was seen often
   bool use_body = true;           ///< false: no skeleton is looked for
   bool use_objects = true;        ///< false: nothing is held
-  bool use_searches = true; ///< false: as predicted and aligned; limbs, texture and lost layers are not looked for
-  DeformingAlignmentConfig alignment;
+  bool use_searches = true;    ///< false: as predicted and aligned; limbs, texture and lost layers are not looked for
+  double velocity_share = 0.8; ///< of the last motion that the next one is expected to repeat
+  DeformingAlignmentConfig solver;
   LayerBodyConfig body;
   InteractionConfig interaction;
   double holding_sigma = 0.01; ///< metres, of a node beside the object that it holds
+  DeformingSearchConfig search;
+  LimbPlacementConfig limbs;
+  BlockMatchingConfig flow;
+  GraphGrowthConfig growth;
+  TopologyChangeConfig topology;
+  RelocalisationConfig relocalisation;
+  BackwardSmoothingConfig backward;
 };
 
 /// One frame's answer.

@@ -12,7 +12,7 @@ Eigen::Vector3d heel_of_hand(const PosedBody& body, Limb arm) {
 }
 
 double holding_energy(const HeldHand& held, const PosedBody& body, const BodyEnergyConfig& config) {
-  return kHoldingWeight * robust_loss((heel_of_hand(body, held.arm) - held.place).squaredNorm(), config);
+  return config.holding_weight * robust_loss((heel_of_hand(body, held.arm) - held.place).squaredNorm(), config);
 }
 
 } // namespace kinora::tracking
