@@ -8,9 +8,6 @@
 namespace kinora::ingest {
 namespace {
 
-/// Beyond this no depth camera measures; sensors mark "no measurement" with large values too.
-constexpr double kMaxDepth = 20;
-
 Intrinsics intrinsics_of(const KinoraCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
@@ -29,14 +26,14 @@ template <class T> Image<T> copy_of(const KinoraImage& image) {
   return copy;
 }
 
-DepthImage metres_of(const KinoraImage& image, double unit) {
+DepthImage metres_of(const KinoraImage& image, double unit, double max_depth) {
   DepthImage depth(image.width, image.height);
   for (int v = 0; v < image.height; ++v) {
     const auto* row = reinterpret_cast<const std::uint16_t*>(static_cast<const std::byte*>(image.data) +
                                                              image.row_bytes * static_cast<std::size_t>(v));
     for (int u = 0; u < image.width; ++u) {
       const double metres = row[u] * unit;
-      depth.at(u, v) = metres <= kMaxDepth ? static_cast<float>(metres) : 0.0F;
+      depth.at(u, v) = metres <= max_depth ? static_cast<float>(metres) : 0.0F;
     }
   }
   return depth;
@@ -48,7 +45,7 @@ bool has_measurement(const DepthImage& depth) {
 }
 
 /// Of an image in which nothing counts as measured.
-std::string why_unmeasured(const KinoraImage& image) {
+std::string why_unmeasured(const KinoraImage& image, double max_depth) {
   const auto depth = copy_of<std::uint16_t>(image);
   const auto values = depth.values();
   if (std::all_of(values.begin(), values.end(), [](std::uint16_t z) { return z == 0; })) {
@@ -57,7 +54,7 @@ std::string why_unmeasured(const KinoraImage& image) {
   return fmt::format(
       "nothing is measured within {} m; if the scene is nearer, the capture states a wrong unit of depth "
       "(depth_factor)",
-      kMaxDepth);
+      max_depth);
 }
 
 std::optional<Undistortion> undistortion_of(const KinoraCamera& camera) {
@@ -78,8 +75,8 @@ RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* 
 } // namespace
 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
-    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), position_(range_.begin),
-      intrinsics_(intrinsics_of(reader_.info().camera)) {
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), max_depth_(options.max_depth),
+      cleaning_(options.cleaning), position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
   undistortion_ = undistortion_of(info.camera);
@@ -129,7 +126,7 @@ SourceResult FrameSource::next() {
   if (has_measurement(frame.depth))
     result.frame = std::move(frame);
   else
-    result.problem = why_unmeasured(read->frame.depth);
+    result.problem = why_unmeasured(read->frame.depth, max_depth_);
   return result;
 }
 
@@ -151,7 +148,7 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
 
 /// As the undistorted colour camera sees it.
 DepthImage FrameSource::depth_of(const KinoraFrame& given) const {
-  DepthImage depth = metres_of(given.depth, given.depth_unit);
+  DepthImage depth = metres_of(given.depth, given.depth_unit, max_depth_);
   const std::optional<Undistortion>& undistortion = registration_ ? depth_undistortion_ : undistortion_;
   if (undistortion) depth = undistortion->depth(depth);
   return registration_ ? register_depth(depth, *registration_) : depth;
@@ -172,7 +169,7 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
     frame.color = undistortion_->color(frame.color);
     if (frame.has_labels()) frame.labels = undistortion_->labels(frame.labels);
   }
-  frame.clean_depth = clean_depth(frame.depth, intrinsics_);
+  frame.clean_depth = clean_depth(frame.depth, intrinsics_, cleaning_);
   return frame;
 }
 
