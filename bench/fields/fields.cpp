@@ -54,7 +54,7 @@ void train_and_judge(const Setting& setting) {
   trainer.rays_per_step = whole("rays_per_step");
   trainer.largest_log2_table_size = whole("largest_log2_table_size");
   const fields::ViewAgreement agreement = fields::agreement_of_views({store, 1, motion});
-  fields::adapt_to(agreement, trainer);
+  fields::adapt_to(agreement, {}, trainer);
   if (whole("surface_samples") > 0) trainer.sampling.surface_samples = whole("surface_samples");
   if (whole("free_samples") > 0) trainer.sampling.free_samples = whole("free_samples");
   if (whole("exact_depth") >= 0) trainer.exact_depth = whole("exact_depth") > 0;

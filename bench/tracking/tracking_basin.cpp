@@ -39,7 +39,7 @@ DeformingTrackerConfig config_of(Setting setting) {
   if (setting != kFull) {
     config.use_searches = false;
     config.binding.body.tracker.use_searches = false;
-    config.in_view.alignment.silhouette_share = 0;
+    config.in_view.solver.silhouette_share = 0;
   }
   config.binding.use_body = setting != kGraph;
   return config;

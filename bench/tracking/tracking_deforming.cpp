@@ -118,14 +118,14 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.model.fuse_interval = whole("fuse_interval");
   config.binding.use_body = whole("body") != 0;
   config.use_objects = whole("interaction") != 0;
-  config.in_view.alignment.iterations = {whole("coarse"), whole("middle"), whole("fine")};
-  config.in_view.alignment.rigid_iterations = whole("rigid");
-  config.in_view.alignment.pcg_iterations = whole("pcg");
-  config.in_view.alignment.worthwhile = knobs.at("worthwhile");
-  config.in_view.alignment.rigidity = knobs.at("rigidity");
-  config.in_view.alignment.prior_sigma = knobs.at("prior");
-  config.in_view.alignment.photometric_share = knobs.at("texture");
-  config.in_view.alignment.silhouette_share = knobs.at("silhouette");
+  config.in_view.solver.iterations = {whole("coarse"), whole("middle"), whole("fine")};
+  config.in_view.solver.rigid_iterations = whole("rigid");
+  config.in_view.solver.pcg_iterations = whole("pcg");
+  config.in_view.solver.worthwhile = knobs.at("worthwhile");
+  config.in_view.solver.rigidity = knobs.at("rigidity");
+  config.in_view.solver.prior_sigma = knobs.at("prior");
+  config.in_view.solver.photometric_share = knobs.at("texture");
+  config.in_view.solver.silhouette_share = knobs.at("silhouette");
   return config;
 }
 
@@ -171,8 +171,8 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
   std::printf("# %zu frames, %d not tracked; %zu nodes, %.1f mm apart; body: %s, explained %.3f, empty %.3f; past "
               "settled in %.2f s\n",
               frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * layer.node_spacing,
-              std::string(tracking::name_of(layer.body.verdict())).c_str(), layer.body.explained(), layer.body.free_space(),
-              1e-3 * settling);
+              std::string(tracking::name_of(layer.body.verdict())).c_str(), layer.body.explained(),
+              layer.body.free_space(), 1e-3 * settling);
   const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;
@@ -190,7 +190,7 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
 
 int main(int argc, char** argv) {
   const tracking::DeformingTrackerConfig defaults;
-  const tracking::DeformingAlignmentConfig& alignment = defaults.in_view.alignment;
+  const tracking::DeformingAlignmentConfig& alignment = defaults.in_view.solver;
   bench::Knobs knobs{{"label", {1}},
                      {"points", {static_cast<double>(defaults.in_view.max_points)}},
                      {"nodes", {static_cast<double>(defaults.model.first_nodes)}},

@@ -43,10 +43,10 @@ void follow(const bench::Setting& knobs) {
   camera.seed = static_cast<std::uint64_t>(knobs.at("seed"));
   DeformingTrackerConfig config;
   config.binding.use_body = knobs.at("body") != 0;
-  config.in_view.alignment.worthwhile = knobs.at("worthwhile");
+  config.in_view.solver.worthwhile = knobs.at("worthwhile");
   std::size_t stage = 0;
   for (const char* name : {"coarse", "middle", "fine"}) {
-    config.in_view.alignment.iterations[stage++] = static_cast<int>(knobs.at(name));
+    config.in_view.solver.iterations[stage++] = static_cast<int>(knobs.at(name));
   }
   DeformingTracker tracker(1, config);
   const bool each = knobs.at("frames") != 0;

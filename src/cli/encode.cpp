@@ -36,7 +36,8 @@ struct Options {
   std::filesystem::path detector;
   std::filesystem::path body;
   int holdout = 0;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> changes; ///< of settings: "path=value"
   std::filesystem::path report;
 };
 
@@ -58,12 +59,15 @@ ingest::CaptureOptions capture_options(const Options& options) {
   return out;
 }
 
-encode::PreparedCapture prepare(const Options& options, Context& context) {
+encode::PreparedCapture prepare(const Options& options, const encode::Settings& settings, Context& context) {
   encode::CaptureRequest request;
   request.open = [&](const ingest::CaptureOptions& how, Progress& progress) {
     return ingest::Capture::open(context.plugins(), options.capture, how, progress);
   };
   request.options = capture_options(options);
+  request.options.max_depth = settings.ingest.max_depth;
+  request.options.cleaning = settings.ingest.cleaning;
+  request.camera = settings.tracking.camera;
   request.network = options.segmenter;
   request.detector = options.detector;
   return encode::prepare_capture(request, context.progress);
@@ -75,7 +79,9 @@ encode::EncodeOptions encode_options(const Options& options) {
     throw Error(ErrorCode::kUsage, "--holdout 1 would leave no frame to train on; use 2 or more, such as 10");
   }
   out.holdout = options.holdout;
-  out.seed = options.seed;
+  if (options.seed) out.settings.fields.trainer.seed = *options.seed;
+  for (const std::string& change : options.changes) encode::list_settings(out.settings).change(change);
+  encode::check(out.settings);
   out.frames = capture_options(options).frames;
   return out;
 }
@@ -103,6 +109,12 @@ void add_quality(Json& report, Json evaluation) {
     }
   }
   report["evaluation"] = std::move(evaluation);
+}
+
+std::string settings_help() {
+  encode::Settings settings = encode::EncodeOptions::of(encode::Preset::kBalanced).settings;
+  return "What --set PATH=VALUE changes, with the values of the balanced preset:\n" +
+         encode::list_settings(settings).text();
 }
 
 std::string summary(const Json& report) {
@@ -141,7 +153,7 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
 
   const Stopwatch watch;
-  encode::EncodeResult result = encode::encode_capture(prepare(options, context), how, context.progress);
+  encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
   context.progress.stage("writing", 0);
   encode::write_clip(result.clip, out.writing_path());
   out.commit();
@@ -178,7 +190,8 @@ void add_encode(CLI::App& app, Context& context) {
   CLI::App& command = context.add_command(app, "encode", "Make a clip of a capture",
                                           "  kinora encode capture/ clip.mkv\n"
                                           "  kinora encode capture/ clip.mkv --holdout 10 --report report.json\n"
-                                          "  kinora encode capture/ draft.mkv --preset fast --frames 0:30",
+                                          "  kinora encode capture/ draft.mkv --preset fast --frames 0:30\n"
+                                          "  kinora encode capture/ clip.mkv --set tracking.solver.iterations=3",
                                           [options, &context] { run(*options, context); });
   command.add_option("CAPTURE", options->capture, "The capture to read: a folder of RGB-D frames")
       ->required()
@@ -209,9 +222,15 @@ void add_encode(CLI::App& app, Context& context) {
   command.add_option("--holdout", options->holdout, "Keep frames N-1, 2N-1, ... out of the training, to judge by them")
       ->check(CLI::Range(0, 1'000'000))
       ->type_name("N");
-  command.add_option("--seed", options->seed, "Begin the training's random numbers here")
-      ->type_name("N")
-      ->capture_default_str();
+  command.add_option("--seed", options->seed, "Begin the training's random numbers here")->type_name("N");
+  command
+      .add_option("--set", options->changes,
+                  "Change a setting, such as tracking.solver.iterations=3; may be repeated, and has the last word")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+  command.add_flag_callback(
+      "--help-settings", [] { throw CLI::CallForVersion(settings_help(), 0); },
+      "All settings with their values, and what they may hold");
   command
       .add_option("--report", options->report, "Compare the clip with the capture and write all numbers here, as JSON")
       ->type_name("FILE");

@@ -66,7 +66,7 @@ public:
 
   /// As the request has it: its camera is still, or the frames say where it is.
   Candidate given() const {
-    Candidate candidate{request_.options, std::make_shared<CameraPath>(), {}};
+    Candidate candidate{request_.options, std::make_shared<CameraPath>(), request_.camera};
     if (!request_.network.empty()) candidate.options.use_masks = false;
     return candidate;
   }

@@ -16,9 +16,10 @@ namespace kinora::encode {
 struct CaptureRequest {
   /// Opens the capture anew, from its first frame on.
   std::function<std::unique_ptr<ingest::Capture>(const ingest::CaptureOptions&, Progress&)> open;
-  ingest::CaptureOptions options; ///< with a registration none is looked for
-  std::filesystem::path network;  ///< labels the frames, instead of masks; empty: none
-  std::filesystem::path detector; ///< finds joints of people; empty: none
+  ingest::CaptureOptions options;       ///< with a registration none is looked for
+  tracking::CameraTrackerConfig camera; ///< how the camera of a capture without poses is followed
+  std::filesystem::path network;        ///< labels the frames, instead of masks; empty: none
+  std::filesystem::path detector;       ///< finds joints of people; empty: none
 };
 
 struct PreparedCapture {

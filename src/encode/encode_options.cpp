@@ -46,10 +46,10 @@ EncodeOptions EncodeOptions::of(Preset preset) {
   const PresetBudget& budget = budget_of(preset);
   EncodeOptions options;
   options.preset = preset;
-  options.rays_per_pixel = budget.rays_per_pixel;
-  options.min_rays = budget.min_rays;
-  options.max_rays = budget.max_rays;
-  options.try_geometries = budget.try_geometries;
+  options.settings.budget.rays_per_pixel = budget.rays_per_pixel;
+  options.settings.budget.min_rays = budget.min_rays;
+  options.settings.budget.max_rays = budget.max_rays;
+  options.settings.budget.try_geometries = budget.try_geometries;
   return options;
 }
 
@@ -61,13 +61,7 @@ nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
           {"body_from", body_from},
-          {"frames", {{"begin", frames.begin}, {"end", frames.end.value_or(-1)}, {"step", frames.step}}},
-          {"seed", seed},
-          {"max_stored_pixels", max_stored_pixels},
-          {"rays_per_pixel", rays_per_pixel},
-          {"min_rays", min_rays},
-          {"max_rays", max_rays},
-          {"try_geometries", try_geometries}};
+          {"frames", {{"begin", frames.begin}, {"end", frames.end.value_or(-1)}, {"step", frames.step}}}};
 }
 
 } // namespace kinora::encode

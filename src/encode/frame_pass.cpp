@@ -24,10 +24,10 @@ void warn_of_unit(const ingest::Frame& frame, Progress& progress) {
   if (const std::string doubt = ingest::doubt_about_unit(frame.depth); !doubt.empty()) progress.warn(doubt);
 }
 
-tracking::DeformingTrackerConfig deforming_config(const EncodeOptions& options) {
-  tracking::DeformingTrackerConfig config;
-  if (options.body) config.binding.body.tracker.known = *options.body;
-  return config;
+TrackingSettings tracking_settings(const EncodeOptions& options) {
+  TrackingSettings settings = options.settings.tracking;
+  if (options.body) settings.deforming.binding.body.tracker.known = *options.body;
+  return settings;
 }
 
 } // namespace
@@ -36,8 +36,8 @@ FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& option
                            Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
   const std::size_t expected = options.expected_frames(info.frame_count);
-  FramePass pass{{}, fields::PixelStore(options.max_stored_pixels, expected), {}, {}, 0};
-  SceneTracker scene(info, deforming_config(options), progress);
+  FramePass pass{{}, fields::PixelStore(options.settings.budget.max_stored_pixels, expected), {}, {}, 0};
+  SceneTracker scene(info, tracking_settings(options), progress);
   ingest::StreamEstimates streams;
   progress.stage("reading and tracking", expected);
   for (std::size_t i = 0;; ++i) {

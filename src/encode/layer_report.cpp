@@ -1,6 +1,7 @@
 #include "encode/layer_report.h"
 
 #include "encode/rounding.h"
+#include "encode/setting_list.h"
 #include "encode/size_report.h"
 
 namespace kinora::encode {
@@ -19,33 +20,6 @@ Json config_json(const fields::FieldConfig& config) {
           {"finest_resolution", config.finest_resolution},
           {"occupancy_resolution", config.occupancy_resolution},
           {"geometry", fields::name_of(config.geometry)}};
-}
-
-Json config_json(const fields::TrainerConfig& config) {
-  return {{"seed", config.seed},
-          {"rays", config.rays},
-          {"rays_per_step", config.rays_per_step},
-          {"learning_rates", {{"table", config.learning_rates.table}, {"nets", config.learning_rates.nets}}},
-          {"final_learning_rate", config.final_learning_rate},
-          {"negligible_gradient", config.negligible_gradient},
-          {"largest_log2_table_size", config.largest_log2_table_size},
-          {"drop_stray_cells", config.drop_stray_cells},
-          {"exact_depth", config.exact_depth},
-          {"loss_weights",
-           {{"color", config.loss.color},
-            {"opacity", config.loss.opacity},
-            {"depth", config.loss.depth},
-            {"emptiness", config.loss.emptiness},
-            {"empty_rays", config.loss.empty_rays},
-            {"depth_clamp", config.loss.depth_clamp},
-            {"distance", config.loss.distance}}},
-          {"noise", round4(config.loss.noise.scale)},
-          {"sampling",
-           {{"surface_samples", config.sampling.surface_samples},
-            {"free_samples", config.sampling.free_samples},
-            {"unmeasured_samples", config.sampling.unmeasured_samples},
-            {"emptiness_samples", config.sampling.emptiness_samples},
-            {"near_depth_m", config.sampling.near_depth}}}};
 }
 
 Json geometry_json(const fields::GeometryTrial& trial) {
@@ -154,7 +128,7 @@ Json layer_metadata(const LayerOutcome& outcome) {
   return {{"label", outcome.layer.label},
           {"why", outcome.why},
           {"field", config_json(outcome.layer.field.config)},
-          {"trainer", config_json(outcome.trainer)}};
+          {"trainer", settings_json(outcome.trainer)}};
 }
 
 Json not_modelled_json(const std::vector<NotModelled>& labels) {

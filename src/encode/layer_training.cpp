@@ -27,7 +27,7 @@ struct Draft {
 
 /// With what was chosen for the layer so far.
 Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
-               StageTimes& times, Progress& progress) {
+               const MotionRefinementConfig& refinement, StageTimes& times, Progress& progress) {
   constexpr double kDraftRays = 0.3; // of the layer's (docs/experiments/fields.md)
   const std::string& name = outcome.layer.name;
   fields::TrainerConfig shorter = outcome.trainer;
@@ -40,7 +40,7 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
   tracking::Motion motion = times.measure("refine the motion of " + name, [&] {
     return refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing, progress,
-                         &report.refinement);
+                         &report.refinement, refinement);
   });
   return {std::move(field), std::move(motion), report};
 }
@@ -54,9 +54,10 @@ void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
 }
 
 // Asks of the training what the layer's views can hold.
-void compare_views(const fields::LayerObservations& observations, LayerOutcome& outcome) {
+void compare_views(const fields::LayerObservations& observations, const fields::TrainerConfig& usual,
+                   LayerOutcome& outcome) {
   outcome.agreement = fields::agreement_of_views(observations);
-  fields::adapt_to(outcome.agreement, outcome.trainer);
+  fields::adapt_to(outcome.agreement, usual, outcome.trainer);
 }
 
 } // namespace
@@ -73,10 +74,11 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
   layer.joints = tracked.joints();
   outcome.why = reason_of(tracked, tracked_motion);
   outcome.config = fields::choose_field_config(as_tracked, &outcome.need);
-  outcome.trainer.seed = options.seed;
-  outcome.trainer.rays = job.rays;
-  compare_views(as_tracked, outcome);
-  if (options.try_geometries) {
+  const FieldSettings& settings = options.settings.fields;
+  outcome.trainer = settings.trainer;
+  if (outcome.trainer.rays == 0) outcome.trainer.rays = job.rays;
+  compare_views(as_tracked, settings.trainer, outcome);
+  if (options.settings.budget.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
     outcome.geometry = times.measure("try geometries of " + layer.name, [&] {
       return fields::try_geometries(as_tracked, outcome.config, outcome.trainer, progress);
@@ -84,12 +86,12 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
   }
   outcome.config.geometry = outcome.geometry.chosen;
   std::optional<Draft> draft;
-  if (as_tracked.deforms()) draft = draft_of(outcome, as_tracked, tracked, times, progress);
+  if (as_tracked.deforms()) draft = draft_of(outcome, as_tracked, tracked, settings.refinement, times, progress);
   layer.motion = draft ? draft->motion : tracked_motion;
   const fields::LayerObservations observations{pixels, layer.label, layer.motion};
   if (draft) {
     outcome.draft = draft->report;
-    compare_views(observations, outcome);
+    compare_views(observations, settings.trainer, outcome);
     go_on_from(draft->report, outcome.trainer);
   }
   progress.stage("training " + layer.name, outcome.trainer.rays);

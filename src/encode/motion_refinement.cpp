@@ -25,14 +25,11 @@ using tracking::NodeStates;
 constexpr std::size_t kPixels = 4000;    // of a frame
 constexpr std::size_t kRimPixels = 3000; // besides, on either side of the rim
 constexpr std::size_t kFewest = 100;     // pixels with colour that a frame must have
-constexpr int kRounds = 2;               // Gauss–Newton steps, each with the field looked at anew
 constexpr std::size_t kRaysPerChunk = 128;
 // Neighbouring pixels are not independent: what a row weighs.
 constexpr double kShare = 0.3;
 constexpr double kOpacitySigma = 0.3;
 constexpr double kLeastColorSigma = 0.01;
-constexpr double kRigidity = 0.1;     // standard deviation of a neighbour's place, in units of the nodes' spacing
-constexpr double kPriorSigma = 0.01;  // metres from where the tracker had a node
 constexpr double kMostDeviations = 3; // a residual costs no more than so many
 
 /// A pixel and the depth about which its ray is looked at.
@@ -183,9 +180,10 @@ double cost(const FrameView& view, double color_sigma) {
 class Refiner {
 public:
   Refiner(const fields::Field& field, const fields::LayerObservations& layer,
-          std::span<const tracking::GraphEdge> edges, double node_spacing)
+          std::span<const tracking::GraphEdge> edges, double node_spacing, const MotionRefinementConfig& config)
       : field_(field), layer_(layer), graph_(layer.motion.graph()),
-        table_(std::make_shared<const tracking::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing) {
+        table_(std::make_shared<const tracking::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing),
+        config_(config) {
     for (const Eigen::Vector3d& node : graph_->nodes()) nodes_.emplace_back(node - table_->origin());
   }
 
@@ -197,9 +195,9 @@ public:
     double first_sigma = 0;
     double best_sigma = 0;
     bool moved = false;
-    for (int round = 0; round <= kRounds; ++round) {
+    for (int round = 0; round <= config_.rounds; ++round) {
       const BulkWarp warp(table_, tracking::Warp(graph_, nodes));
-      view.look(warp, round < kRounds);
+      view.look(warp, round < config_.rounds);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
       if (round == 0) first_sigma = *sigma;
@@ -209,7 +207,7 @@ public:
       best = nodes;
       best_cost = now;
       best_sigma = *sigma;
-      if (round < kRounds && !step(view, warp, *sigma, nodes)) break;
+      if (round < config_.rounds && !step(view, warp, *sigma, nodes)) break;
     }
     nodes = std::move(best);
     if (!moved) return false;
@@ -258,21 +256,21 @@ private:
 
   // One damped Gauss–Newton step; false if none lowers the energy.
   bool step(const FrameView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
-    constexpr int kIterations = 60;
-    constexpr double kTolerance = 1e-2;
     const NodeStates states = states_of(nodes, warp);
     std::vector<tracking::SkinnedPoint> points;
     std::vector<tracking::PointTerms> terms;
     add_rows(view, states, color_sigma, points, terms);
     const tracking::ObjectView no_textures;
-    tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures, {kRigidity * spacing_, kPriorSigma});
+    tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures,
+                                       {config_.rigidity * spacing_, config_.prior_sigma});
     problem.terms() = std::move(terms);
     problem.set_prior(states);
     double before = 0;
     const tracking::BlockSystem system = problem.linearise(tracking::pose_layer(points, states), before);
     for (double damping = 1e-3; damping < 1e3; damping *= 30) {
       const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
-      const auto solved = tracking::solve_pcg(problem.pattern(), system, added, kIterations, kTolerance);
+      const auto solved =
+          tracking::solve_pcg(problem.pattern(), system, added, config_.pcg_iterations, config_.pcg_tolerance);
       const NodeStates candidate = tracking::stepped(states, solved.step);
       if (!(problem.energy(tracking::pose_layer(points, candidate)) < before)) continue;
       for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -291,6 +289,7 @@ private:
   std::shared_ptr<const tracking::InfluenceTable> table_;
   std::span<const tracking::GraphEdge> edges_;
   double spacing_;
+  MotionRefinementConfig config_;
   std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the table's origin
 };
 
@@ -345,8 +344,8 @@ void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_
 
 tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
                                std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
-                               MotionRefinement* report) {
-  const Refiner refiner(field, layer, edges, node_spacing);
+                               MotionRefinement* report, const MotionRefinementConfig& config) {
+  const Refiner refiner(field, layer, edges, node_spacing, config);
   const tracking::Motion& motion = layer.motion;
   const std::vector<fields::StoredFrame>& frames = layer.pixels.frames();
   std::vector<tracking::Motion::Deformation> refined = motion.deformations();

@@ -15,6 +15,14 @@
 
 namespace kinora::encode {
 
+struct MotionRefinementConfig {
+  int rounds = 2;            ///< Gauss–Newton steps, each with the field looked at anew
+  double rigidity = 0.1;     ///< standard deviation of a neighbour's place, in units of the nodes' spacing
+  double prior_sigma = 0.01; ///< metres from where the tracker had a node
+  int pcg_iterations = 60;
+  double pcg_tolerance = 1e-2;
+};
+
 struct MotionRefinement {
   std::size_t frames = 0;  ///< in which nodes were moved
   double color_before = 0; ///< typical difference (robust deviation, of 1) of field and pixels, mean over these frames
@@ -27,6 +35,6 @@ struct MotionRefinement {
 /// Error(kInterrupted) when cancelled.
 tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
                                std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
-                               MotionRefinement* report = nullptr);
+                               MotionRefinement* report = nullptr, const MotionRefinementConfig& config = {});
 
 } // namespace kinora::encode

@@ -22,8 +22,8 @@ Json config_json(const PreparedCapture& prepared, const EncodeOptions& options) 
 }
 
 /// Of the clip as a whole; layers and timeline bring their own.
-Json metadata_of(const ingest::CaptureInfo& info, const Json& config) {
-  Json metadata = {{"encoder", {{"version", KINORA_VERSION}, {"options", config}}},
+Json metadata_of(const ingest::CaptureInfo& info, const Json& config, const Json& settings) {
+  Json metadata = {{"encoder", {{"version", KINORA_VERSION}, {"options", config}, {"settings", settings}}},
                    {"frames_per_second", info.frames_per_second}};
   if (info.registration) metadata["registration"] = ingest::to_json(*info.registration);
   return metadata;
@@ -41,9 +41,10 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
                 "measured depth");
   }
   const Json config = config_json(prepared, options);
+  const Json settings = settings_json(options.settings);
   const Json not_modelled = not_modelled_json(plan.not_modelled);
   Clip& clip = pass.clip;
-  clip.metadata.update(metadata_of(prepared.capture->info(), config));
+  clip.metadata.update(metadata_of(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
@@ -55,6 +56,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   Json report = {{"schema", "kinora.encode/1"},
                  {"version", KINORA_VERSION},
                  {"config", config},
+                 {"settings", settings},
                  {"capture", capture_json(prepared, pass)},
                  {"camera", camera_json(prepared)},
                  {"streams", streams_json(pass.streams, prepared.registration)},

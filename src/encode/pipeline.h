@@ -15,7 +15,8 @@ struct EncodeResult {
   Clip clip;
   /// "kinora.encode/1": `capture` (what was read, skipped frames with reasons), `camera`,
   /// `streams` (exposure, delay and registration of colour and depth, as estimated), `layers` (what was modelled
-  /// and why, parameters, tracking health, training, milliseconds per frame), `not_modelled`, `config`, `timing`.
+  /// and why, parameters, tracking health, training, milliseconds per frame), `not_modelled`, `config`, `settings`,
+  /// `timing`.
   nlohmann::json report;
 };
 

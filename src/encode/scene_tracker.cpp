@@ -19,9 +19,8 @@ struct SceneTracker::Sight {
   double squares = 0;                            ///< sum of their squared lengths
 };
 
-SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
-                           Progress& progress)
-    : capture_(capture), deforming_(deforming), progress_(progress) {}
+SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress)
+    : capture_(capture), settings_(settings), progress_(progress) {}
 
 std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& frame) const {
   std::array<Sight, 256> sights;
@@ -61,10 +60,10 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   if (tracked.plan.motion == tracking::MotionKind::kStill) return;
   tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
   if (tracked.plan.motion == tracking::MotionKind::kDeforming) {
-    tracked.bending = std::make_unique<tracking::DeformingTracker>(label, deforming_);
+    tracked.bending = std::make_unique<tracking::DeformingTracker>(label, settings_.deforming);
   } else {
-    tracking::RigidTrackerConfig config;
-    config.remembers = !tracked.plan.is_told;
+    tracking::RigidTrackerConfig config = settings_.rigid;
+    config.remembers |= !tracked.plan.is_told;
     tracked.tracker = std::make_unique<tracking::RigidTracker>(label, config);
   }
 }
@@ -82,7 +81,7 @@ void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& fram
 }
 
 void SceneTracker::let_bend(TrackedLabel& tracked) {
-  tracking::DeformingTrackerConfig config = deforming_;
+  tracking::DeformingTrackerConfig config = settings_.deforming;
   config.binding.use_body = false;
   tracked.bending = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
   const tracking::FrameMemory& memory = tracked.tracker->memory();

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/progress.h"
+#include "encode/settings.h"
 #include "encode/stage_times.h"
 #include "encode/tracked_label.h"
 #include "ingest/frame.h"
@@ -14,8 +15,7 @@ namespace kinora::encode {
 /// remembered (tracking::FrameMemory), and without a body. Not thread-safe.
 class SceneTracker {
 public:
-  SceneTracker(const ingest::CaptureInfo& capture, const tracking::DeformingTrackerConfig& deforming,
-               Progress& progress);
+  SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress);
 
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
@@ -32,7 +32,7 @@ private:
   void let_bend(TrackedLabel& tracked);
 
   const ingest::CaptureInfo& capture_;
-  tracking::DeformingTrackerConfig deforming_;
+  TrackingSettings settings_;
   Progress& progress_;
   int frames_ = 0;
   std::map<int, TrackedLabel> labels_;

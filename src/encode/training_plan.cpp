@@ -52,7 +52,9 @@ std::string unique_name(const std::string& wanted, const std::vector<LayerJob>& 
 std::size_t rays_of_all(const Clip& clip, const EncodeOptions& options) {
   const Intrinsics& camera = clip.intrinsics;
   const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(clip.times.size());
-  return std::clamp(static_cast<std::size_t>(options.rays_per_pixel * pixels), options.min_rays, options.max_rays);
+  const TrainingBudget& budget = options.settings.budget;
+  return std::clamp(static_cast<std::size_t>(budget.rays_per_pixel * pixels), budget.min_rays,
+                    std::max(budget.min_rays, budget.max_rays));
 }
 
 } // namespace

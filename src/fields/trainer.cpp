@@ -172,14 +172,10 @@ private:
 // Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
 // that are full, and an error that can be seen.
 bool may_grow(Run& run, const RaySampler& sampler, const TrainerConfig& trainer) {
-  constexpr std::size_t kRaysPerEntry = 192; // shorter ones end before this pays (docs/experiments/field_model.md)
-  constexpr std::size_t kFewestJudges = 256;
-  constexpr double kFull = 0.5;
-  constexpr double kSeen = 3e-4; // 40 dB
-  return trainer.rays >> run.field().config.log2_table_size >= kRaysPerEntry &&
-         sampler.held_apart_count() >= kFewestJudges && can_double_tables(run.field().config) &&
-         run.field().config.log2_table_size < trainer.largest_log2_table_size && run.table_fill() > kFull &&
-         run.judged_error() > kSeen;
+  return trainer.rays >> run.field().config.log2_table_size >= trainer.growth.rays_per_entry &&
+         sampler.held_apart_count() >= trainer.growth.min_validation_rays && can_double_tables(run.field().config) &&
+         run.field().config.log2_table_size < trainer.largest_log2_table_size &&
+         run.table_fill() > trainer.growth.min_fill && run.judged_error() > trainer.growth.min_error;
 }
 
 // Trains on until so many rays are done, with steps that fall as those of a whole training do, or until learning stops:
@@ -196,8 +192,6 @@ double error_after(std::size_t end, Run& run, Progress& progress, TrainingReport
 
 // Returns whether larger tables paid; the run goes on with them then.
 bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, TrainingReport& report) {
-  constexpr double kPays = 0.96; // of the error; less is not worth the memory (docs/experiments/field_model.md)
-  constexpr std::size_t kMostRays = 500'000;
   GrowthTrial trial;
   trial.begin = run.rays();
   trial.table_fill = run.table_fill();
@@ -205,12 +199,12 @@ bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, Trai
   trial.bytes = bytes_of(run.field());
   Run larger = run.grown();
   trial.grown_bytes = bytes_of(larger.field());
-  const std::size_t end = run.rays() + std::min(trainer.rays / 8, kMostRays);
+  const std::size_t end = run.rays() + std::min(trainer.rays / 8, trainer.growth.max_rays);
   TrainingReport aside;
   trial.error = error_after(end, run, progress, report);
   trial.grown_error = error_after(end, larger, progress, aside);
   trial.price = larger.rays() - trial.begin;
-  trial.kept = aside.restarts.empty() && trial.grown_error < kPays * trial.error;
+  trial.kept = aside.restarts.empty() && trial.grown_error < trainer.growth.worthwhile * trial.error;
   if (trial.kept) run = std::move(larger);
   report.growth.push_back(trial);
   return trial.kept;

@@ -14,6 +14,16 @@
 
 namespace kinora::fields {
 
+/// When tables are tried with twice the entries (GrowthTrial), and kept.
+struct GrowthConfig {
+  std::size_t rays_per_entry = 192;      ///< of the whole training: shorter ones end before larger tables pay
+  std::size_t min_validation_rays = 256; ///< to judge by
+  double min_fill = 0.5;                 ///< share of the entries in use
+  double min_error = 3e-4;               ///< mean squared error of the colour of validation rays that is worth a trial
+  double worthwhile = 0.96;              ///< of the error; less is not worth the memory
+  std::size_t max_rays = 500'000;        ///< of a trial
+};
+
 /// Every number a run depends on; written into the clip. Lengths in metres, learning rates for Adam.
 struct TrainerConfig {
   std::uint64_t seed = 1;
@@ -26,8 +36,9 @@ struct TrainerConfig {
   SamplingConfig sampling;
   float negligible_gradient = 1e-4F; ///< FieldOptimizer
   int largest_log2_table_size = 17;  ///< up to which tables may grow (GrowthTrial)
-  bool drop_stray_cells = true;      ///< in the end; finds nothing where all views agree
-  bool exact_depth = false;          ///< later steps sample closely about measured depths; else these are refined first
+  GrowthConfig growth;
+  bool drop_stray_cells = true; ///< in the end; finds nothing where all views agree
+  bool exact_depth = false;     ///< later steps sample closely about measured depths; else these are refined first
 
   static constexpr int kRaysPerChunk = 128;
 };

@@ -45,7 +45,8 @@ public:
     for (int y = static_cast<int>(v) - reach; y <= static_cast<int>(v) + reach; ++y) {
       for (int x = static_cast<int>(u) - reach; x <= static_cast<int>(u) + reach; ++x) {
         const StoredPixel* pixel = map_.at(x, y);
-        look.through = look.through && (pixel == nullptr || depth + kSensorNoise.three_sigma(depth) < empty_before(*pixel));
+        look.through =
+            look.through && (pixel == nullptr || depth + kSensorNoise.three_sigma(depth) < empty_before(*pixel));
       }
     }
     return look;
@@ -117,26 +118,26 @@ ViewAgreement agreement_of_views(const LayerObservations& layer) {
   return agreement;
 }
 
-LossWeights weights_for(const ViewAgreement& agreement) {
+LossWeights weights_for(const ViewAgreement& agreement, const LossWeights& usual) {
   constexpr double kRough = 0.005; // from so many looks on, opaque silhouettes would grow
   constexpr double kMostNoise = 6; // beyond it bands would hold more than one surface
   const auto trust = [&](double bound) {
     return static_cast<float>(agreement.looks == 0 ? 0 : std::max(0.0, 1 - agreement.seen_through / bound));
   };
-  LossWeights weights;
+  LossWeights weights = usual;
   weights.opacity *= 1 + trust(kRough);
   weights.depth *= 1 + trust(kRough);
   weights.empty_rays /= 1 + trust(kDoubt);
-  weights.noise.scale = static_cast<float>(std::clamp(agreement.noise, 1.0, kMostNoise));
+  weights.noise.scale = static_cast<float>(std::max<double>(usual.noise.scale, std::min(agreement.noise, kMostNoise)));
   return weights;
 }
 
-void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer) {
+void adapt_to(const ViewAgreement& agreement, const TrainerConfig& usual, TrainerConfig& trainer) {
   constexpr double kExact = 0.25; // standard deviations of the sensor: less than a quarter of a pixel's footprint
   const bool contradict = agreement.looks == 0 || agreement.seen_through >= kDoubt;
-  trainer.loss = weights_for(agreement);
-  trainer.drop_stray_cells = contradict;
-  trainer.exact_depth = !contradict && agreement.noise > 0 && agreement.noise < kExact;
+  trainer.loss = weights_for(agreement, usual.loss);
+  trainer.drop_stray_cells = usual.drop_stray_cells && contradict;
+  trainer.exact_depth = usual.exact_depth || (!contradict && agreement.noise > 0 && agreement.noise < kExact);
 }
 
 } // namespace kinora::fields

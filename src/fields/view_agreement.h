@@ -24,12 +24,13 @@ ViewAgreement agreement_of_views(const LayerObservations& layer);
 /// Opacity and depth of a layer's own rays are asked for twice as strongly where all views agree, and half as many rays
 /// tell of emptiness, so that surfaces are found with fewer rays; where masks or motion contradict each other that
 /// would make silhouettes grow. In between all follow in proportion to what is seen through, emptiness sooner
-/// (docs/experiments/fields.md). Noise beyond the sensor's widens the bands in which surfaces are expected.
-LossWeights weights_for(const ViewAgreement& agreement);
+/// (docs/experiments/fields.md). Noise beyond the sensor's, and beyond the usual weights', widens the bands in which
+/// surfaces are expected.
+LossWeights weights_for(const ViewAgreement& agreement, const LossWeights& usual = {});
 
-/// A training that asks of the views what they hold: weights_for, and
-/// - unless enough looks agree, cells that are seen past are dropped in the end (stray_cells.h);
+/// A training that asks of the views what they hold, and else is as usual: weights_for, and
+/// - unless enough looks agree, cells that are seen past are dropped in the end (stray_cells.h), if they usually are;
 /// - where they do, and far better than the sensor's noise lets expect, depths are taken as exact.
-void adapt_to(const ViewAgreement& agreement, TrainerConfig& trainer);
+void adapt_to(const ViewAgreement& agreement, const TrainerConfig& usual, TrainerConfig& trainer);
 
 } // namespace kinora::fields

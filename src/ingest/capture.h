@@ -10,6 +10,7 @@
 
 #include "core/frame_range.h"
 #include "core/progress.h"
+#include "ingest/depth_cleaning.h"
 #include "ingest/frame.h"
 #include "ingest/registration.h"
 
@@ -23,6 +24,8 @@ struct CaptureOptions {
   std::string format; ///< name of the format to read with; empty: whoever recognises it best
   FrameRange frames;
   bool use_masks = true; ///< false: masks on disk are not read
+  double max_depth = 20; ///< metres: no depth camera measures beyond; some mark "no measurement" with large values
+  DepthCleaning cleaning;
   /// The two cameras of a capture that says colour and depth are one camera's; its poses are then the depth camera's.
   std::optional<RegistrationGeometry> registration;
 };

@@ -8,9 +8,6 @@
 namespace kinora::ingest {
 namespace {
 
-/// Beyond this no depth camera measures; sensors mark "no measurement" with large values too.
-constexpr double kMaxDepth = 20;
-
 Intrinsics intrinsics_of(const KinoraCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
@@ -35,7 +32,7 @@ template <class T> const T* row_of(const KinoraImage& image, int v) {
 }
 
 /// Metres, 0 where nothing is measured or where the plugin has no confidence in it.
-DepthImage metres_of(const KinoraFrame& frame) {
+DepthImage metres_of(const KinoraFrame& frame, double max_depth) {
   DepthImage depth(frame.depth.width, frame.depth.height);
   for (int v = 0; v < depth.height(); ++v) {
     const auto* row = row_of<std::uint16_t>(frame.depth, v);
@@ -43,7 +40,7 @@ DepthImage metres_of(const KinoraFrame& frame) {
     for (int u = 0; u < depth.width(); ++u) {
       const double metres = row[u] * frame.depth_unit;
       const bool believed = confidence == nullptr || confidence[u] > 0;
-      depth.at(u, v) = believed && metres <= kMaxDepth ? static_cast<float>(metres) : 0.0F;
+      depth.at(u, v) = believed && metres <= max_depth ? static_cast<float>(metres) : 0.0F;
     }
   }
   return depth;
@@ -61,14 +58,14 @@ template <class T> bool is_zero_everywhere(const KinoraImage& image) {
 }
 
 /// Of a frame in which nothing counts as measured.
-std::string why_unmeasured(const KinoraFrame& frame) {
+std::string why_unmeasured(const KinoraFrame& frame, double max_depth) {
   if (is_zero_everywhere<std::uint16_t>(frame.depth)) return "the depth image holds no measurement";
   if (frame.confidence.data != nullptr && is_zero_everywhere<std::uint8_t>(frame.confidence))
     return "the confidence of every depth pixel is 0";
   return fmt::format(
       "nothing is measured within {} m; if the scene is nearer, the capture states a wrong unit of depth "
       "(depth_factor)",
-      kMaxDepth);
+      max_depth);
 }
 
 std::optional<Undistortion> undistortion_of(const KinoraCamera& camera) {
@@ -89,8 +86,8 @@ RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* 
 } // namespace
 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
-    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), position_(range_.begin),
-      intrinsics_(intrinsics_of(reader_.info().camera)) {
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), max_depth_(options.max_depth),
+      cleaning_(options.cleaning), position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
   undistortion_ = undistortion_of(info.camera);
@@ -141,7 +138,7 @@ SourceResult FrameSource::next() {
   if (has_measurement(frame.depth))
     result.frame = std::move(frame);
   else
-    result.problem = why_unmeasured(read->frame);
+    result.problem = why_unmeasured(read->frame, max_depth_);
   return result;
 }
 
@@ -166,7 +163,7 @@ std::string FrameSource::problem_of(const KinoraFrame& frame) const {
 
 /// As the undistorted colour camera sees it.
 DepthImage FrameSource::depth_of(const KinoraFrame& given) const {
-  DepthImage depth = metres_of(given);
+  DepthImage depth = metres_of(given, max_depth_);
   const std::optional<Undistortion>& undistortion = registration_ ? depth_undistortion_ : undistortion_;
   if (undistortion) depth = undistortion->depth(depth);
   return registration_ ? register_depth(depth, *registration_) : depth;
@@ -187,7 +184,7 @@ Frame FrameSource::convert(const KinoraFrame& given) const {
     frame.color = undistortion_->color(frame.color);
     if (frame.has_labels()) frame.labels = undistortion_->labels(frame.labels);
   }
-  frame.clean_depth = clean_depth(frame.depth, intrinsics_);
+  frame.clean_depth = clean_depth(frame.depth, intrinsics_, cleaning_);
   return frame;
 }
 

@@ -36,6 +36,8 @@ private:
   host::FrameReader reader_;
   FrameRange range_;
   bool use_masks_;
+  double max_depth_;
+  DepthCleaning cleaning_;
   int position_;
   Intrinsics intrinsics_;
   std::optional<Undistortion> undistortion_;

@@ -8,12 +8,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr double kMostlyGuessed = 0.5; // share of a point's weights on such nodes
-// What is hidden lies near to what is seen, and is not it; and it stays where its neighbours would have it unless the
-// camera says otherwise.
-constexpr double kPlaneGate = 0.05;   // metres
-constexpr double kPriorSigma = 0.007; // metres
-
 /// What the frame that was looked at before, one of later time, tells those before it.
 struct Later {
   std::vector<SE3> corrections; ///< for each node: it was at guess · correction
@@ -23,7 +17,7 @@ struct Later {
 
 // Where the nodes were in one frame.
 std::vector<SE3> followed_back(const ModelInView& now, const NodeTrajectory& trajectory, std::size_t number,
-                               Later& later) {
+                               double guessed_share, Later& later) {
   const std::vector<SE3>& guess = trajectory.at(number).nodes;
   const auto is_guess = [&](std::size_t n) { return trajectory.is_guess(n, number); };
   const auto is_mostly_guessed = [&](const Influence& influence) {
@@ -31,7 +25,7 @@ std::vector<SE3> followed_back(const ModelInView& now, const NodeTrajectory& tra
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       if (is_guess(static_cast<std::size_t>(influence.nodes[k]))) weight += influence.weights[k];
     }
-    return weight > kMostlyGuessed;
+    return weight > guessed_share;
   };
   std::vector<SE3> nodes = guess;
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -53,11 +47,12 @@ std::vector<SE3> followed_back(const ModelInView& now, const NodeTrajectory& tra
 } // namespace
 
 void smooth_backward(const FrameMemory& frames, int label, const CanonicalModel& model, const LayerBinding& binding,
-                     const ModelInViewConfig& config, NodeTrajectory& trajectory) {
-  ModelInViewConfig held = config;
-  held.alignment.rigid_iterations = 0;
-  held.alignment.plane_gate = kPlaneGate;
-  held.alignment.prior_sigma = kPriorSigma;
+                     const ModelInViewConfig& in_view, const BackwardSmoothingConfig& config,
+                     NodeTrajectory& trajectory) {
+  ModelInViewConfig held = in_view;
+  held.solver.rigid_iterations = 0;
+  held.solver.plane_gate = config.plane_gate;
+  held.solver.prior_sigma = config.prior_sigma;
   Later later;
   later.corrections.resize(model.nodes().size(), SE3::Identity());
   const std::size_t begin = std::max(frames.begin(), trajectory.first());
@@ -67,7 +62,7 @@ void smooth_backward(const FrameMemory& frames, int label, const CanonicalModel&
     ObjectView view = view_layer(frame, label);
     const SE3& camera_to_world = frame.camera.camera_to_world;
     const ModelInView now(model, view, camera_to_world, binding.ties(model, number, camera_to_world.inverse()), held);
-    trajectory.correct(number, followed_back(now, trajectory, number, later));
+    trajectory.correct(number, followed_back(now, trajectory, number, config.guessed_share, later));
     later.view = std::move(view);
   }
 }

@@ -12,16 +12,8 @@ namespace kinora::tracking {
 namespace {
 
 // Changes of view, in radians and metres over the distance of what is seen (view_change).
-constexpr double kReach = 0.2;       // what alignment bridges by itself: key frames so near have been compared
-constexpr double kDrift = 0.05;      // that a camera may drift anyhow,
-constexpr double kDriftShare = 0.1;  // and as a share of its way: twice what the worst sensors make of it
-constexpr double kAgreement = 0.06;  // that loops seen one after the other may differ by: what drift adds meanwhile
-constexpr double kStrain = 0.03;     // that an edge of full weight may still differ by from the settled map
-constexpr double kDoubt = 5;         // as far as which the way over an edge of less weight counts
-constexpr std::size_t kCompared = 3; // key frames that look most alike
+constexpr double kDoubt = 5; // as far as which the way over an edge of less weight counts
 constexpr std::size_t kMinAlike = 15;
-constexpr std::size_t kWindow = 8;       // newest key frames whose loops are looked at together
-constexpr std::size_t kMinWitnesses = 3; // different ones of these that must say the same
 
 /// The least change of view along edges from one key frame to each other.
 std::vector<double> ways_from(std::size_t start, std::span<const CameraKeyframe> keyframes,
@@ -50,27 +42,28 @@ std::vector<double> ways_from(std::size_t start, std::span<const CameraKeyframe>
   return ways;
 }
 
-double drift_within(double way) { return kDrift + kDriftShare * way; }
+double drift_within(double way, const CameraLoopsConfig& config) { return config.drift + config.drift_share * way; }
 
 // Where a loop says that its newer key frame is.
 SE3 place_of(const PoseEdge& loop, std::span<const SE3> map) { return map[loop.from] * loop.to_in_from; }
 
 // Whether both loops would move the map about a newer key frame alike.
-bool agree(const PoseEdge& a, const PoseEdge& b, std::span<const SE3> map, double distance) {
+bool agree(const PoseEdge& a, const PoseEdge& b, std::span<const SE3> map, double distance,
+           const CameraLoopsConfig& config) {
   const SE3 by_a = place_of(a, map);
   const SE3 by_b = place_of(b, map) * (map[b.to].inverse() * map[a.to]);
-  return view_change(by_a.inverse() * by_b, distance) < kAgreement;
+  return view_change(by_a.inverse() * by_b, distance) < config.agreement;
 }
 
 bool settles(const std::vector<PoseEdge>& loops, std::span<const CameraKeyframe> keyframes, std::span<const SE3> map,
-             std::span<const PoseEdge> edges) {
+             std::span<const PoseEdge> edges, const CameraLoopsConfig& config) {
   std::vector<PoseEdge> all(edges.begin(), edges.end());
   all.insert(all.end(), loops.begin(), loops.end());
   std::vector<SE3> settled(map.begin(), map.end());
   optimise_poses(all, keyframes.front().distance, settled);
   return std::all_of(all.begin(), all.end(), [&](const PoseEdge& edge) {
     const SE3 strain = edge.to_in_from.inverse() * settled[edge.from].inverse() * settled[edge.to];
-    return edge.weight < 1 || view_change(strain, keyframes[edge.to].distance) < kStrain;
+    return edge.weight < 1 || view_change(strain, keyframes[edge.to].distance) < config.strain;
   });
 }
 
@@ -94,21 +87,21 @@ std::vector<std::size_t> most_alike(const SurfaceFeatures& features, std::span<c
 std::vector<PoseEdge> CameraLoops::look_back(std::span<const CameraKeyframe> keyframes, const ObjectView& view,
                                              std::span<const SE3> map, std::span<const PoseEdge> edges) {
   const std::size_t newest = keyframes.size() - 1;
-  std::erase_if(seen_, [&](const PoseEdge& loop) { return loop.to + kWindow <= newest; });
+  std::erase_if(seen_, [&](const PoseEdge& loop) { return loop.to + config_.window <= newest; });
   const std::vector<double> ways = ways_from(newest, keyframes, edges);
   std::vector<std::size_t> far;
   for (std::size_t k = 0; k < newest; ++k) {
-    if (drift_within(ways[k]) > kReach) far.push_back(k);
+    if (drift_within(ways[k], config_) > config_.reach) far.push_back(k);
   }
   bool found = false;
-  for (const std::size_t k : most_alike(keyframes[newest].features, keyframes, far, kCompared)) {
+  for (const std::size_t k : most_alike(keyframes[newest].features, keyframes, far, config_.compared)) {
     const auto start = place_by_features(keyframes[k].features, keyframes[newest].features);
     if (!start) continue;
     const auto measured = relate(keyframes[k], keyframes[newest], view, *start);
     if (!measured) continue;
     const PoseEdge loop{k, newest, *measured};
     const SE3 drift = map[newest].inverse() * place_of(loop, map);
-    if (view_change(drift, keyframes[newest].distance) > drift_within(ways[k])) continue;
+    if (view_change(drift, keyframes[newest].distance) > drift_within(ways[k], config_)) continue;
     seen_.push_back(loop);
     found = true;
   }
@@ -116,12 +109,13 @@ std::vector<PoseEdge> CameraLoops::look_back(std::span<const CameraKeyframe> key
   std::vector<PoseEdge> loops;
   std::vector<std::size_t> witnesses;
   for (const PoseEdge& loop : seen_) {
-    if (!agree(seen_.back(), loop, map, keyframes[newest].distance)) continue;
+    if (!agree(seen_.back(), loop, map, keyframes[newest].distance, config_)) continue;
     loops.push_back(loop);
     if (witnesses.empty() || witnesses.back() != loop.to) witnesses.push_back(loop.to);
   }
   const bool contradicted = 4 * loops.size() < 3 * seen_.size(); // places that look alike
-  if (witnesses.size() < kMinWitnesses || contradicted || !settles(loops, keyframes, map, edges)) return {};
+  if (witnesses.size() < config_.min_witnesses || contradicted || !settles(loops, keyframes, map, edges, config_))
+    return {};
   seen_.clear();
   return loops;
 }

@@ -8,21 +8,6 @@
 #include "tracking/camera_view.h"
 
 namespace kinora::tracking {
-namespace {
-
-constexpr double kLongestStep = 0.2;    // seconds that the last velocity is believed to last
-constexpr double kVelocityShare = 0.95; // of it that is expected, and
-constexpr double kFading = 0.8;         // of that after each frame that shows no motion, or not in all directions
-constexpr std::size_t kSearched = 4;    // key frames that a lost camera is looked for at
-constexpr double kDoubtful = 0.01;      // weight of an edge over frames that did not show where the camera was
-constexpr double kFeatureShare = 0.15;  // size of a feature over the distance of what the first key frame shows
-constexpr double kFastestTurn = 4;      // radians per second, and
-constexpr double kFastestWay = 2;       // metres per second, of a hand
-constexpr double kSamePlace = 0.1;      // change of view that places which are one may differ by
-constexpr std::size_t kPoints = 1200;   // that a frame is aligned to
-
-} // namespace
-
 CameraTrackingResult CameraTracker::track(const ingest::Frame& frame) {
   const BackgroundFrame reduced = reduce_background(frame);
   const ObjectView view = view_background(reduced);
@@ -45,7 +30,7 @@ CameraTrackingResult CameraTracker::track(const ingest::Frame& frame) {
 
 // Where constant velocity, or a share of it, leads from the last place.
 SE3 CameraTracker::carried_on(double time, double share) const {
-  const double step = std::clamp(time - last_time_, 0.0, kLongestStep);
+  const double step = std::clamp(time - last_time_, 0.0, config_.motion.longest_step);
   return map_pose(places_.back()) * exp_se3(share * step * velocity_);
 }
 
@@ -82,7 +67,7 @@ CameraFit CameraTracker::fit_near(const ObjectView& view, const SE3& camera_to_m
     const Eigen::Matrix3f rotation = to_origin.linear().cast<float>();
     const Eigen::Vector3f translation = to_origin.translation().cast<float>();
     const std::vector<ModelPoint>& own = keyframes_[references[r]].points;
-    const std::size_t share = kPoints / references.size();
+    const std::size_t share = config_.max_points / references.size();
     for (std::size_t k = 0; k < std::min(share, own.size()); ++k) {
       ModelPoint point = own[k * own.size() / std::min(share, own.size())];
       point.position = rotation * point.position + translation;
@@ -97,15 +82,16 @@ CameraFit CameraTracker::fit_near(const ObjectView& view, const SE3& camera_to_m
 }
 
 SurfaceFeatures CameraTracker::features_of(const ObjectView& view, const SE3& camera_to_map) const {
-  return find_features(view, camera_to_map.linear(), kFeatureShare * keyframes_.front().distance);
+  return find_features(view, camera_to_map.linear(), config_.relocalisation.feature_size * keyframes_.front().distance);
 }
 
 // By a hand, since a frame showed where it was.
 bool CameraTracker::may_have_come_to(const SE3& camera_to_map, double time) const {
   const SE3 motion = map_pose(anchor_).inverse() * camera_to_map;
   const double since = std::max(0.0, time - anchor_time_);
-  return rotation_angle(motion) < kSamePlace + kFastestTurn * since &&
-         motion.translation().norm() < kSamePlace * keyframes_[anchor_.keyframe].distance + kFastestWay * since;
+  return rotation_angle(motion) < config_.relocalisation.same_place + config_.motion.max_angular_velocity * since &&
+         motion.translation().norm() < config_.relocalisation.same_place * keyframes_[anchor_.keyframe].distance +
+                                           config_.motion.max_velocity * since;
 }
 
 // Anywhere in the map, if it looks so there and nowhere else.
@@ -115,13 +101,15 @@ bool CameraTracker::find_by_features(const ObjectView& view, double time, const 
   std::vector<std::size_t> all(keyframes_.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   bool any = false;
-  for (const std::size_t k : most_alike(features, keyframes_, all, kSearched)) {
+  for (const std::size_t k : most_alike(features, keyframes_, all, config_.relocalisation.keyframes)) {
     const auto start = place_by_features(keyframes_[k].features, features);
     if (!start) continue;
     Place place{};
     CameraFit fit_there = fit_near(view, map_[k] * *start, k, 2, place);
     if (!fit_there.certain() || !may_have_come_to(map_pose(place), time)) continue;
-    if (any) return view_change(map_pose(found).inverse() * map_pose(place), keyframes_[k].distance) < kSamePlace;
+    if (any)
+      return view_change(map_pose(found).inverse() * map_pose(place), keyframes_[k].distance) <
+             config_.relocalisation.same_place;
     any = true;
     fit = std::move(fit_there);
     found = place;
@@ -152,7 +140,8 @@ CameraFit CameraTracker::search(const ObjectView& view, double time, const SE3& 
 }
 
 void CameraTracker::follow(const BackgroundFrame& reduced, const ObjectView& view, CameraTrackingResult& result) {
-  const SE3 expected = carried_on(reduced.time, kVelocityShare * std::pow(kFading, gap_.frames()));
+  const SE3 expected =
+      carried_on(reduced.time, config_.motion.velocity_share * std::pow(config_.motion.fading, gap_.frames()));
   const SE3 last = map_pose(places_.back());
   Place place{};
   const CameraFit fit = search(view, reduced.time, expected, place);
@@ -200,7 +189,7 @@ void CameraTracker::grow_map(const BackgroundFrame& reduced, const ObjectView& v
   if ((change < config_.keyframe_change && !doubtful_) || keyframes_.size() >= config_.max_keyframes) return;
   const std::size_t previous = reference_;
   add_keyframe(reduced, view, camera_to_map);
-  connect({previous, reference_, places_.back().camera_to_keyframe, doubtful_ ? kDoubtful : 1.0});
+  connect({previous, reference_, places_.back().camera_to_keyframe, doubtful_ ? config_.doubtful_weight : 1.0});
   doubtful_ = false;
   places_.back() = {reference_, SE3::Identity()};
   const bool near = close_near_loops(previous, view);

@@ -15,6 +15,22 @@
 
 namespace kinora::tracking {
 
+/// What is expected of a camera that is held in hand.
+struct CameraMotionConfig {
+  double longest_step = 0.2;       ///< seconds that the last velocity is believed to last
+  double velocity_share = 0.95;    ///< of it that is expected, and
+  double fading = 0.8;             ///< of that after each frame that shows no motion, or not in all directions
+  double max_angular_velocity = 4; ///< radians per second
+  double max_velocity = 2;         ///< metres per second
+};
+
+/// How a camera that was lost is found again.
+struct CameraRelocalisationConfig {
+  std::size_t keyframes = 4;  ///< that it is looked for at
+  double feature_size = 0.15; ///< over the distance of what the first key frame shows
+  double same_place = 0.1;    ///< change of view that places which are one may differ by
+};
+
 struct CameraTrackerConfig {
   std::size_t min_pixels = 2000;   ///< of the reduced background with clean depth that the first key frame must have
   double keyframe_change = 0.15;   ///< of the view (view_change) from which on a key frame is made
@@ -24,6 +40,11 @@ struct CameraTrackerConfig {
   std::size_t max_keyframes = 400; ///< 0.6 MB each
   int frames_to_move = 3;          ///< in a row that must show motion before the camera counts as moving; 0: it does
   int held_frames = 30;            ///< without support for longer: lost
+  std::size_t max_points = 1200;   ///< that a frame is aligned to
+  double doubtful_weight = 0.01;   ///< of an edge over frames that did not show where the camera was
+  CameraMotionConfig motion;
+  CameraRelocalisationConfig relocalisation;
+  CameraLoopsConfig loops;
 };
 
 /// One frame's answer.
@@ -42,7 +63,8 @@ struct CameraTrackingResult {
 /// of threads.
 class CameraTracker {
 public:
-  explicit CameraTracker(const CameraTrackerConfig& config = {}) : config_(config), gap_(config.held_frames) {}
+  explicit CameraTracker(const CameraTrackerConfig& config = {})
+      : config_(config), far_loops_(config.loops), gap_(config.held_frames) {}
 
   /// Frames in order of time; their own poses are not looked at. A frame without labels is all background.
   /// Throws Error(kFailure) if the frame's images differ in size.

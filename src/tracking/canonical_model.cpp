@@ -16,11 +16,6 @@ namespace {
 
 constexpr double kMinSpacing = 0.02;
 constexpr double kMaxSpacing = 0.25;
-constexpr double kWeightRadius = 1.1;    // in units of the nodes' spacing
-constexpr double kInfluenceRadius = 2.5; // so that a surface between nodes, and what lies before it, is carried
-constexpr double kSampleShare = 1.0 / 3; // of the spacing: grid of the thinned surface
-constexpr float kSeenOften = 2.5F;       // views that a surface must have been seen in before it gets nodes
-constexpr double kUnfoldReach = 0.03;    // metres
 
 TsdfConfig choose_volume(const ObjectView& view, double requested) {
   const double footprint = view.centroid.z() / view.intrinsics.fx;
@@ -42,7 +37,7 @@ std::size_t nearest_of(std::span<const Eigen::Vector3d> nodes, const Eigen::Vect
 } // namespace
 
 CanonicalModel::CanonicalModel(const CanonicalModelConfig& config, TsdfVolume volume)
-    : config_(config), volume_(std::move(volume)) {}
+    : config_(config), volume_(std::move(volume)), pieces_(config.pieces) {}
 
 std::optional<CanonicalModel> CanonicalModel::from_view(const ObjectView& view, const SE3& camera_to_world,
                                                         const CanonicalModelConfig& config) {
@@ -106,7 +101,8 @@ std::vector<std::size_t> CanonicalModel::adopt_pieces(const ObjectView& view, No
 }
 
 GraphGrowth CanonicalModel::fuse(const ObjectView& view, NodeStates states, std::size_t frame) {
-  TsdfVolume::Places places = unfold_view(view, surface_.points(), surface_.skin(), states, kUnfoldReach);
+  TsdfVolume::Places places =
+      unfold_view(view, surface_.points(), surface_.skin(), states, config_.growth.unfold_reach);
   GraphGrowth growth;
   growth.adopted = adopt_pieces(view, states, places);
   influences_.renew(volume_, graph_);
@@ -120,16 +116,17 @@ GraphGrowth CanonicalModel::fuse(const ObjectView& view, NodeStates states, std:
   };
   const std::vector<std::uint8_t> changed =
       volume_.integrate_bent(view.planes, view.texture, view.intrinsics, to_camera, places,
-                             surface_.resting(frame, static_cast<std::size_t>(config_.fuse_interval)));
+                             surface_.resting(frame, static_cast<std::size_t>(std::max(1, config_.fuse_interval))));
   surface_.renew_points(volume_, changed, unit_weight_);
   if (!growth.adopted.empty()) connect_graph(nodes_.size() - growth.adopted.size(), 0);
   renew_skin();
-  growth.grown = grow_graph(kSeenOften * unit_weight_, changed);
+  growth.grown = grow_graph(config_.growth.min_views * unit_weight_, changed);
   return growth;
 }
 
 void CanonicalModel::renew_graph() {
-  graph_ = std::make_shared<DeformationGraph>(nodes_, kWeightRadius * spacing_, kInfluenceRadius * spacing_);
+  graph_ = std::make_shared<DeformationGraph>(nodes_, config_.growth.weight_radius * spacing_,
+                                              config_.growth.influence_radius * spacing_);
 }
 
 // The graph and its edges, when there are more nodes than the `old` ones.
@@ -141,7 +138,7 @@ void CanonicalModel::connect_graph(std::size_t old, float min_weight) {
     return std::any_of(nodes_.begin() + static_cast<std::ptrdiff_t>(old), nodes_.end(),
                        [&](const Eigen::Vector3d& node) { return (node - centre).squaredNorm() < reach * reach; });
   };
-  const double cell = kSampleShare * spacing_;
+  const double cell = config_.growth.sample_spacing * spacing_;
   edges_.extend(nodes_, thin_surface(surface_.points_of(about_new_nodes), cell, min_weight), spacing_, cell);
 }
 
@@ -149,7 +146,7 @@ void CanonicalModel::connect_graph(std::size_t old, float min_weight) {
 // of the thinning, which reach into bricks beside those that hold such points.
 std::vector<SurfaceSample> CanonicalModel::samples_beyond_nodes(float min_weight,
                                                                 std::span<const std::uint8_t> changed) const {
-  const double cell = kSampleShare * spacing_;
+  const double cell = config_.growth.sample_spacing * spacing_;
   const double beside = volume_.brick_size() + cell;
   std::vector<Eigen::Vector3d> beyond;
   const std::vector<std::uint8_t> marks = surface_.beyond_nodes(nodes_, spacing_, min_weight, changed);

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "tracking/blended_motion.h"
 #include "tracking/brick_influences.h"
 #include "tracking/brick_surface.h"
 #include "tracking/graph_growth.h"
@@ -18,12 +19,23 @@
 
 namespace kinora::tracking {
 
+/// How the graph and the model grow. Lengths in units of the nodes' spacing, but where metres are said.
+struct GraphGrowthConfig {
+  double weight_radius = 1.1;
+  double influence_radius = 2.5;   ///< so that a surface between nodes, and what lies before it, moves with them
+  double sample_spacing = 1.0 / 3; ///< grid of the thinned surface
+  float min_views = 2.5F;          ///< that a surface must have been seen in before it gets nodes
+  double unfold_reach = 0.03;      ///< metres from the model to what is fused
+};
+
 struct CanonicalModelConfig {
   double voxel_size = 0;   ///< metres; 0: from the sensor's noise and the footprint of a pixel at the layer
   double node_spacing = 0; ///< metres; 0: so that the first view's surface gets about `first_nodes`
   std::size_t first_nodes = 300;
   std::size_t max_nodes = 700;
   int fuse_interval = 4; ///< frames from one to the next that is fused where the surface was seen often
+  GraphGrowthConfig growth;
+  NewPieceConfig pieces;
 };
 
 /// Places are relative to origin(), metres. Thread-safe to read. Same calls, same bits, for any number of threads.

@@ -19,11 +19,7 @@ namespace {
 constexpr std::size_t kPointsPerChunk = 1024;
 constexpr DepthMargin kDeformedMargin{0.05, 4};
 
-struct Stage {
-  int level;
-  double gate; ///< metres
-};
-constexpr std::array<Stage, DeformingAlignmentConfig::kStages> kStages = {{{2, 0.10}, {1, 0.06}, {0, 0.04}}};
+constexpr std::array<int, DeformingAlignmentConfig::kStages> kLevels = {2, 1, 0};
 
 /// Where a point is in the view; pixel_u < 0: nowhere.
 struct Seen {
@@ -95,11 +91,10 @@ ProblemWeights weights_of(double spacing, const DeformingAlignmentConfig& config
 // One step that lowers the energy, if there is one within a few tries; `energies`: before and after are appended.
 bool take_step(DeformingProblem& problem, const DeformingAlignmentConfig& config, NielsenDamping& damping,
                LayerPose& pose, std::vector<double>& energies) {
-  constexpr int kTries = 4;
   constexpr double kFloor = 1e-6;
   double before = 0;
   const BlockSystem& system = problem.linearise(pose, before);
-  return damped_gauss_newton(damping, kTries, [&](double value) -> StepOutcome {
+  return damped_gauss_newton(damping, config.damping_attempts, [&](double value) -> StepOutcome {
     const std::vector<Twist> added = damping_of(problem.pattern(), system, value, kFloor);
     const PcgResult solved = solve_pcg(problem.pattern(), system, added, config.pcg_iterations, config.pcg_tolerance);
     const double promised = -model_change(problem.pattern(), system, solved.step);
@@ -176,7 +171,7 @@ NodeStates moved_as_one(const LayerModel& model, std::span<const PointTexture> t
     some.push_back(model.points[p]);
     theirs.push_back(textures[p]);
   }
-  return align_rigidly({model.nodes, model.edges, some}, theirs, view, start, kStages[0].level, kStages[0].gate,
+  return align_rigidly({model.nodes, model.edges, some}, theirs, view, start, kLevels[0], config.gates[0],
                        config.rigid_iterations, config);
 }
 
@@ -297,11 +292,11 @@ DeformingAlignment align_deforming(const LayerModel& model, std::span<const Poin
                               config.rigid_iterations > 0 ? moved_as_one(model, textures, view, start, config) : start);
   NielsenDamping damping;
   const NodeShares shares(model);
-  for (std::size_t s = 0; s < kStages.size(); ++s) {
-    const Stage& stage = kStages[s];
-    problem.set_level(stage.level);
+  result.seen.assign(model.nodes.size(), 0);
+  for (std::size_t s = 0; s < kLevels.size(); ++s) {
+    problem.set_level(kLevels[s]);
     for (int i = 0; i < config.iterations[s]; ++i) {
-      associate(model, textures, view, pose, stage.level, stage.gate, config, problem.terms());
+      associate(model, textures, view, pose, kLevels[s], config.gates[s], config, problem.terms());
       const std::span<const PointTerms> terms = problem.terms();
       result.seen = shares.of([&](std::size_t p) { return terms[p].on_surface; });
       const auto looked_at =

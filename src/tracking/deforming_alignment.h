@@ -27,8 +27,11 @@ struct DeformingAlignmentConfig {
   double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
   double texture_sigma = TextureModel::kMinTextureSigma; ///< at least; log luminance
   double plane_gate = 0.1; ///< metres; measured surface farther away than this is another one
+  /// Metres from a point to what it may be compared with, from the coarsest level to the finest.
+  std::array<double, kStages> gates{0.10, 0.06, 0.04};
   int rigid_iterations = 4;
   std::array<int, kStages> iterations{1, 1, 5}; ///< at most, from the coarsest level to the finest
+  int damping_attempts = 4;                     ///< at a step that lowers the energy
   double worthwhile = 0.005;                    ///< share of the energy that a step saves if another is to follow it
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;

@@ -3,22 +3,9 @@
 #include <utility>
 
 #include "core/error.h"
-#include "tracking/backward_smoothing.h"
 #include "tracking/layer_view.h"
-#include "tracking/topology_change.h"
 
 namespace kinora::tracking {
-namespace {
-
-constexpr double kMuchFreeSpace = 0.25;    // share of the model in empty space: other places are tried as well
-constexpr double kLittleCorrelation = 0.4; // of the texture: likewise
-
-bool is_doubtful(const DeformingQuality& quality) {
-  return quality.free_space_share() > kMuchFreeSpace ||
-         (quality.texture_correlation != 0 && quality.texture_correlation < kLittleCorrelation);
-}
-
-} // namespace
 
 DeformingTrackingResult DeformingTracker::track(const ingest::Frame& frame, std::span<const NearbyObject> objects) {
   if (!config_.use_objects) objects = {};
@@ -41,7 +28,11 @@ Health DeformingTracker::begin(const ingest::Frame& frame, const ObjectView& vie
   auto model = CanonicalModel::from_view(view, frame.camera.camera_to_world, config_.model);
   if (!model) return Health::kLost;
   NodeTrajectory trajectory(memory_.count(), model->nodes().size(), frame.time);
-  seen_.emplace(Seen{std::move(*model), std::move(trajectory), {}, TrackingGap(config_.held_frames), {}});
+  seen_.emplace(Seen{std::move(*model),
+                     std::move(trajectory),
+                     {},
+                     TrackingGap(config_.held_frames),
+                     Relocalisation(config_.relocalisation)});
   const SE3 origin_to_camera = seen_->model.origin_to_camera(frame.camera.camera_to_world);
   seen_->relocalisation.remember(memory_.count(), origin_to_camera, seen_->trajectory);
   binding_.learn(seen_->model, seen_->trajectory, {}, {});
@@ -68,9 +59,10 @@ Health DeformingTracker::follow(const ingest::Frame& frame, const ObjectView& vi
 DeformingAlignment DeformingTracker::align(const ModelInView& now, double time, DeformingQuality& quality) const {
   const NodeTrajectory& trajectory = seen_->trajectory;
   const std::vector<SE3>& last = trajectory.last().nodes;
-  std::vector<SE3> expected = trajectory.predicted(now.model().nodes(), time);
+  std::vector<SE3> expected = trajectory.predicted(now.model().nodes(), time, config_.prediction.velocity_share);
   if (config_.use_searches) {
-    expected = corrected_prediction(now, seen_->last_found, last, binding_, memory_.count(), std::move(expected));
+    expected = corrected_prediction(now, seen_->last_found, last, binding_, memory_.count(), std::move(expected),
+                                    config_.prediction);
   }
   const NodeStates prior = now.states(expected);
   DeformingSelection selection = now.facing(prior);
@@ -93,15 +85,20 @@ bool DeformingTracker::is_healthy(const DeformingQuality& quality) const {
          quality.free_space_share() <= config_.max_free_space;
 }
 
+bool DeformingTracker::is_doubtful(const DeformingQuality& quality) const {
+  return quality.free_space_share() > config_.search.max_free_space_share ||
+         (quality.texture_correlation != 0 && quality.texture_correlation < config_.search.min_correlation);
+}
+
 void DeformingTracker::accept(const ModelInView& now, double time, DeformingAlignment alignment,
                               const DeformingQuality& quality, std::span<const NearbyObject> objects) {
   CanonicalModel& model = seen_->model;
   NodeTrajectory& trajectory = seen_->trajectory;
   std::vector<SE3> nodes = now.transforms(alignment.nodes);
-  const std::vector<std::size_t> parted =
-      find_parted_nodes(model.nodes(), model.spacing(), trajectory.last().nodes, nodes, alignment.seen);
+  const std::vector<std::size_t> parted = find_parted_nodes(model.nodes(), model.spacing(), trajectory.last().nodes,
+                                                            nodes, alignment.seen, config_.topology);
   trajectory.add_tracked(std::move(nodes), time);
-  if (quality.free_space_share() <= kMuchFreeSpace) {
+  if (quality.free_space_share() <= config_.search.max_free_space_share) {
     seen_->relocalisation.remember(memory_.count(), now.origin_to_camera(), trajectory);
   }
   if (!parted.empty()) alignment.nodes = part_surfaces(now, parted);
@@ -114,7 +111,7 @@ void DeformingTracker::accept(const ModelInView& now, double time, DeformingAlig
 NodeStates DeformingTracker::part_surfaces(const ModelInView& now, std::span<const std::size_t> parted) {
   CanonicalModel& model = seen_->model;
   NodeTrajectory& trajectory = seen_->trajectory;
-  const std::vector<SE3> pose = parted_pose(model.nodes(), model.edges(), trajectory.last().nodes);
+  const std::vector<SE3> pose = parted_pose(model.nodes(), model.edges(), trajectory.last().nodes, config_.topology);
   trajectory.repose(pose);
   for (const std::size_t node : parted) trajectory.doubt_past(node);
   binding_.repose(pose);
@@ -135,7 +132,7 @@ Motion DeformingTracker::motion() const {
 
 std::optional<TrackedLayer> DeformingTracker::finish() && {
   if (!seen_) return std::nullopt;
-  smooth_backward(memory_, label_, seen_->model, binding_, config_.in_view, seen_->trajectory);
+  smooth_backward(memory_, label_, seen_->model, binding_, config_.in_view, config_.backward, seen_->trajectory);
   return TrackedLayer{motion_of(seen_->model, seen_->trajectory), seen_->model.edges(), seen_->model.spacing(),
                       binding_.body()};
 }

@@ -8,14 +8,22 @@
 #include <span>
 
 #include "ingest/frame.h"
+#include "tracking/backward_smoothing.h"
 #include "tracking/frame_memory.h"
 #include "tracking/model_in_view.h"
 #include "tracking/pose_prediction.h"
 #include "tracking/relocalisation.h"
+#include "tracking/topology_change.h"
 #include "tracking/tracked_layer.h"
 #include "tracking/tracking_gap.h"
 
 namespace kinora::tracking {
+
+/// When a layer is looked for elsewhere than where it is expected.
+struct DeformingSearchConfig {
+  double max_free_space_share = 0.25; ///< of the model: above, other places are tried as well
+  double min_correlation = 0.4;       ///< of the texture: below, likewise
+};
 
 struct DeformingTrackerConfig {
   std::size_t first_pixels = 150; ///< pixels with clean depth that the layer's first frame must have
@@ -28,6 +36,11 @@ struct DeformingTrackerConfig {
   CanonicalModelConfig model;
   LayerBindingConfig binding;
   ModelInViewConfig in_view;
+  PosePredictionConfig prediction;
+  DeformingSearchConfig search;
+  RelocalisationConfig relocalisation;
+  TopologyChangeConfig topology;
+  BackwardSmoothingConfig backward;
 };
 
 /// One frame's answer.
@@ -79,6 +92,7 @@ private:
               std::span<const NearbyObject> objects);
   NodeStates part_surfaces(const ModelInView& now, std::span<const std::size_t> parted);
   bool is_healthy(const DeformingQuality& quality) const;
+  bool is_doubtful(const DeformingQuality& quality) const;
 
   int label_;
   DeformingTrackerConfig config_;

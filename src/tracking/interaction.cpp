@@ -22,7 +22,6 @@ std::optional<NearbyObject> nearby_object(const RigidTracker& tracker) {
 
 void Interaction::learn(std::span<const NearbyObject> objects, std::span<const Eigen::Vector3d> places,
                         std::span<const double> seen) {
-  constexpr double kMostlySeen = 0.5;
   for (const NearbyObject& object : objects) {
     std::vector<std::optional<Mean>>& means = means_[object.label];
     means.resize(places.size());
@@ -30,9 +29,9 @@ void Interaction::learn(std::span<const NearbyObject> objects, std::span<const E
     for (std::size_t n = 0; n < places.size(); ++n) {
       const Eigen::Vector3d in_object = to_object * places[n];
       std::optional<Mean>& mean = means[n];
-      if (!mean && seen[n] <= kMostlySeen) continue;
+      if (!mean && seen[n] <= config_.min_seen) continue;
       if (!mean) mean = Mean{in_object, places[n]};
-      if (seen[n] > kMostlySeen) decide(object, in_object, places[n], *mean);
+      if (seen[n] > config_.min_seen) decide(object, in_object, places[n], *mean);
       const double share = config_.renewed * seen[n];
       mean->in_object += share * (in_object - mean->in_object);
       mean->in_world += share * (places[n] - mean->in_world);

@@ -29,6 +29,7 @@ struct InteractionConfig {
   bool presumes = false;      ///< what is that near holds the object until the view says otherwise
   double least_motion = 0.02; ///< metres that an object must have carried a place before that tells anything
   double most_slip = 0.3;     ///< of that motion, by which what is held may have slipped in the meantime
+  double min_seen = 0.5;      ///< share of a place that the view shows: below, it teaches nothing
   double renewed = 0.1;       ///< share of what one frame says: motion is that of the last ten frames or so
 };
 

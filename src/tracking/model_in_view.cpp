@@ -43,15 +43,14 @@ double ModelInView::contradiction(const DeformingSelection& selection, const Nod
 
 DeformingAlignment ModelInView::align(const DeformingSelection& selection, const NodeStates& start,
                                       const NodeStates& prior) const {
-  return align_deforming(layer(selection), selection.textures, view_, start, prior, model_.spacing(), config_.alignment,
+  return align_deforming(layer(selection), selection.textures, view_, start, prior, model_.spacing(), config_.solver,
                          ties_.pulls);
 }
 
 DeformingAlignment ModelInView::align_from_afar(const DeformingSelection& selection, NodeStates start) const {
-  constexpr int kPasses = 3;
   DeformingAlignment alignment;
   alignment.nodes = std::move(start);
-  for (int pass = 0; pass < kPasses; ++pass) alignment = align(selection, alignment.nodes, alignment.nodes);
+  for (int pass = 0; pass < config_.passes; ++pass) alignment = align(selection, alignment.nodes, alignment.nodes);
   return alignment;
 }
 

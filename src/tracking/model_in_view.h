@@ -15,7 +15,8 @@ namespace kinora::tracking {
 
 struct ModelInViewConfig {
   std::size_t max_points = 6000; ///< model points used for alignment
-  DeformingAlignmentConfig alignment;
+  DeformingAlignmentConfig solver;
+  int passes = 3; ///< of alignment from afar
 };
 
 /// `NodeStates` are canonical to camera. Refers to model, view and configuration, which must outlive it. Thread-safe.

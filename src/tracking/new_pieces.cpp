@@ -4,15 +4,6 @@
 #include <cmath>
 
 namespace kinora::tracking {
-namespace {
-
-constexpr int kPieceFrames = 8;     // in a row that show a piece apart before it is taken in
-constexpr double kPieceStep = 0.08; // metres that a piece may go from frame to frame
-constexpr std::size_t kPieceCells = 12;
-constexpr double kPieceJump = 0.03; // metres
-
-} // namespace
-
 Eigen::Vector3d NewPiece::centroid() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) sum += point;
@@ -71,14 +62,14 @@ std::vector<NewPiece> find_new_pieces(const ObjectView& view, const TsdfVolume::
 std::vector<NewPiece> LastingPieces::add(const ObjectView& view, const TsdfVolume::Places& places) {
   std::vector<NewPiece> lasting;
   std::vector<Seen> seen;
-  for (NewPiece& piece : find_new_pieces(view, places, kPieceCells, kPieceJump)) {
+  for (NewPiece& piece : find_new_pieces(view, places, config_.min_cells, config_.max_jump)) {
     const Eigen::Vector3d centroid = piece.centroid();
     int frames = 1;
     for (const Seen& before : seen_) {
-      if ((before.centroid - centroid).norm() < kPieceStep) frames = std::max(frames, before.frames + 1);
+      if ((before.centroid - centroid).norm() < config_.max_step) frames = std::max(frames, before.frames + 1);
     }
     seen.push_back({centroid, frames});
-    if (frames >= kPieceFrames) lasting.push_back(std::move(piece));
+    if (frames >= config_.frames) lasting.push_back(std::move(piece));
   }
   seen_ = std::move(seen);
   return lasting;

@@ -14,14 +14,8 @@ namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kLevel = 1;
-constexpr int kRadius = 4;       // of the patch, in its pixels
-constexpr int kReach = 12;       // of the search, likewise
-constexpr int kStride = 2;       // of the search at first
-constexpr double kFound = 0.8;   // correlation of the same texture
-constexpr double kGain = 0.15;   // at least, over that where it is expected
-constexpr double kBeside = 0.02; // metres between a node and the surface that shows it
-constexpr std::size_t kLeastMatches = 3;
-constexpr double kLeastStep = 0.008; // metres: the solver finds less by itself
+constexpr int kRadius = 4; // of the patch, in its pixels
+constexpr int kStride = 2; // of the search at first
 constexpr std::size_t kNodesPerChunk = 16;
 
 constexpr int kPatch = (2 * kRadius + 1) * (2 * kRadius + 1);
@@ -101,21 +95,21 @@ Pixel best_around(const Patch& patch, const TextureLevel& level, const Pixel& ce
 
 // What is to be added to where one node is expected, as its own texture has it.
 std::optional<Eigen::Vector3d> match(const ObjectView& last, const Eigen::Vector3d& then, const ObjectView& now,
-                                     const Eigen::Vector3d& expected) {
+                                     const Eigen::Vector3d& expected, const BlockMatchingConfig& config) {
   if (!(then.z() > 0) || !(expected.z() > 0)) return std::nullopt;
   const Eigen::Vector2d from = last.intrinsics.project(then);
   const auto shown = surface_at(last, from);
-  if (!shown || (*shown - then).norm() > kBeside) return std::nullopt;
+  if (!shown || (*shown - then).norm() > config.surface_distance) return std::nullopt;
   const auto patch = patch_at(last.pyramid[kLevel], pixel_of(last.pyramid[kLevel], from));
   if (!patch) return std::nullopt;
   const TextureLevel& level = now.pyramid[kLevel];
   const Pixel centre = pixel_of(level, now.intrinsics.project(expected));
   const double before = correlation(*patch, level, centre);
-  if (before > kFound) return Eigen::Vector3d(Eigen::Vector3d::Zero());
+  if (before > config.min_correlation) return Eigen::Vector3d(Eigen::Vector3d::Zero());
   double best = before;
-  const Pixel coarse = best_around(*patch, level, centre, kReach, kStride, best);
+  const Pixel coarse = best_around(*patch, level, centre, config.reach, kStride, best);
   const Pixel found = best_around(*patch, level, coarse, kStride - 1, 1, best);
-  if (best < kFound || best < before + kGain) return std::nullopt;
+  if (best < config.min_correlation || best < before + config.min_gain) return std::nullopt;
   const Eigen::Vector2d to((found.u + 0.5) / level.scale - 0.5, (found.v + 0.5) / level.scale - 0.5);
   const auto shows = surface_at(now, to);
   if (!shows) return std::nullopt;
@@ -125,12 +119,13 @@ std::optional<Eigen::Vector3d> match(const ObjectView& last, const Eigen::Vector
 } // namespace
 
 std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeStates& then, const ObjectView& now,
-                                            const NodeStates& expected, std::span<const GraphEdge> edges) {
+                                            const NodeStates& expected, std::span<const GraphEdge> edges,
+                                            const BlockMatchingConfig& config) {
   const std::size_t count = std::min(then.size(), expected.size());
   std::vector<std::optional<Eigen::Vector3d>> matches(count);
   parallel_for(count, kNodesPerChunk, [&](const Chunk& chunk) {
     for (std::size_t n = chunk.begin; n < chunk.end; ++n) {
-      matches[n] = match(last, then.positions[n], now, expected.positions[n]);
+      matches[n] = match(last, then.positions[n], now, expected.positions[n], config);
     }
   });
   // Most nodes are where they are expected, and all about them are.
@@ -154,9 +149,9 @@ std::vector<Eigen::Vector3d> find_node_flow(const ObjectView& last, const NodeSt
   }
   std::vector<Eigen::Vector3d> flow(count, Eigen::Vector3d::Zero());
   for (std::size_t n = 0; n < count; ++n) {
-    if (!matches[n] || around[n][0].size() < kLeastMatches) continue;
+    if (!matches[n] || around[n][0].size() < config.min_matches) continue;
     const Eigen::Vector3d step(median(around[n][0]), median(around[n][1]), median(around[n][2]));
-    if (step.norm() > kLeastStep) flow[n] = step;
+    if (step.norm() > config.min_step) flow[n] = step;
   }
   return flow;
 }

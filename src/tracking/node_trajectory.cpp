@@ -8,8 +8,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr double kVelocityShare = 0.8; // of the last motion that the next one is expected to repeat
-
 SE3 blended(std::span<const SE3> nodes, const Influence& influence) {
   std::array<DualQuaternion, Influence::kMost> transforms;
   const auto count = static_cast<std::size_t>(influence.count);
@@ -31,12 +29,13 @@ void NodeTrajectory::add_tracked(std::vector<SE3> nodes, double time) {
 
 void NodeTrajectory::add_untracked(Health health, double time) { frames_.push_back({last().nodes, health, time}); }
 
-std::vector<SE3> NodeTrajectory::predicted(std::span<const Eigen::Vector3d> canonical, double time) const {
+std::vector<SE3> NodeTrajectory::predicted(std::span<const Eigen::Vector3d> canonical, double time,
+                                           double velocity_share) const {
   const Frame& last = frames_.back();
   if (frames_.size() < 2 || last.health != Health::kTracked) return last.nodes;
   const Frame& earlier = frames_[frames_.size() - 2];
   if (earlier.health != Health::kTracked) return last.nodes;
-  const double steps = kVelocityShare * steps_ahead(earlier.time, last.time, time);
+  const double steps = velocity_share * steps_ahead(earlier.time, last.time, time);
   std::vector<SE3> result;
   result.reserve(last.nodes.size());
   for (std::size_t n = 0; n < last.nodes.size(); ++n) {

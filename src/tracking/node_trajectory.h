@@ -36,9 +36,9 @@ public:
   /// The next frame, in which they were not: they stay where they are. `health`: kHeld or kLost.
   void add_untracked(Health health, double time);
 
-  /// Where the nodes, which are at `canonical`, are at a time after the last frame: as in that one, and farther by most
-  /// of the motion that led there if both the last frames were tracked.
-  std::vector<SE3> predicted(std::span<const Eigen::Vector3d> canonical, double time) const;
+  /// Where the nodes, which are at `canonical`, are at a time after the last frame: as in that one, and farther by
+  /// `velocity_share` of the motion that led there if both the last frames were tracked.
+  std::vector<SE3> predicted(std::span<const Eigen::Vector3d> canonical, double time, double velocity_share) const;
 
   /// Nodes that the last frame has brought, with the past that the nodes so far would have given them: a guess.
   void add_nodes(const GraphGrowth& growth);

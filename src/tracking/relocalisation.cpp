@@ -6,18 +6,15 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kRankedPoints = 1000; // of the surface, that rank the poses
-constexpr std::size_t kTried = 3;           // poses that are aligned
-
 /// Some of the surface, evenly drawn.
 struct ThinSurface {
   std::vector<SurfacePoint> points;
   std::vector<Influence> skin;
 };
 
-ThinSurface thinned(std::span<const SurfacePoint> surface, std::span<const Influence> skin) {
+ThinSurface thinned(std::span<const SurfacePoint> surface, std::span<const Influence> skin, std::size_t count) {
   ThinSurface thin;
-  const std::size_t stride = surface.size() / kRankedPoints + 1;
+  const std::size_t stride = surface.size() / std::max<std::size_t>(1, count) + 1;
   for (std::size_t i = 0; i < surface.size(); i += stride) {
     if (skin[i].count == 0) continue;
     thin.points.push_back(surface[i]);
@@ -73,20 +70,21 @@ DeformingAlignment Relocalisation::search(const ModelInView& now, const Deformin
 
 // What is remembered, brought to the middle of what is measured: the few that the view contradicts least.
 std::vector<NodeStates> Relocalisation::candidates(const ModelInView& now, const NodeTrajectory& trajectory) const {
-  const ThinSurface surface = thinned(now.model().surface(), now.model().skin());
+  const ThinSurface surface = thinned(now.model().surface(), now.model().skin(), config_.ranked_points);
   std::vector<NodeStates> poses;
   std::vector<double> costs;
   for (const PoseLibrary::Entry& entry : library_.entries()) {
     NodeStates states = now.model().states(entry.world_to_camera, trajectory.at(entry.frame).nodes);
     states = moved(states, SE3(Eigen::Translation3d(now.view().centroid - centre_of(surface, states))));
-    costs.push_back(
-        now.contradiction(select_facing(surface.points, surface.skin, now.view(), states, kRankedPoints), states));
+    const DeformingSelection facing =
+        select_facing(surface.points, surface.skin, now.view(), states, config_.ranked_points);
+    costs.push_back(now.contradiction(facing, states));
     poses.push_back(std::move(states));
   }
   std::vector<std::size_t> order(poses.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return costs[a] < costs[b]; });
-  if (order.size() > kTried) order.resize(kTried);
+  if (order.size() > config_.aligned_poses) order.resize(config_.aligned_poses);
   std::vector<NodeStates> best;
   best.reserve(order.size());
   for (const std::size_t i : order) best.push_back(std::move(poses[i]));

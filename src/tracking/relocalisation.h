@@ -13,9 +13,16 @@
 
 namespace kinora::tracking {
 
+struct RelocalisationConfig {
+  std::size_t ranked_points = 1000; ///< of the surface, that rank the poses
+  std::size_t aligned_poses = 3;
+};
+
 /// Not thread-safe. Same calls, same bits, for any number of threads.
 class Relocalisation {
 public:
+  explicit Relocalisation(const RelocalisationConfig& config = {}) : config_(config) {}
+
   /// A frame of the trajectory in which the layer was tracked well.
   void remember(std::size_t frame, const SE3& origin_to_camera, const NodeTrajectory& trajectory);
   /// What is remembered in the canonical pose that the trajectory has now.
@@ -31,6 +38,7 @@ public:
 private:
   std::vector<NodeStates> candidates(const ModelInView& now, const NodeTrajectory& trajectory) const;
 
+  RelocalisationConfig config_;
   PoseLibrary library_;
 };
 

@@ -13,26 +13,6 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr std::size_t kMaxKeyframes = 16;
-constexpr double kKeyframeAngle = 0.4;       // radians between stored directions of view
-constexpr int kFirstFused = 8;               // frames: all of them are fused, and later
-constexpr int kFusedEvery = 3;               // each so many, and all in which
-constexpr double kKnownShare = 0.97;         // the model explains less than this: new surface came into view
-constexpr double kTurn = 0.8;                // radians, of starts beyond what frames are expected to turn by
-constexpr double kTurnInHand = 0.35;         // likewise: of starts beside where what holds it has it
-constexpr double kVelocityShare = 0.95;      // of the last motion that the next one is expected to repeat
-constexpr int kMostSteps = 3;                // frames without it: after them, nothing is expected of that motion
-constexpr double kDoubtfulCorrelation = 0.6; // other places are tried as well
-constexpr double kCertainCorrelation = 0.85; // they are not, however little of the label is covered
-constexpr double kOtherSilhouette = 0.05;    // change of shares: they are
-constexpr double kMaxFreeSpaceShare = 0.3;   // of the points: they belong to something that is elsewhere
-constexpr double kClearlyBetter = 0.02;      // of the score, which is at most 3
-constexpr double kMostlyExplained = 0.9;     // of the label, if what is carried is to have turned otherwise
-constexpr double kPrintShare = 0.25;         // of the pixels with detail: what never had as much is plain
-constexpr double kLetGoShare = 0.5;          // of the surface that faces the camera, in free space
-constexpr int kOldestRim = 10;               // frames that a rim is compared with
-constexpr double kRimTurn = 0.2;             // radians from which on another is
-constexpr double kRimChange = 0.1;           // and the change of the label's pixels
 constexpr double kMinVoxel = 0.001;
 constexpr double kMaxVoxel = 0.03;
 
@@ -140,7 +120,7 @@ void RigidTracker::leave_out_shading(ObjectView& view) {
   LabelImage detail = detail_of(view.texture, view.mask);
   const auto inner = std::count(view.mask.values().begin(), view.mask.values().end(), MaskArea::kInterior);
   const auto printed = std::count(detail.values().begin(), detail.values().end(), 1);
-  wears_print_ = static_cast<double>(printed) > kPrintShare * static_cast<double>(inner);
+  wears_print_ = static_cast<double>(printed) > config_.print_share * static_cast<double>(inner);
   if (!wears_print_) view.detail = std::move(detail);
 }
 
@@ -161,7 +141,7 @@ bool RigidTracker::is_in_free_space(const ingest::Frame& frame, const SE3& model
     ++facing;
     violations += violates_free_space(place.z(), frame.depth.at(u, v), kPoseMargin) ? 1 : 0;
   }
-  return static_cast<double>(violations) > kLetGoShare * static_cast<double>(facing);
+  return static_cast<double>(violations) > config_.let_go_share * static_cast<double>(facing);
 }
 
 void RigidTracker::carry(const ingest::Frame& frame, MissedObject missed, const SE3& motion) {
@@ -178,7 +158,7 @@ void RigidTracker::carry(const ingest::Frame& frame, MissedObject missed, const 
     Candidate found = attempt(missed.view, start, start, {});
     for (const SE3& turned : starts(missed.view, frame.camera.camera_to_world, Where::kInHand)) {
       Candidate other = attempt(missed.view, turned, turned, {});
-      if (other.score > found.score + kClearlyBetter) found = std::move(other);
+      if (other.score > found.score + config_.search.clearly_better) found = std::move(other);
     }
     if (is_found_again(found.quality)) {
       RigidTrackingResult result;
@@ -210,8 +190,8 @@ void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrack
 
 // Constant velocity, of the object's centre and of its rotation about it.
 SE3 RigidTracker::predicted(double time) const {
-  if (gap_.frames() >= kMostSteps || !past_->earlier_model_to_world) return model_to_world_;
-  const double steps = kVelocityShare * steps_ahead(past_->earlier_time, past_->time, time);
+  if (gap_.frames() >= config_.max_predicted_steps || !past_->earlier_model_to_world) return model_to_world_;
+  const double steps = config_.velocity_share * steps_ahead(past_->earlier_time, past_->time, time);
   return extrapolated(*past_->earlier_model_to_world, model_to_world_, Eigen::Vector3d::Zero(), steps);
 }
 
@@ -232,8 +212,8 @@ std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, con
 void RigidTracker::renew_rim() {
   const double turned = rotation_angle(past_->rim_to_camera.inverse() * past_->model_to_camera);
   const double more = static_cast<double>(past_->view.depth_pixels) / static_cast<double>(past_->rim_pixels);
-  const bool serves =
-      !gap_.is_open() && ++past_->rim_age < kOldestRim && turned < kRimTurn && std::abs(more - 1) < kRimChange;
+  const bool serves = !gap_.is_open() && ++past_->rim_age < config_.contour.max_age &&
+                      turned < config_.contour.max_rotation && std::abs(more - 1) < config_.contour.max_change;
   if (serves && !past_->rim.empty()) return;
   past_->rim = rim_of(past_->view);
   const SE3 to_model = past_->model_to_camera.inverse();
@@ -259,23 +239,23 @@ RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3&
 
 bool RigidTracker::is_healthy(const PoseQuality& quality) const {
   return quality.inliers >= config_.min_pixels / 2 && quality.inlier_share() >= config_.min_inlier_share &&
-         quality.free_space_share() <= kMaxFreeSpaceShare &&
+         quality.free_space_share() <= config_.max_free_space_share &&
          (!quality.has_texture() || quality.texture_correlation >= config_.min_correlation);
 }
 
 // A shape may have slid along itself where texture does not tell, or to where little of it is left to have any, and its
 // silhouette says so.
 bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
-  if (quality.has_texture() && quality.texture_correlation < kDoubtfulCorrelation) return true;
-  if (quality.free_space_share() > past_->quality.free_space_share() + kOtherSilhouette) return true;
-  return quality.texture_correlation <= kCertainCorrelation &&
-         quality.explained_share < past_->quality.explained_share - kOtherSilhouette;
+  if (quality.has_texture() && quality.texture_correlation < config_.search.doubtful_correlation) return true;
+  if (quality.free_space_share() > past_->quality.free_space_share() + config_.search.silhouette_change) return true;
+  return quality.texture_correlation <= config_.search.certain_correlation &&
+         quality.explained_share < past_->quality.explained_share - config_.search.silhouette_change;
 }
 
 // Without the support of the last frame the view itself must be convincing.
 bool RigidTracker::is_found_again(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
-         quality.free_space_share() <= past_->quality.free_space_share() + kOtherSilhouette &&
+         quality.free_space_share() <= past_->quality.free_space_share() + config_.search.silhouette_change &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
@@ -305,13 +285,13 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
     for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
     break;
   case Where::kTurned:
-    for (const Eigen::Matrix3d& turn : turns(kAxes, kTurn)) add_centred(turn * last.linear());
+    for (const Eigen::Matrix3d& turn : turns(kAxes, config_.search.rotation)) add_centred(turn * last.linear());
     break;
   case Where::kTurnedDiagonally:
-    for (const Eigen::Matrix3d& turn : turns(kDiagonals, kTurn)) add_centred(turn * last.linear());
+    for (const Eigen::Matrix3d& turn : turns(kDiagonals, config_.search.rotation)) add_centred(turn * last.linear());
     break;
   case Where::kInHand:
-    for (const Eigen::Matrix3d& turn : turns(kAxes, kTurnInHand)) {
+    for (const Eigen::Matrix3d& turn : turns(kAxes, config_.search.rotation_in_hand)) {
       result.push_back(last);
       result.back().linear() = turn * last.linear();
     }
@@ -336,9 +316,9 @@ std::optional<RigidTracker::Candidate> RigidTracker::find(const ingest::Frame& f
   const auto try_starts = [&](Where where) {
     for (const SE3& start : starts(view, frame.camera.camera_to_world, where)) {
       Candidate other = attempt(view, start, start, {});
-      if (other.score < best.score + kClearlyBetter) continue;
+      if (other.score < best.score + config_.search.clearly_better) continue;
       const bool has_turned_in_hand = is_carried_ && where != Where::kNear;
-      if (has_turned_in_hand && other.quality.explained_share < kMostlyExplained) continue;
+      if (has_turned_in_hand && other.quality.explained_share < config_.search.explained_share) continue;
       best = std::move(other);
       elsewhere = true;
     }
@@ -351,7 +331,8 @@ std::optional<RigidTracker::Candidate> RigidTracker::find(const ingest::Frame& f
   if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
   if (!believed()) try_starts(Where::kTurnedDiagonally);
   result.quality = best.quality;
-  const bool shows_its_texture = best.quality.has_texture() && best.quality.texture_correlation >= kDoubtfulCorrelation;
+  const bool shows_its_texture =
+      best.quality.has_texture() && best.quality.texture_correlation >= config_.search.doubtful_correlation;
   if (believed() || shows_its_texture) {
     bending_.add(poses_.size(), contradiction_of_rigid(best.seen, view, best.alignment.model_to_camera));
   }
@@ -385,14 +366,15 @@ void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Can
   past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
   renew_rim();
   ++unfused_;
-  if (fused_ < kFirstFused || unfused_ >= kFusedEvery || best.quality.explained_share < kKnownShare) {
+  if (fused_ < config_.fusion.first_frames || unfused_ >= config_.fusion.interval ||
+      best.quality.explained_share < config_.fusion.known_share) {
     fuse(frame, past_->view);
   }
   const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
   const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
-    return Eigen::AngleAxisd(known.transpose() * rotation).angle() > kKeyframeAngle;
+    return Eigen::AngleAxisd(known.transpose() * rotation).angle() > config_.search.keyframe_angle;
   });
-  if (is_new && keyframes_.size() < kMaxKeyframes) keyframes_.push_back(rotation);
+  if (is_new && keyframes_.size() < config_.search.max_keyframes) keyframes_.push_back(rotation);
 }
 
 void RigidTracker::fuse(const ingest::Frame& frame, const ObjectView& view) {

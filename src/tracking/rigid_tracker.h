@@ -18,16 +18,51 @@
 
 namespace kinora::tracking {
 
+/// Which tracked frames become part of the model.
+struct RigidFusionConfig {
+  int first_frames = 8;      ///< of the object: all of them are fused, and later
+  int interval = 3;          ///< each so many, and all in which
+  double known_share = 0.97; ///< the model explains less than this: new surface came into view
+};
+
+/// Where an object is looked for that is not, or may not be, where it is expected.
+struct RigidSearchConfig {
+  double doubtful_correlation = 0.6; ///< of the texture: below, other places are tried as well
+  double certain_correlation = 0.85; ///< they are not, however little of the label is covered
+  double silhouette_change = 0.05;   ///< of shares from frame to frame: they are
+  double clearly_better = 0.02;      ///< of the score, which is at most 3
+  double rotation = 0.8;             ///< radians, of starts beyond what frames are expected to turn by
+  double rotation_in_hand = 0.35;    ///< likewise: of starts beside where what holds it has it
+  double explained_share = 0.9;      ///< of the label, if what goes with a hand is to have turned otherwise
+  std::size_t max_keyframes = 16;    ///< directions of view that are stored, and started from
+  double keyframe_angle = 0.4;       ///< radians between them
+};
+
+/// The earlier occluding contour that views are compared with.
+struct ContourConfig {
+  int max_age = 10;          ///< frames
+  double max_rotation = 0.2; ///< radians from which on another is taken
+  double max_change = 0.1;   ///< and the change of the label's pixels
+};
+
 struct RigidTrackerConfig {
-  double voxel_size = 0;          ///< metres; 0: from the sensor's noise and the footprint of a pixel at the object
-  std::size_t first_pixels = 150; ///< pixels with clean depth that the first frame of the object must have
-  std::size_t min_pixels = 60;    ///< fewer: the pose is held
-  std::size_t max_points = 2500;  ///< model points used for alignment, spread over directions of the normal
-  double min_inlier_share = 0.6;  ///< of the points that fall on the object; below, the pose is not believed
-  double min_correlation = 0.3;   ///< of the texture, where there is any
-  int held_frames = 30;           ///< unseen for longer: lost
-  bool remembers = false;         ///< frames, so that they can be looked at again (memory)
+  double voxel_size = 0;             ///< metres; 0: from the sensor's noise and the footprint of a pixel at the object
+  std::size_t first_pixels = 150;    ///< pixels with clean depth that the first frame of the object must have
+  std::size_t min_pixels = 60;       ///< fewer: the pose is held
+  std::size_t max_points = 2500;     ///< model points used for alignment, spread over directions of the normal
+  double min_inlier_share = 0.6;     ///< of the points that fall on the object; below, the pose is not believed
+  double min_correlation = 0.3;      ///< of the texture, where there is any
+  int held_frames = 30;              ///< unseen for longer: lost
+  bool remembers = false;            ///< frames, so that they can be looked at again (memory)
+  double max_free_space_share = 0.3; ///< of the points: above, they belong to something that is elsewhere
+  double let_go_share = 0.5;         ///< of the surface that faces the camera, in free space: above, it was let go
+  double print_share = 0.25;         ///< of the pixels with detail: what never had as much is plain
+  double velocity_share = 0.95;      ///< of the last motion that the next one is expected to repeat
+  int max_predicted_steps = 3;       ///< frames without it: after them, nothing is expected of that motion
   AlignmentConfig alignment;
+  RigidFusionConfig fusion;
+  RigidSearchConfig search;
+  ContourConfig contour;
 };
 
 /// What a frame shows of an object that has been seen before but is not found in it: what RigidTracker::carry needs.

@@ -4,6 +4,7 @@
 #include "cli/run_kinora.h"
 #include "end_to_end/box_capture.h"
 #include "ingest/tiny_network.h"
+#include "support/source_folder.h"
 
 namespace kinora::test {
 namespace {
@@ -139,6 +140,52 @@ TEST_F(Encode, ComparingWithAnotherCaptureIsAUsageError) {
   TemporaryFolder other;
   write_numbered(other, 3);
   expect_error(run_kinora(folder_, {"eval", path("c.mkv"), "--against", other.path()}), 2, "128x96");
+}
+
+TEST_F(Encode, ListsItsSettings) {
+  const Said said = run_kinora(folder_, {"encode", "--help-settings"});
+  EXPECT_EQ(said.code, 0);
+  EXPECT_EQ(said.err, "");
+  EXPECT_NE(said.out.find("\n  tracking.deforming.in_view.solver.iterations "), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("\n  budget.try_geometries "), std::string::npos) << said.out;
+}
+
+TEST_F(Encode, RefusesSettingsThatItDoesNotHaveBeforeAnyWork) {
+  expect_error(
+      encode({path("c.mkv"), "--set", "tracking.solver.iteration=3"}), 2,
+      "no setting \"tracking.solver.iteration\"; the nearest are tracking.deforming.in_view.solver.iterations");
+  expect_error(encode({path("c.mkv"), "--set", "tracking.solver.iterations=few"}), 2, "\"few\"");
+  expect_error(encode({path("c.mkv"), "--set", "rigid.voxel_size=-1"}), 2, "tracking.rigid.voxel_size");
+  expect_error(encode({path("c.mkv"), "--set"}), 2, "--set");
+  EXPECT_FALSE(fs::exists(path("c.mkv")));
+}
+
+TEST_F(Encode, TellsInTheClipHowItWasMade) {
+  const std::string sample = (source_folder() / "samples/carry_box").string();
+  const auto made_with = [&](const std::string& name, std::vector<std::string> words) {
+    words.insert(words.begin(), {"encode", sample, path(name), "--preset", "fast", "--frames", "0:12:4", "--set",
+                                 "budget.min_rays=1000", "--set", "budget.max_rays=20000"});
+    const Said said = run_kinora(folder_, words);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return Json::parse(run_kinora(folder_, {"info", path(name), "--json"}).out);
+  };
+  const Json usual = made_with("a.mkv", {});
+  const Json other = made_with("b.mkv", {"--set", "tracking.solver.iterations=0", "--seed", "5"});
+  const Json& settings = other.at("metadata").at("encoder").at("settings");
+  EXPECT_EQ(settings.at("tracking").at("deforming").at("in_view").at("solver").at("iterations"),
+            Json::array({0, 0, 0}));
+  EXPECT_EQ(settings.at("fields").at("trainer").at("seed"), 5);
+  EXPECT_EQ(settings.at("budget").at("max_rays"), 20000);
+  const Json difference = Json::diff(usual.at("metadata").at("encoder").at("settings"), settings);
+  EXPECT_EQ(difference.size(), 4U) << difference;
+  const auto motion_of = [](const Json& info) {
+    for (const Json& part : info.at("parts")) {
+      if (part.at("name") == "motion person") return part.at("bytes").get<int>();
+    }
+    return 0;
+  };
+  EXPECT_GT(motion_of(usual), 0) << usual.at("parts");
+  EXPECT_NE(motion_of(usual), motion_of(other)) << "without a step of the solver nothing deforms";
 }
 
 } // namespace

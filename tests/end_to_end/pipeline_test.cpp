@@ -30,8 +30,8 @@ public:
 /// Small budgets: a test has seconds.
 encode::EncodeOptions quick_options() {
   auto options = encode::EncodeOptions::of(encode::Preset::kFast);
-  options.rays_per_pixel = 5;
-  options.min_rays = 0;
+  options.settings.budget.rays_per_pixel = 5;
+  options.settings.budget.min_rays = 0;
   return options;
 }
 
@@ -89,7 +89,7 @@ TEST(Encoder, ThingThatBendsBecomesALayerThatDeforms) {
   write_bending_capture(folder);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   const encode::EncodeResult bent = encode_folder(folder, options, listener);
   const Json object = layer_named(bent.report, "object");
   EXPECT_EQ(object.at("motion").at("kind"), "deforming");
@@ -246,7 +246,7 @@ TEST(Encoder, StillCameraWithoutPosesIsStoredOnce) {
   write_box_capture(folder, scene);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   EXPECT_EQ(result.report.at("camera").at("path"), "still");
   ASSERT_EQ(result.clip.camera_to_world.size(), 1U);
@@ -292,7 +292,7 @@ TEST(Encoder, ObjectThatNeverMovesIsStoredWithoutMotion) {
   }
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   const Json object = layer_named(result.report, "object");
   EXPECT_EQ(object.at("motion").at("kind"), "still");
@@ -307,7 +307,7 @@ TEST(Encoder, LabelsFileRenamesAndStillsAnObject) {
   folder.write("labels.json", R"({"1": {"name": "ball", "kind": "rigid"}, "2": {"name": "crate", "kind": "still"}})");
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   ASSERT_EQ(result.clip.layers.size(), 3U);
   EXPECT_EQ(result.clip.layers[1].name, "ball");
@@ -322,7 +322,7 @@ TEST(Encoder, WithoutLabelsEverythingIsBackground) {
   write_box_capture(folder, scene);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   ingest::CaptureOptions how;
   how.use_masks = false;
   const auto table = host::PluginTable::builtin();
@@ -341,8 +341,8 @@ TEST(Encoder, TriesBothGeometriesForEachLayerAndSaysWhichDrewItBetter) {
   write_box_capture(folder, scene);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
-  options.try_geometries = true;
+  options.settings.budget.rays_per_pixel = 0.8;
+  options.settings.budget.try_geometries = true;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   ASSERT_FALSE(result.clip.layers.empty());
   for (std::size_t i = 0; i < result.clip.layers.size(); ++i) {
@@ -364,7 +364,7 @@ TEST(Encoder, DamagedFrameIsSkippedAndCounted) {
   std::filesystem::resize_file(folder.path() / "depth/000002.png", 100);
   Listener listener;
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   const encode::EncodeResult result = encode_folder(folder, options, listener);
   EXPECT_EQ(result.clip.capture_frames, (std::vector<int>{0, 1, 3, 4}));
   const Json& skipped = result.report.at("capture").at("skipped");
@@ -379,7 +379,7 @@ TEST(Encoder, SameBytesForOneThreadAndTwo) {
   scene.frames = 5;
   write_box_capture(folder, scene);
   auto options = quick_options();
-  options.rays_per_pixel = 0.8;
+  options.settings.budget.rays_per_pixel = 0.8;
   std::vector<std::string> files;
   for (const int threads : {1, 2}) {
     set_thread_count(threads);

@@ -27,7 +27,7 @@ TEST(ViewAgreement, IsFullWhereAllViewsAreTrue) {
   EXPECT_EQ(agreement.seen_through, 0);
   EXPECT_LT(agreement.noise, 0.1) << "although a ball is slanted nearly everywhere";
   TrainerConfig trainer;
-  adapt_to(agreement, trainer);
+  adapt_to(agreement, {}, trainer);
   EXPECT_TRUE(trainer.exact_depth);
   EXPECT_FALSE(trainer.drop_stray_cells);
   const LossWeights weights = weights_for(agreement);
@@ -41,7 +41,7 @@ TEST(ViewAgreement, IsLostWithWrongPoses) {
   const ViewAgreement agreement = agreement_of_views({misplaced(0.2), kBall, tracking::Motion::still()});
   EXPECT_GT(agreement.seen_through, 0.05);
   TrainerConfig trainer;
-  adapt_to(agreement, trainer);
+  adapt_to(agreement, {}, trainer);
   EXPECT_FALSE(trainer.exact_depth);
   EXPECT_TRUE(trainer.drop_stray_cells);
   EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
@@ -53,7 +53,7 @@ TEST(ViewAgreement, IsNotClaimedOfASingleView) {
   const ViewAgreement agreement = agreement_of_views({store, kBall, tracking::Motion::still()});
   EXPECT_EQ(agreement.looks, 0U);
   TrainerConfig trainer;
-  adapt_to(agreement, trainer);
+  adapt_to(agreement, {}, trainer);
   EXPECT_FALSE(trainer.exact_depth);
   EXPECT_FLOAT_EQ(weights_for(agreement).opacity, LossWeights{}.opacity);
 }
@@ -79,7 +79,7 @@ TEST(ViewAgreement, MeasuresNoiseAndWidensBandsWithIt) {
     const ViewAgreement agreement = agreement_of_views({noisy(deviations), kBall, tracking::Motion::still()});
     EXPECT_NEAR(agreement.noise, deviations, 0.3 * deviations);
     TrainerConfig trainer;
-    adapt_to(agreement, trainer);
+    adapt_to(agreement, {}, trainer);
     EXPECT_FALSE(trainer.exact_depth);
   }
   EXPECT_EQ(weights_for({1000, 0, 0.4}).noise.scale, 1);

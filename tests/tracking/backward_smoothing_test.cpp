@@ -30,7 +30,7 @@ struct Doubtful {
     trajectory.correct(0, nodes);
   }
 
-  void smooth() { smooth_backward(memory, 2, plate.model, plate.binding, plate.config, trajectory); }
+  void smooth() { smooth_backward(memory, 2, plate.model, plate.binding, plate.config, {}, trajectory); }
   double mean_error() const {
     double sum = 0;
     for (const std::size_t n : doubted) {

@@ -30,19 +30,19 @@ TEST(NodeTrajectory, BeginsWhereTheNodesAreInCanonicalSpace) {
 
 TEST(NodeTrajectory, ExpectsMostOfTheLastMotionAgain) {
   NodeTrajectory trajectory(0, 2, 0);
-  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 1)[0].translation().x(), 0);
+  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 1, 0.8)[0].translation().x(), 0);
   trajectory.add_tracked(both_at(0.01), 1);
-  EXPECT_NEAR(trajectory.predicted(kCanonical, 2)[1].translation().x(), 0.018, 1e-12);
-  EXPECT_NEAR(trajectory.predicted(kCanonical, 3)[1].translation().x(), 0.026, 1e-12);
+  EXPECT_NEAR(trajectory.predicted(kCanonical, 2, 0.8)[1].translation().x(), 0.018, 1e-12);
+  EXPECT_NEAR(trajectory.predicted(kCanonical, 3, 0.8)[1].translation().x(), 0.026, 1e-12);
 }
 
 TEST(NodeTrajectory, ExpectsNoMotionAfterAFrameThatDidNotShowIt) {
   NodeTrajectory trajectory(0, 2, 0);
   trajectory.add_tracked(both_at(0.01), 1);
   trajectory.add_untracked(Health::kHeld, 2);
-  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 3)[0].translation().x(), 0.01);
+  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 3, 0.8)[0].translation().x(), 0.01);
   trajectory.add_tracked(both_at(0.05), 3);
-  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 4)[0].translation().x(), 0.05);
+  EXPECT_DOUBLE_EQ(trajectory.predicted(kCanonical, 4, 0.8)[0].translation().x(), 0.05);
 }
 
 TEST(NodeTrajectory, StaysWhereItIsWhileItIsNotTracked) {

@@ -92,7 +92,8 @@ void add_held_hand(const BodyInCamera& body, const HeldHand& held, const BodyEne
   sum.energy += holding_energy(held, body.body(), config);
   const Vec heel = heel_of_hand(body.body(), held.arm);
   const Vec off = heel - held.place;
-  const double weight = kHoldingWeight * robust_cost(config).weight(off.squaredNorm()) / (config.sigma * config.sigma);
+  const double weight =
+      config.holding_weight * robust_cost(config).weight(off.squaredNorm()) / (config.sigma * config.sigma);
   for (int axis = 0; axis < 3; ++axis) {
     add(body, {hand_part(held.arm), off[axis], heel, Vec::Unit(axis), heel_point(), weight}, sum);
   }
@@ -219,8 +220,6 @@ BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, con
 double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const BodyEnergyConfig& config, int iterations,
                 bool with_shape, BodyState& state) {
   // Points change their parts and samples their sight, so that a good step may seem to lose a little.
-  constexpr double kSlack = 0.02;
-  constexpr double kSmallStep = 2e-3; // metres and radians
   const int freedoms = with_shape ? kFreedoms : kPoseFreedoms;
   MarquardtDamping damping({.min = 1e-4});
   BodyEquations equations = evaluate(evidence, state, prior, config);
@@ -232,12 +231,12 @@ double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const Body
     BodyState next = state;
     next.pose = moved(state.pose, step.head<kPoseFreedoms>());
     if (with_shape) next.shape += step.tail<kMeasures>();
-    if (step.cwiseAbs().maxCoeff() < kSmallStep) {
+    if (step.cwiseAbs().maxCoeff() < config.small_step) {
       state = next;
       return {.is_taken = true, .is_last = true};
     }
     const BodyEquations tried = evaluate(evidence, next, prior, config);
-    if (!(tried.energy < (1 + kSlack) * equations.energy)) return {};
+    if (!(tried.energy < (1 + config.slack) * equations.energy)) return {};
     state = next;
     equations = tried;
     return {.is_taken = true};

@@ -19,6 +19,9 @@ struct BodyEnergyConfig {
   double cutoff = 0.06;        ///< metres: what lies farther away counts little (GemanMcClure)
   double patch = 0.04;         ///< metres: errors nearer to each other are not independent
   double normal_length = 0.05; ///< metres that a right angle between both normals is worth
+  double holding_weight = 4;   ///< of a hand that holds something, in patches
+  double slack = 0.02;         ///< share by which the energy may rise in a step
+  double small_step = 2e-3;    ///< metres and radians: a step below is the last
   PosePriorConfig poses;
   DetectedJointsConfig detected;
 };

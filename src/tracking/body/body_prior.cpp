@@ -10,8 +10,6 @@ namespace {
 
 using Vec = Eigen::Vector3d;
 
-constexpr double kLimitSpread = 0.03; // radians beyond a limit
-
 // Spread of people's measures about mean proportions.
 Shape usual_shape_precision() {
   Shape spread;
@@ -64,9 +62,9 @@ void add_angles(const Angles& angles, const PosePriorConfig& poses, BodyEquation
   for_each_angle([&](int index, const JointInfo& joint, int i) {
     const double usual = is_in_pose_prior(index) ? 0.0 : 1 / (joint.spread[i] * joint.spread[i]);
     const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]);
-    constexpr double kLimit = 1 / (kLimitSpread * kLimitSpread);
-    equations.gradient[6 + index] += usual * (angles[index] - joint.usual[i]) + kLimit * beyond;
-    equations.hessian(6 + index, 6 + index) += usual + (beyond != 0 ? kLimit : 0.0);
+    const double limit = 1 / (poses.limit_sigma * poses.limit_sigma);
+    equations.gradient[6 + index] += usual * (angles[index] - joint.usual[i]) + limit * beyond;
+    equations.hessian(6 + index, 6 + index) += usual + (beyond != 0 ? limit : 0.0);
   });
 }
 
@@ -99,7 +97,7 @@ double angle_energy(const Angles& angles, const PosePriorConfig& poses) {
   for (const Limb limb : kEveryLimb) energy += pose_prior(limb, limb_angles(limb, angles), poses).energy;
   for_each_angle([&](int index, const JointInfo& joint, int i) {
     const double unusual = is_in_pose_prior(index) ? 0.0 : (angles[index] - joint.usual[i]) / joint.spread[i];
-    const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]) / kLimitSpread;
+    const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]) / poses.limit_sigma;
     energy += unusual * unusual + beyond * beyond;
   });
   return energy;

@@ -15,16 +15,6 @@ namespace {
 
 // Deviations of a pose from what is predicted a thirtieth of a second ahead.
 constexpr double kUsualInterval = 1.0 / 30;
-constexpr double kRootShift = 0.02; // metres
-constexpr double kRootTurn = 0.06;  // radians
-constexpr double kTrunkTurn = 0.04;
-constexpr double kArmTurn = 0.15;
-constexpr double kLegTurn = 0.08;
-constexpr double kJump = 0.05;        // metres beyond what is expected: from less, alignment finds back
-constexpr double kVelocityKept = 0.8; // of a frame's velocity in the next
-constexpr double kMargin = 3;         // energy that another pose of a limb must save
-constexpr double kJumpCost = 20;      // and per metre that it is away
-constexpr double kGuessJumpCost = 5;  // from where nothing has shown it
 constexpr std::array<Limb, 2> kArms = {kLeftArm, kRightArm};
 
 bool is_below(int joint, Joint ancestor) {
@@ -32,10 +22,10 @@ bool is_below(int joint, Joint ancestor) {
   return joint == ancestor;
 }
 
-double usual_turn(int joint) {
-  if (is_below(joint, kLeftShoulder) || is_below(joint, kRightShoulder)) return kArmTurn;
-  if (is_below(joint, kLeftHip) || is_below(joint, kRightHip)) return kLegTurn;
-  return kTrunkTurn;
+double usual_turn(int joint, const BodyMotionConfig& config) {
+  if (is_below(joint, kLeftShoulder) || is_below(joint, kRightShoulder)) return config.arm_rotation;
+  if (is_below(joint, kLeftHip) || is_below(joint, kRightHip)) return config.leg_rotation;
+  return config.trunk_rotation;
 }
 
 BodyState transformed(const SE3& transform, const BodyState& state) {
@@ -75,17 +65,17 @@ void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
 
 BodyState BodyTracker::predicted(double seconds) const {
   BodyState state = state_;
-  state.pose = moved(state_.pose, kVelocityKept * std::min(seconds, 3 * kUsualInterval) * velocity_);
+  state.pose = moved(state_.pose, config_.motion.velocity_share * std::min(seconds, 3 * kUsualInterval) * velocity_);
   return state;
 }
 
 PoseStep BodyTracker::pose_precision(double seconds) const {
   PoseStep deviation;
-  deviation.head<3>().setConstant(kRootShift);
-  deviation.segment<3>(3).setConstant(kRootTurn);
+  deviation.head<3>().setConstant(config_.motion.root_shift);
+  deviation.segment<3>(3).setConstant(config_.motion.root_rotation);
   for (int j = 0; j < kJoints; ++j) {
     const JointInfo& joint = joints()[static_cast<std::size_t>(j)];
-    deviation.segment(6 + joint.first_angle, joint.angle_count).setConstant(usual_turn(j));
+    deviation.segment(6 + joint.first_angle, joint.angle_count).setConstant(usual_turn(j, config_.motion));
   }
   return (seconds / kUsualInterval * deviation).cwiseAbs2().cwiseInverse();
 }
@@ -114,7 +104,7 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   const Eigen::Vector3d middle = camera_to_world * evidence.view->centroid;
   const Eigen::Vector3d step = expected.pose.root.translation() - state_.pose.root.translation();
   const Eigen::Vector3d jump = world_to_camera.linear() * (middle - std::exchange(middle_, middle) - step);
-  if (config_.use_searches && !fresh_ && jump.norm() > kJump) {
+  if (config_.use_searches && !fresh_ && jump.norm() > config_.search.jump) {
     BodyPrior there = prior;
     there.state.pose.root.translation() += jump;
     BodyState other{there.state.pose, state_.shape};
@@ -183,10 +173,6 @@ void BodyTracker::learn_shape(const BodyEvidence& evidence, const BodyState& in_
 
 void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state,
                                BodyTrackingResult& result) {
-  constexpr double kUnexplained = 3;            // patches
-  constexpr double kUnexplainedBesideGuess = 1; // likewise
-  constexpr double kMuchFreeSpace = 0.25;       // of the rest
-  constexpr int kPause = 3;                     // frames after a search in vain
   jumped_.fill(false);
   std::array<LimbSight, kLimbs> sights;
   const auto look = [&](const Chunk& limbs) {
@@ -200,16 +186,17 @@ void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& pr
         std::any_of(prior.hands.begin(), prior.hands.end(), [&](const HeldHand& held) { return held.arm == limb; });
     // Where a limb was not seen, it is only guessed to be.
     const bool guessed = limbs_[limb] != LimbHealth::kSeen && health_of(sight) != LimbHealth::kSeen;
-    const bool doubtful = sight.unexplained > (guessed ? kUnexplainedBesideGuess : kUnexplained) ||
-                          sight.free_space > kMuchFreeSpace * (sight.seen + sight.hidden) ||
-                          (sight.detected_elsewhere > 0 && !holds);
+    const bool doubtful =
+        sight.unexplained > (guessed ? config_.search.unexplained_beside_guess : config_.search.unexplained) ||
+        sight.free_space > config_.search.max_free_space_share * (sight.seen + sight.hidden) ||
+        (sight.detected_elsewhere > 0 && !holds);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
     } else if (doubtful && config_.use_searches) {
-      jumped_[limb] =
-          search_limb(limb, evidence, prior, config_.energy, kMargin, guessed ? kGuessJumpCost : kJumpCost, state);
+      jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, config_.search.margin,
+                                  guessed ? config_.search.guess_jump_cost : config_.search.jump_cost, state);
       if (jumped_[limb]) parallel_for(sights.size(), 1, look); // it may hide others, or explain what they did
-      if (!jumped_[limb]) search_pause_[limb] = kPause;
+      if (!jumped_[limb]) search_pause_[limb] = config_.search.pause;
     }
     result.limbs[limb] = health_of(sight);
   }

@@ -14,6 +14,28 @@
 
 namespace kinora::tracking {
 
+/// Standard deviations of a frame's motion from what is expected, at 30 frames per second: metres and radians.
+struct BodyMotionConfig {
+  double root_shift = 0.02;
+  double root_rotation = 0.06;
+  double trunk_rotation = 0.04; ///< of each joint, as those below
+  double arm_rotation = 0.15;
+  double leg_rotation = 0.08;
+  double velocity_share = 0.8; ///< of a frame's velocity that is expected in the next
+};
+
+/// When a limb is looked for elsewhere, and what it must be worth.
+struct LimbSearchConfig {
+  double jump = 0.05;                  ///< metres of the body beyond what is expected: from less, alignment finds back
+  double unexplained = 3;              ///< patches of measured surface about a limb: above, it is looked for
+  double unexplained_beside_guess = 1; ///< likewise, where nothing has shown it
+  double max_free_space_share = 0.25;  ///< of the rest of its surface: above, likewise
+  double margin = 3;                   ///< energy that another pose of it must save
+  double jump_cost = 20;               ///< and per metre that it is away
+  double guess_jump_cost = 5;          ///< from where nothing has shown it
+  int pause = 3;                       ///< frames after a search in vain
+};
+
 struct BodyTrackerConfig {
   BodyEnergyConfig energy;
   std::size_t max_points = 1200;
@@ -26,6 +48,8 @@ struct BodyTrackerConfig {
   int lost_frames = 3;            ///< or held, in a row, after which size and pose are fitted anew
   /// Of the heels of both hands. Fingers are long, and of most objects only the front is known.
   InteractionConfig interaction{.reach = 0.2, .presumes = true};
+  BodyMotionConfig motion;
+  LimbSearchConfig search;
   BodyPrior known; ///< of the measures, before anything is seen; its pose is not used
 };
 

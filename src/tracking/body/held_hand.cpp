@@ -12,7 +12,7 @@ Eigen::Vector3d heel_of_hand(const PosedBody& body, Limb arm) {
 }
 
 double holding_energy(const HeldHand& held, const PosedBody& body, const BodyEnergyConfig& config) {
-  return kHoldingWeight * robust_cost(config).cost((heel_of_hand(body, held.arm) - held.place).squaredNorm());
+  return config.holding_weight * robust_cost(config).cost((heel_of_hand(body, held.arm) - held.place).squaredNorm());
 }
 
 } // namespace kinora::tracking

@@ -19,8 +19,7 @@ PartPoint heel_point();
 Eigen::Vector3d heel_of_hand(const PosedBody& body, Limb arm);
 
 /// What it costs that the hand is elsewhere: as much as for a few patches of measured surface, so that more of them
-/// draw it away. `kHoldingWeight`: in patches.
-constexpr double kHoldingWeight = 4;
+/// draw it away (BodyEnergyConfig::holding_weight).
 double holding_energy(const HeldHand& held, const PosedBody& body, const BodyEnergyConfig& config);
 
 } // namespace kinora::tracking

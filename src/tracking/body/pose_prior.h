@@ -11,6 +11,7 @@ struct PosePriorConfig {
   double weight = 1;  ///< of the energy; less lets hidden limbs go where they were led, and a cloth pass for a person
   double trust = 0.5; ///< probability that a limb is held as in the motions that the table was fitted to; else it is
                       ///< held in any way about its joints' usual angles (skeleton.h): no pose costs much more
+  double limit_sigma = 0.03; ///< radians beyond a joint's limit
 };
 
 /// A limb's ball joint and hinge, as in the pose's angles.

@@ -1,0 +1,67 @@
+// All that can be changed about how a capture becomes a clip: one tree of the plain structs that the rooms are set up
+// with. It is written into every clip; `kinora encode --set` changes it (setting_list.h).
+#pragma once
+
+#include <cstddef>
+
+#include "encode/motion_refinement.h"
+#include "encode/setting_list.h"
+#include "fields/trainer.h"
+#include "ingest/capture.h"
+#include "tracking/camera_tracker.h"
+#include "tracking/deforming_tracker.h"
+#include "tracking/rigid_tracker.h"
+
+namespace kinora::encode {
+
+struct IngestSettings {
+  double max_depth = ingest::CaptureOptions().max_depth;
+  ingest::DepthCleaning cleaning;
+};
+
+struct TrackingSettings {
+  tracking::CameraTrackerConfig camera;
+  tracking::RigidTrackerConfig rigid;
+  tracking::DeformingTrackerConfig deforming;
+};
+
+/// The trainer's rays are those of each layer; 0: its share of the budget.
+inline fields::TrainerConfig trainer_within_budget() {
+  fields::TrainerConfig trainer;
+  trainer.rays = 0;
+  return trainer;
+}
+
+struct FieldSettings {
+  fields::TrainerConfig trainer = trainer_within_budget();
+  MotionRefinementConfig refinement;
+};
+
+/// How much is trained; presets differ in this alone.
+struct TrainingBudget {
+  std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each
+  /// Rays that train all layers together: rays_per_pixel × pixels of all frames, kept within the bounds.
+  double rays_per_pixel = 0;
+  std::size_t min_rays = 0;
+  std::size_t max_rays = 0;
+  bool try_geometries = false; ///< whether each layer takes the geometry that draws it better (geometry_trial.h)
+};
+
+struct Settings {
+  IngestSettings ingest;
+  TrackingSettings tracking;
+  FieldSettings fields;
+  TrainingBudget budget;
+};
+
+/// Whose measures are known is told with them (EncodeOptions::body).
+template <> inline constexpr bool kIsData<tracking::BodyPrior> = true;
+
+/// `settings` must outlive the list.
+SettingList list_settings(Settings& settings);
+nlohmann::json settings_json(Settings settings);
+
+/// Throws Error(kUsage), naming the setting, if one is zero that is divided by or without which nothing is left to do.
+void check(Settings settings);
+
+} // namespace kinora::encode
