@@ -156,7 +156,7 @@ TEST_F(Encode, RefusesSettingsThatItDoesNotHaveBeforeAnyWork) {
       "no setting \"tracking.solver.iteration\"; the nearest are tracking.deforming.in_view.solver.iterations");
   expect_error(encode({path("c.mkv"), "--set", "tracking.solver.iterations=few"}), 2, "\"few\"");
   expect_error(encode({path("c.mkv"), "--set", "rigid.voxel_size=-1"}), 2, "tracking.rigid.voxel_size");
-  expect_error(encode({path("c.mkv"), "--set"}), 2, "--set");
+  expect_error(run_kinora(folder_, {"encode", capture_.path().string(), path("c.mkv"), "--set"}), 2, "--set");
   EXPECT_FALSE(fs::exists(path("c.mkv")));
 }
 
