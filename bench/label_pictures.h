@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/image_codec.h"
-#include "ingest/frame.h"
+#include "ingest/frame/frame.h"
 
 namespace kinora::bench {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <numbers>
 
-#include "ingest/capture.h"
-#include "ingest/depth_cleaning.h"
+#include "ingest/capture/capture.h"
+#include "ingest/depth/depth_cleaning.h"
 
 namespace kinora::bench {
 

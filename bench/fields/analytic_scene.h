@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ingest/frame.h"
+#include "ingest/frame/frame.h"
 
 namespace kinora::bench {
 

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "tracking/node_rows.h"
-#include "tracking/warp.h"
+#include "motion/skinning/node_rows.h"
+#include "motion/warp.h"
 
 namespace kinora::bench {
 
@@ -18,7 +18,7 @@ public:
   using Point = std::array<float, 3>;
   static constexpr int kMostNodes = 1023;
 
-  BruteForce(const tracking::DeformationGraph& graph, const tracking::Warp& warp);
+  BruteForce(const motion::DeformationGraph& graph, const motion::Warp& warp);
 
   /// Coordinates of points are relative to these.
   const Eigen::Vector3d& canonical_origin() const { return canonical_origin_; }
@@ -32,8 +32,8 @@ public:
 
   /// What the loops read: transforms from canonical to world coordinates.
   struct Nodes {
-    std::vector<tracking::PositionRow> live, canonical;
-    std::vector<tracking::TransformRow> transforms;
+    std::vector<motion::PositionRow> live, canonical;
+    std::vector<motion::TransformRow> transforms;
     float inverse_squared_weight_radius = 0;
     float squared_influence_radius = 0;
   };

@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "tracking/skinning_simd.h"
+#include "motion/skinning/skinning_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::bench::HWY_NAMESPACE {
@@ -21,11 +21,11 @@ struct Nearest {
   F squared[kWeighed];
 };
 
-Nearest find_nearest(const std::vector<tracking::PositionRow>& positions, const Vec3& at) {
+Nearest find_nearest(const std::vector<motion::PositionRow>& positions, const Vec3& at) {
   constexpr float kAnywhere = 3e38F;
   NearestNodes<BruteForce::kMostNodes> numbers(kAnywhere);
   for (std::size_t n = 0; n < positions.size(); ++n) {
-    const tracking::PositionRow& p = positions[n];
+    const motion::PositionRow& p = positions[n];
     const Vec3 offset = sub(at, {constant(p[0]), constant(p[1]), constant(p[2])});
     numbers.add(dot(offset, offset), static_cast<std::int32_t>(n));
   }
@@ -105,15 +105,15 @@ namespace kinora::bench {
 HWY_EXPORT(by_live_nodes);
 HWY_EXPORT(exactly);
 
-BruteForce::BruteForce(const tracking::DeformationGraph& graph, const tracking::Warp& warp)
+BruteForce::BruteForce(const motion::DeformationGraph& graph, const motion::Warp& warp)
     : canonical_origin_(graph.nodes().front()), world_origin_(warp.node_positions().front()) {
   // The last number of the keys stands for no node; those that are weighed are always found.
-  if (graph.nodes().size() > kMostNodes || graph.nodes().size() < tracking::Influence::kMost + 1) {
+  if (graph.nodes().size() > kMostNodes || graph.nodes().size() < motion::Influence::kMost + 1) {
     throw Error(ErrorCode::kFailure, "the graph has too many nodes for this bench, or too few");
   }
-  nodes_.canonical = tracking::position_rows(graph.nodes(), canonical_origin_);
-  nodes_.live = tracking::position_rows(warp.node_positions(), world_origin_);
-  nodes_.transforms = tracking::transform_rows(warp.node_to_world(), canonical_origin_, world_origin_);
+  nodes_.canonical = motion::position_rows(graph.nodes(), canonical_origin_);
+  nodes_.live = motion::position_rows(warp.node_positions(), world_origin_);
+  nodes_.transforms = motion::transform_rows(warp.node_to_world(), canonical_origin_, world_origin_);
   nodes_.inverse_squared_weight_radius = static_cast<float>(1 / (graph.weight_radius() * graph.weight_radius()));
   nodes_.squared_influence_radius = static_cast<float>(graph.influence_radius() * graph.influence_radius());
 }

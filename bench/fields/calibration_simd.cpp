@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "core/large_buffer.h"
-#include "fields/kernels.h"
+#include "fields/network/instruction_set.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fields/calibration_simd.cpp"

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 
 #include "core/camera.h"
-#include "tracking/influence_table.h"
-#include "tracking/warp.h"
+#include "motion/influence_table.h"
+#include "motion/warp.h"
 
 namespace kinora::bench {
 
@@ -30,8 +30,8 @@ struct SearchRay {
 
 /// A deforming layer in one frame.
 struct Instant {
-  tracking::Warp warp;
-  std::shared_ptr<const tracking::InfluenceTable> table;
+  motion::Warp warp;
+  std::shared_ptr<const motion::InfluenceTable> table;
   Camera camera;
 };
 

@@ -17,11 +17,11 @@
 
 #include "core/metrics.h"
 #include "core/parallel.h"
-#include "fields/analytic_scene.h"
 #include "fields/calibration.h"
-#include "fields/renderer.h"
-#include "fields/trainer.h"
-#include "fields/view_agreement.h"
+#include "fields/planning/view_agreement.h"
+#include "fields/rendering/renderer.h"
+#include "fields/scenes/analytic_scene.h"
+#include "fields/training/trainer.h"
 #include "instruction_set.h"
 #include "knobs.h"
 #include "stopwatch.h"
@@ -43,7 +43,7 @@ void train_and_judge(const Setting& setting) {
     return store;
   };
   const fields::PixelStore store = views(bench::AnalyticScene::kTrainedViews);
-  const auto motion = tracking::Motion::still();
+  const auto motion = motion::Motion::still();
   fields::FieldConfig config = fields::choose_field_config({store, 1, motion});
   if (whole("levels") > 0) config.levels = whole("levels");
   if (whole("log2_table_size") > 0) config.log2_table_size = whole("log2_table_size");
@@ -78,7 +78,7 @@ void train_and_judge(const Setting& setting) {
   double drawing = 0;
   for (int i = 0; i < bench::AnalyticScene::kHeldOutViews; ++i) {
     const ingest::Frame truth = scene.held_out_view(i);
-    const fields::PosedField posed = fields::pose(field, tracking::Warp(SE3::Identity()));
+    const fields::PosedField posed = fields::pose(field, motion::Warp(SE3::Identity()));
     const bench::Stopwatch one;
     const fields::Picture picture = fields::render({&posed, 1}, truth.camera);
     drawing += one.milliseconds();

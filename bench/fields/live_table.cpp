@@ -32,7 +32,7 @@ std::size_t LiveTable::slot_of(const Voxel& voxel) const {
 }
 
 void LiveTable::prepare(const Instant& instant) {
-  const tracking::BulkWarp bulk(instant.table, instant.warp);
+  const motion::BulkWarp bulk(instant.table, instant.warp);
   canonical_origin_ = bulk.canonical_origin();
   world_origin_ = bulk.world_origin();
   if (canonical_.empty()) { // the same in all frames

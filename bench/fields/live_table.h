@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "fields/canonical_search.h"
-#include "fields/field.h"
-#include "tracking/bulk_warp.h"
+#include "fields/model/field.h"
+#include "motion/bulk_warp.h"
 
 namespace kinora::bench {
 
@@ -29,7 +29,7 @@ private:
   const fields::Occupancy* occupancy_;
   float voxels_per_metre_;
   std::vector<std::array<float, 3>> canonical_; // middles of the band's voxels
-  std::vector<tracking::BulkWarp::Carried> carried_;
+  std::vector<motion::BulkWarp::Carried> carried_;
   // A hash table with open addressing; its size is a power of two.
   struct Slot {
     Voxel voxel;

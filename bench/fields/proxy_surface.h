@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "fields/canonical_search.h"
-#include "fields/layer_view.h"
+#include "fields/rendering/layer_view.h"
 
 namespace kinora::bench {
 

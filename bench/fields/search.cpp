@@ -8,20 +8,20 @@
 #include <ctime>
 #include <optional>
 
+#include "clip/clip_io.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
-#include "encode/clip_io.h"
 #include "fields/brute_force.h"
 #include "fields/calibration.h"
 #include "fields/canonical_search.h"
 #include "fields/live_table.h"
 #include "fields/proxy_surface.h"
-#include "fields/surface_band.h"
-#include "fields/trainer.h"
+#include "fields/sampling/surface_band.h"
+#include "fields/training/trainer.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
-#include "tracking/bulk_warp.h"
+#include "ingest/capture/capture.h"
+#include "motion/bulk_warp.h"
 
 namespace {
 
@@ -67,7 +67,7 @@ std::vector<SearchRay> rays_of(const fields::PixelStore& pixels, const fields::S
 }
 
 // What exact means: Newton's method in double precision, with numbers for derivatives.
-std::optional<Vector3d> converge(const tracking::Warp& warp, const Vector3d& world, Vector3d canonical) {
+std::optional<Vector3d> converge(const motion::Warp& warp, const Vector3d& world, Vector3d canonical) {
   for (int step = 0; step < 50; ++step) {
     const auto there = warp.to_world(canonical);
     if (!there) return std::nullopt;
@@ -153,7 +153,7 @@ public:
   }
 
 private:
-  const tracking::Warp* warp_ = nullptr;
+  const motion::Warp* warp_ = nullptr;
 };
 
 /// What training does: half a parabola on either side of the surface, sixteen rays at a time.
@@ -184,9 +184,9 @@ public:
   }
 
 private:
-  std::optional<tracking::BulkWarp> bulk_;
-  std::vector<tracking::BulkWarp::Ray> world_;
-  std::vector<tracking::BulkWarp::CanonicalRay> back_;
+  std::optional<motion::BulkWarp> bulk_;
+  std::vector<motion::BulkWarp::Ray> world_;
+  std::vector<motion::BulkWarp::CanonicalRay> back_;
 };
 
 struct Measured {
@@ -240,9 +240,9 @@ Measured measure(const std::vector<Instant>& instants, const std::vector<std::ve
   return measured;
 }
 
-void compare_searches(const fields::PixelStore& pixels, const encode::Layer& layer, const fields::FieldConfig& config) {
+void compare_searches(const fields::PixelStore& pixels, const clip::Layer& layer, const fields::FieldConfig& config) {
   double begin = thread_seconds();
-  const auto table = std::make_shared<const tracking::InfluenceTable>(layer.motion.graph());
+  const auto table = std::make_shared<const motion::InfluenceTable>(layer.motion.graph());
   const double table_seconds = thread_seconds() - begin;
   begin = thread_seconds();
   const fields::DrawableField drawable(layer.field, layer.motion.graph().get());
@@ -286,7 +286,7 @@ void compare_searches(const fields::PixelStore& pixels, const encode::Layer& lay
   report("bent ray", BentRay(), &live, &all);
 }
 
-void train(const fields::PixelStore& pixels, const encode::Layer& layer, const fields::FieldConfig& config,
+void train(const fields::PixelStore& pixels, const clip::Layer& layer, const fields::FieldConfig& config,
            double rays_per_pixel) {
   const auto own = std::count_if(pixels.pixels().begin(), pixels.pixels().end(), [&](const fields::StoredPixel& p) {
     return p.label == layer.label && p.depth.is_known();
@@ -306,9 +306,9 @@ void train(const fields::PixelStore& pixels, const encode::Layer& layer, const f
 
 void run(const char* clip_path, const char* capture_path, double rays_per_pixel) {
   print_calibration();
-  const encode::Clip clip = encode::read_clip(clip_path);
-  const auto layer = std::find_if(clip.layers.begin(), clip.layers.end(), [](const encode::Layer& l) {
-    return l.motion.kind() == tracking::MotionKind::kDeforming;
+  const clip::Clip clip = clip::read_clip(clip_path);
+  const auto layer = std::find_if(clip.layers.begin(), clip.layers.end(), [](const clip::Layer& l) {
+    return l.motion.kind() == motion::MotionKind::kDeforming;
   });
   if (layer == clip.layers.end()) throw Error(ErrorCode::kFailure, "the clip has no layer that deforms");
   Progress progress;

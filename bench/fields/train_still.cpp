@@ -7,11 +7,11 @@
 
 #include "core/image_codec.h"
 #include "core/metrics.h"
-#include "fields/kernels.h"
-#include "fields/renderer.h"
-#include "fields/trainer.h"
+#include "fields/network/instruction_set.h"
+#include "fields/rendering/renderer.h"
+#include "fields/training/trainer.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
+#include "ingest/capture/capture.h"
 
 namespace {
 
@@ -57,7 +57,7 @@ void run(const char* path, double million_rays, int holdout, int levels, int log
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!held_out(i)) store.add(frames[i], static_cast<int>(i));
   }
-  const auto motion = tracking::Motion::still();
+  const auto motion = motion::Motion::still();
   fields::FieldConfig config = fields::choose_field_config({store, 0, motion});
   if (levels > 0) config.levels = levels;
   if (log2_table > 0) config.log2_table_size = log2_table;
@@ -80,7 +80,7 @@ void run(const char* path, double million_rays, int holdout, int levels, int log
   const Clock::time_point begin = Clock::now();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!held_out(i) && i % 5 != 0) continue;
-    const fields::PosedField posed = fields::pose(field, tracking::Warp(SE3::Identity()));
+    const fields::PosedField posed = fields::pose(field, motion::Warp(SE3::Identity()));
     const fields::Picture picture = fields::render({&posed, 1}, frames[i].camera);
     const Quality q = quality_of(picture, frames[i]);
     Quality& sum = held_out(i) ? unseen : trained;

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "host/plugin_table.h"
-#include "ingest/mask_completion.h"
+#include "ingest/segmentation/mask_completion.h"
 #include "label_pictures.h"
 
 namespace {

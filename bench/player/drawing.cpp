@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "clip/clip_io.h"
 #include "core/parallel.h"
-#include "encode/clip_io.h"
 #include "fields/calibration.h"
 #include "instruction_set.h"
 #include "player/camera_path.h"
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     }
     bench::print_calibration();
     const bench::Stopwatch watch;
-    const player::Player player(encode::read_clip(argv[1]));
+    const player::Player player(clip::read_clip(argv[1]));
     std::printf("# opened in %.2f s\n", watch.milliseconds() / 1000);
     std::printf("quality,size,threads,median_ms,slowest_camera_ms,largest_ms,median_processor_ms\n");
     for (const std::string& name : qualities) {

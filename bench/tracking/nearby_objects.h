@@ -4,8 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "tracking/interaction.h"
-#include "tracking/rigid_tracker.h"
+#include "tracking/rigid/interaction.h"
+#include "tracking/rigid/rigid_tracker.h"
 
 namespace kinora::bench {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
-#include "ingest/frame.h"
-#include "tracking/texture.h"
+#include "ingest/frame/frame.h"
+#include "tracking/view/texture.h"
 
 namespace kinora::bench {
 

@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
+#include "evaluate/true_tracks.h"
 #include "follow_label.h"
-#include "ingest/frame.h"
-#include "ingest/true_tracks.h"
-#include "tracking/motion.h"
-#include "tracking/point_track.h"
+#include "ingest/frame/frame.h"
+#include "motion/motion.h"
+#include "motion/point_track.h"
 
 namespace kinora::bench {
 
@@ -42,7 +42,7 @@ struct Comparison {
 };
 
 /// `frames`: numbers that the truth has them by. `each`: prints every frame's.
-inline Comparison compare_tracks(const ingest::TrueTracks& tracks, const tracking::Motion& motion,
+inline Comparison compare_tracks(const evaluate::TrueTracks& tracks, const motion::Motion& motion,
                                  const std::vector<int>& frames, bool each) {
   Comparison all;
   std::vector<Comparison> by_frame(frames.size());
@@ -54,7 +54,7 @@ inline Comparison compare_tracks(const ingest::TrueTracks& tracks, const trackin
     });
     if (first == frames.end()) continue;
     const auto start = static_cast<std::size_t>(first - frames.begin());
-    const auto track = tracking::track_point(motion, frames.size(), start, places.at(*first).point);
+    const auto track = motion::track_point(motion, frames.size(), start, places.at(*first).point);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       const auto truth = places.find(frames[i]);
       if (truth == places.end()) continue;

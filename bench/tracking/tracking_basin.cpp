@@ -19,7 +19,7 @@
 #include "knobs.h"
 #include "track_errors.h"
 #include "tracking/body/person_jumps.h"
-#include "tracking/deforming_tracker.h"
+#include "tracking/deforming/deforming_tracker.h"
 
 namespace {
 

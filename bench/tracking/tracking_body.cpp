@@ -18,13 +18,13 @@
 #include "core/error.h"
 #include "follow_label.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
+#include "ingest/capture/capture.h"
 #include "nearby_objects.h"
 #include "tracking/body/body_sizes.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/simulated_detector.h"
 #include "tracking/body/true_joints.h"
-#include "tracking/layer_view.h"
+#include "tracking/view/layer_view.h"
 
 namespace {
 
@@ -157,11 +157,11 @@ void run(const std::string& folder, int label) {
     processor.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
     explained += result.explained;
     empty += result.free_space_share;
-    if (result.health != tracking::Health::kTracked) ++not_tracked;
+    if (result.health != motion::Health::kTracked) ++not_tracked;
     if (!tracker.started()) continue;
     const tracking::Bones bones = tracking::place_bones(tracker.state().pose, tracker.state().shape);
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
-      std::printf("health,%d,%s,%.3f,%.3f", frame->index, std::string(tracking::name_of(result.health)).c_str(),
+      std::printf("health,%d,%s,%.3f,%.3f", frame->index, std::string(motion::name_of(result.health)).c_str(),
                   result.explained, result.free_space_share);
       for (const tracking::LimbHealth limb : result.limbs) std::printf(",%s", std::string(name_of(limb)).c_str());
       std::printf(",%.1f\n", milliseconds.back());

@@ -15,8 +15,8 @@
 #include "core/error.h"
 #include "follow_label.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
-#include "tracking/camera_tracker.h"
+#include "ingest/capture/capture.h"
+#include "tracking/camera/camera_tracker.h"
 
 namespace {
 
@@ -75,7 +75,7 @@ void run(const std::string& folder, int labels) {
   std::vector<double> milliseconds;
   std::vector<double> processor;
   std::vector<SE3> truth;
-  std::map<tracking::Health, int> health;
+  std::map<motion::Health, int> health;
   std::vector<ingest::Frame> frames; // read beforehand: the next one would be read while this one is tracked
   while (auto frame = capture->next()) frames.push_back(std::move(*frame));
   for (ingest::Frame& frame : frames) {
@@ -90,15 +90,15 @@ void run(const std::string& folder, int labels) {
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
       const SE3 expected = truth.front().inverse() * truth.back();
       std::printf("frame %d: %s, %.1f mm off, share %.2f, texture %.2f, %d weak, %.1f ms\n", frame.index,
-                  std::string(tracking::name_of(result.health)).c_str(),
+                  std::string(motion::name_of(result.health)).c_str(),
                   1e3 * (expected.translation() - result.camera_to_world.translation()).norm(),
                   result.quality.inlier_share(), result.quality.texture_correlation, result.weak_directions,
                   milliseconds.back());
     }
   }
   std::printf("frames %zu: tracked %d, held %d, lost %d; %s from frame %zu, %zu key frames, %zu loops\n",
-              milliseconds.size(), health[tracking::Health::kTracked], health[tracking::Health::kHeld],
-              health[tracking::Health::kLost], tracker.moves() ? "moving" : "still", tracker.moving_from().value_or(0),
+              milliseconds.size(), health[motion::Health::kTracked], health[motion::Health::kHeld],
+              health[motion::Health::kLost], tracker.moves() ? "moving" : "still", tracker.moving_from().value_or(0),
               tracker.keyframe_count(), tracker.loop_count());
   compare(tracker.path(), truth);
   std::printf("per frame: median %.1f ms, 99th percentile %.1f ms; processor median %.1f ms, 99th percentile %.1f ms\n",

@@ -8,16 +8,16 @@
 #include <fstream>
 
 #include "core/image_codec.h"
+#include "evaluate/true_tracks.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
-#include "ingest/true_tracks.h"
+#include "ingest/capture/capture.h"
 #include "knobs.h"
+#include "motion/point_track.h"
 #include "nearby_objects.h"
 #include "picture_agreement.h"
 #include "stopwatch.h"
 #include "track_errors.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/point_track.h"
+#include "tracking/deforming/deforming_tracker.h"
 
 namespace {
 
@@ -52,8 +52,7 @@ SceneFlow read_scene_flow(const std::filesystem::path& folder) {
 
 constexpr double kTrueFlowIsCertain = 0.5; // its correlation of what the two pictures show
 
-Comparison compare_flow(const SceneFlow& flow, const std::vector<ingest::Frame>& frames,
-                        const tracking::Motion& motion) {
+Comparison compare_flow(const SceneFlow& flow, const std::vector<ingest::Frame>& frames, const motion::Motion& motion) {
   const ingest::Frame& first = frames.front();
   bench::PictureAgreement tracked(first, frames.back());
   bench::PictureAgreement true_flow(first, frames.back());
@@ -74,7 +73,7 @@ Comparison compare_flow(const SceneFlow& flow, const std::vector<ingest::Frame>&
       truths.push_back(points.back() + change);
     }
   }
-  const auto tracks = tracking::track_points(motion, 2, 0, points);
+  const auto tracks = motion::track_points(motion, 2, 0, points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     all.visible.add(tracks[i][1], truths[i]);
     still.add(points[i], truths[i]);
@@ -157,23 +156,23 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
     const tracking::DeformingTrackingResult result = tracker.track(frame, nearby);
     milliseconds.push_back(watch.milliseconds());
     processor.push_back(watch.processor_milliseconds());
-    if (result.health != tracking::Health::kTracked) ++not_tracked;
+    if (result.health != motion::Health::kTracked) ++not_tracked;
     if (!each) continue;
     std::printf("# frame %d: %s, %zu nodes, inliers %.3f of %zu, correlation %.3f, %.0f ms\n", frame.index,
-                std::string(tracking::name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
+                std::string(motion::name_of(result.health)).c_str(), result.nodes, result.quality.inlier_share(),
                 result.quality.on_label, result.quality.texture_correlation, milliseconds.back());
   }
-  const tracking::Motion unsettled = tracker.motion();
+  const motion::Motion unsettled = tracker.motion();
   const bench::Stopwatch watch;
   const tracking::TrackedLayer layer = std::move(tracker).finish().value();
   const double settling = watch.milliseconds();
-  const tracking::Motion& motion = knobs.at("settle") != 0 ? layer.motion : unsettled;
+  const motion::Motion& motion = knobs.at("settle") != 0 ? layer.motion : unsettled;
   std::printf("# %zu frames, %d not tracked; %zu nodes, %.1f mm apart; body: %s, explained %.3f, empty %.3f; past "
               "settled in %.2f s\n",
               frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * layer.node_spacing,
-              std::string(tracking::name_of(layer.body.verdict())).c_str(), layer.body.explained(),
+              std::string(motion::name_of(layer.body.verdict())).c_str(), layer.body.explained(),
               layer.body.free_space(), 1e-3 * settling);
-  const ingest::TrueTracks tracks = ingest::read_true_tracks(folder);
+  const evaluate::TrueTracks tracks = evaluate::read_true_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;
   numbers.reserve(frames.size());

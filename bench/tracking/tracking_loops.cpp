@@ -1,6 +1,7 @@
 // Follows a camera around rooms where it drifts farther than alignment reaches: errors of the whole path with the first
-// frames laid together, and milliseconds per frame, for several seeds of each scene (tests/tracking/loop_scenes.h).
-// Usage: bench_tracking_loops [SEEDS]: how many of each (default 3); with KINORA_BENCH_FRAMES set, also frame by frame.
+// frames laid together, and milliseconds per frame, for several seeds of each scene
+// (tests/tracking/scenes/loop_scenes.h). Usage: bench_tracking_loops [SEEDS]: how many of each (default 3); with
+// KINORA_BENCH_FRAMES set, also frame by frame.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -8,8 +9,8 @@
 #include <functional>
 
 #include "follow_label.h"
-#include "tracking/camera_tracker.h"
-#include "tracking/loop_scenes.h"
+#include "tracking/camera/camera_tracker.h"
+#include "tracking/scenes/loop_scenes.h"
 
 namespace {
 
@@ -28,11 +29,11 @@ void follow(const LoopScene& scene, std::uint64_t seed) {
     const auto start = std::chrono::steady_clock::now();
     const tracking::CameraTrackingResult result = tracker.track(frame);
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    tracked += result.health == tracking::Health::kTracked ? 1 : 0;
+    tracked += result.health == motion::Health::kTracked ? 1 : 0;
     if (std::getenv("KINORA_BENCH_FRAMES") == nullptr) continue;
     const SE3 off = (scene.truth.front().inverse() * scene.truth[i]).inverse() * tracker.path().back();
     std::printf("frame %zu: %s, %.0f mm, %.1f degrees off, share %.2f, texture %.2f, %zu key frames, %zu loops\n", i,
-                std::string(tracking::name_of(result.health)).c_str(), 1e3 * off.translation().norm(),
+                std::string(motion::name_of(result.health)).c_str(), 1e3 * off.translation().norm(),
                 kDegrees * rotation_angle(off), result.quality.inlier_share(), result.quality.texture_correlation,
                 tracker.keyframe_count(), tracker.loop_count());
   }

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/error.h"
+#include "evaluate/ground_truth.h"
 #include "follow_label.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
-#include "ingest/ground_truth.h"
-#include "tracking/rigid_tracker.h"
+#include "ingest/capture/capture.h"
+#include "tracking/rigid/rigid_tracker.h"
 
 namespace {
 
@@ -33,16 +33,16 @@ struct Total {
 
 class PoseErrors {
 public:
-  explicit PoseErrors(const std::optional<ingest::GroundTruth>& truth) {
+  explicit PoseErrors(const std::optional<evaluate::GroundTruth>& truth) {
     if (!truth || !truth->object_centroid()) return;
     poses_ = truth->object_to_camera();
     centroid_ = *truth->object_centroid();
   }
 
   /// The motion since the first tracked frame against the true one, at the centroid. The capture camera is the world.
-  void add(int frame, const tracking::Motion::Pose& pose) {
+  void add(int frame, const motion::Motion::Pose& pose) {
     const auto now = poses_.find(frame);
-    if (now == poses_.end() || pose.health == tracking::Health::kLost) return;
+    if (now == poses_.end() || pose.health == motion::Health::kLost) return;
     if (!first_) first_ = now->second;
     const SE3 motion = now->second * first_->inverse();
     const Eigen::Vector3d start = *first_ * centroid_;
@@ -63,7 +63,7 @@ void run(const std::string& folder, int label) {
   Progress silent;
   const host::PluginTable plugins = host::PluginTable::builtin();
   const auto capture = ingest::Capture::open(plugins, folder, {}, silent);
-  PoseErrors errors(ingest::GroundTruth::read(folder));
+  PoseErrors errors(evaluate::GroundTruth::read(folder));
   std::vector<ingest::Frame> frames; // read beforehand: the next one would be read while this one is tracked
   while (auto frame = capture->next()) frames.push_back(std::move(*frame));
   tracking::RigidTracker tracker(label);
@@ -76,7 +76,7 @@ void run(const std::string& folder, int label) {
     const tracking::RigidTrackingResult result = tracker.track(frame);
     milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     processor_milliseconds.push_back(1e3 * static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC);
-    if (result.pose.health != tracking::Health::kTracked) ++not_tracked;
+    if (result.pose.health != motion::Health::kTracked) ++not_tracked;
     errors.add(frame.index, result.pose);
   }
   std::printf("frames %zu, not tracked %d\n", milliseconds.size(), not_tracked);

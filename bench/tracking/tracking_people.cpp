@@ -14,7 +14,7 @@
 #include "stopwatch.h"
 #include "track_errors.h"
 #include "tracking/body/person_camera.h"
-#include "tracking/deforming_tracker.h"
+#include "tracking/deforming/deforming_tracker.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
-// Follows the things of synthetic scenes (tests/tracking/thing_scenes.h) and compares them with their own truth. One
-// line of CSV for each thing: error at its middle, of its rotation, of its axis y alone (about which a vase or a ball
-// may turn unseen) and of the turn since the frame before (which tells where it may not) while a fifth of it at least
-// is seen; frames seen, of these not tracked; the processor's time of a frame. Usage: bench_tracking_things
+// Follows the things of synthetic scenes (tests/tracking/scenes/thing_scenes.h) and compares them with their own truth.
+// One line of CSV for each thing: error at its middle, of its rotation, of its axis y alone (about which a vase or a
+// ball may turn unseen) and of the turn since the frame before (which tells where it may not) while a fifth of it at
+// least is seen; frames seen, of these not tracked; the processor's time of a frame. Usage: bench_tracking_things
 // [KNOB=VALUE,VALUE...] [FOLDER]; scene: by name; seed: of the noise; frames=1 also tells it frame by frame; with a
 // folder, scenes are kept there as captures, and read if they are there already.
 #include <algorithm>
@@ -19,11 +19,11 @@
 #include "core/image_codec.h"
 #include "follow_label.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
+#include "ingest/capture/capture.h"
 #include "knobs.h"
 #include "stopwatch.h"
-#include "tracking/rigid_tracker.h"
-#include "tracking/thing_scenes.h"
+#include "tracking/rigid/rigid_tracker.h"
+#include "tracking/scenes/thing_scenes.h"
 
 namespace {
 

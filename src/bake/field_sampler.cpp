@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include "fields/field_batch.h"
-#include "fields/ray_batch.h"
+#include "fields/network/field_batch.h"
+#include "fields/network/ray_batch.h"
+#include "fields/network/volume_density.h"
 
 namespace kinora::bake {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "fields/field.h"
+#include "fields/model/field.h"
 
 namespace kinora::bake {
 

@@ -47,13 +47,13 @@ struct LiveSurface {
   }
 };
 
-LiveSurface live_surface(const encode::Layer& layer, int frame, const Progress& progress) {
+LiveSurface live_surface(const clip::Layer& layer, int frame, const Progress& progress) {
   SurfaceOptions options;
   options.smallest_part = 0.002;
   LiveSurface surface;
   const auto mesh = bake_surface(layer, options, progress);
   if (!mesh) return surface;
-  const tracking::Warp warp = layer.motion.warp(frame);
+  const motion::Warp warp = layer.motion.warp(frame);
   for (const Eigen::Vector3f& p : mesh->positions) {
     surface.positions.push_back(
         warp.to_world(p.cast<double>()).value_or(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())));
@@ -74,7 +74,7 @@ LiveSurface live_surface(const encode::Layer& layer, int frame, const Progress& 
 } // namespace
 
 std::vector<std::optional<std::size_t>>
-nearest_layers(const encode::Clip& clip, int frame, std::span<const Eigen::Vector3d> points, const Progress& progress) {
+nearest_layers(const clip::Clip& clip, int frame, std::span<const Eigen::Vector3d> points, const Progress& progress) {
   std::vector<std::optional<std::size_t>> nearest(points.size());
   std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/clip.h"
 
 namespace kinora::bake {
 
@@ -14,6 +14,6 @@ namespace kinora::bake {
 /// of equally near ones the first. Nothing if no layer has a surface. Uses all threads; same bits for any number of
 /// them. Throws Error(kInterrupted).
 std::vector<std::optional<std::size_t>>
-nearest_layers(const encode::Clip& clip, int frame, std::span<const Eigen::Vector3d> points, const Progress& progress);
+nearest_layers(const clip::Clip& clip, int frame, std::span<const Eigen::Vector3d> points, const Progress& progress);
 
 } // namespace kinora::bake

@@ -15,12 +15,12 @@ SE3 translation_by(const Eigen::Vector3d& offset) {
 }
 
 /// Fills joints and weights; returns the node of each joint.
-std::vector<int> attach_to_nodes(const tracking::DeformationGraph& graph, host::Mesh& mesh) {
-  std::vector<tracking::Influence> influences;
+std::vector<int> attach_to_nodes(const motion::DeformationGraph& graph, host::Mesh& mesh) {
+  std::vector<motion::Influence> influences;
   std::vector<int> joint_of(graph.nodes().size(), -1);
   for (const Eigen::Vector3f& p : mesh.positions) {
     influences.push_back(graph.influence(p.cast<double>()));
-    const tracking::Influence& influence = influences.back();
+    const motion::Influence& influence = influences.back();
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       joint_of[static_cast<std::size_t>(influence.nodes[k])] = 0;
     }
@@ -34,7 +34,7 @@ std::vector<int> attach_to_nodes(const tracking::DeformationGraph& graph, host::
   if (nodes.size() > std::numeric_limits<std::uint16_t>::max()) {
     throw Error(ErrorCode::kFailure, "the layer " + mesh.name + " has more than 65535 nodes, which no skin can name");
   }
-  for (const tracking::Influence& influence : influences) {
+  for (const motion::Influence& influence : influences) {
     std::array<std::uint16_t, 4> joints{};
     std::array<float, 4> weights{};
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
@@ -57,11 +57,11 @@ Eigen::Vector3d middle_of(const host::Mesh& mesh) {
 
 } // namespace
 
-Skinning::Skinning(const tracking::Motion& motion, host::Mesh& mesh) : motion_(motion) {
+Skinning::Skinning(const motion::Motion& motion, host::Mesh& mesh) : motion_(motion) {
   mesh.skin = {};
-  if (motion.kind() == tracking::MotionKind::kRigid) {
+  if (motion.kind() == motion::MotionKind::kRigid) {
     inverse_bind_.push_back(translation_by(-middle_of(mesh)));
-  } else if (motion.kind() == tracking::MotionKind::kDeforming) {
+  } else if (motion.kind() == motion::MotionKind::kDeforming) {
     nodes_ = attach_to_nodes(*motion.graph(), mesh);
     for (const int node : nodes_) {
       inverse_bind_.push_back(translation_by(-motion.graph()->nodes()[static_cast<std::size_t>(node)]));
@@ -72,9 +72,9 @@ Skinning::Skinning(const tracking::Motion& motion, host::Mesh& mesh) : motion_(m
 
 std::vector<SE3> Skinning::joints_at(int frame) const {
   std::vector<SE3> joints;
-  if (motion_.kind() == tracking::MotionKind::kRigid) {
+  if (motion_.kind() == motion::MotionKind::kRigid) {
     joints.emplace_back(motion_.canonical_to_world(frame) * inverse_bind_.front().inverse());
-  } else if (motion_.kind() == tracking::MotionKind::kDeforming) {
+  } else if (motion_.kind() == motion::MotionKind::kDeforming) {
     const auto last = static_cast<int>(motion_.deformations().size()) - 1;
     const auto& deformation = motion_.deformations()[static_cast<std::size_t>(std::clamp(frame, 0, last))];
     for (std::size_t j = 0; j < nodes_.size(); ++j) {
@@ -88,11 +88,11 @@ std::vector<SE3> Skinning::joints_at(int frame) const {
 Skinning::Difference Skinning::blending_difference(const host::Mesh& mesh, std::span<const int> frames) const {
   constexpr std::size_t kMostVertices = 3000;
   Difference difference;
-  if (motion_.kind() != tracking::MotionKind::kDeforming) return difference;
+  if (motion_.kind() != motion::MotionKind::kDeforming) return difference;
   const std::size_t stride = std::max<std::size_t>(1, mesh.positions.size() / kMostVertices);
   std::size_t count = 0;
   for (const int frame : frames) {
-    const tracking::Warp warp = motion_.warp(frame);
+    const motion::Warp warp = motion_.warp(frame);
     const std::vector<SE3> joints = joints_at(frame);
     for (std::size_t v = 0; v < mesh.positions.size(); v += stride) {
       const Eigen::Vector3d canonical = mesh.positions[v].cast<double>();

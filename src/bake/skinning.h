@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/mesh_writer.h"
-#include "tracking/motion.h"
+#include "motion/motion.h"
 
 namespace kinora::bake {
 
@@ -14,7 +14,7 @@ namespace kinora::bake {
 class Skinning {
 public:
   /// Fills mesh.skin. Every vertex must be moved by at least one node (surface.h leaves others out).
-  Skinning(const tracking::Motion& motion, host::Mesh& mesh);
+  Skinning(const motion::Motion& motion, host::Mesh& mesh);
 
   bool moves() const { return !inverse_bind_.empty(); }
   /// Joint to world at a frame of the clip (clamped); empty if the layer is still.
@@ -29,7 +29,7 @@ public:
   Difference blending_difference(const host::Mesh& mesh, std::span<const int> frames) const;
 
 private:
-  tracking::Motion motion_;
+  motion::Motion motion_;
   std::vector<int> nodes_; // of the graph, one per joint
   std::vector<SE3> inverse_bind_;
 };

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/turn.h"
+#include "fields/network/turn.h"
 
 namespace kinora::bake {
 namespace {
@@ -50,20 +50,20 @@ Triangles triangulate(const FieldSampler& sampler, const SurfaceOptions& options
 }
 
 /// Frames spread over the clip, in whose light a layer is seen.
-std::vector<tracking::Warp> seen_warps(const tracking::Motion& motion) {
+std::vector<motion::Warp> seen_warps(const motion::Motion& motion) {
   constexpr std::size_t kFrames = 8;
   std::vector<int> seen;
   for (std::size_t f = 0; f < std::max(motion.poses().size(), motion.deformations().size()); ++f) {
-    if (motion.health(f) == tracking::Health::kTracked) seen.push_back(static_cast<int>(f));
+    if (motion.health(f) == motion::Health::kTracked) seen.push_back(static_cast<int>(f));
   }
   if (seen.empty()) seen = {0};
   const std::size_t count = std::min(kFrames, seen.size());
-  std::vector<tracking::Warp> warps;
+  std::vector<motion::Warp> warps;
   for (std::size_t k = 0; k < count; ++k) warps.push_back(motion.warp(seen[(2 * k + 1) * seen.size() / (2 * count)]));
   return warps;
 }
 
-fields::Turn turn_at(const tracking::Warp& warp, const Eigen::Vector3d& canonical) {
+fields::Turn turn_at(const motion::Warp& warp, const Eigen::Vector3d& canonical) {
   if (warp.is_rigid()) return fields::turn_of(warp.rigid().linear());
   const auto pose = warp.at(canonical);
   return pose ? fields::turn_of(pose->linear()) : fields::kNoTurn;
@@ -71,7 +71,7 @@ fields::Turn turn_at(const tracking::Warp& warp, const Eigen::Vector3d& canonica
 
 /// Colours of vertices: features composited along a short ray through the surface, as the renderer does, in the mean of
 /// the frames' light.
-void color_chunk(const FieldSampler& sampler, std::span<const tracking::Warp> warps, const Triangles& triangles,
+void color_chunk(const FieldSampler& sampler, std::span<const motion::Warp> warps, const Triangles& triangles,
                  std::span<const Eigen::Vector3d> normals, const Chunk& chunk,
                  std::span<std::array<std::uint8_t, 3>> colors) {
   constexpr int kBefore = 2; // samples in front of the surface
@@ -96,7 +96,7 @@ void color_chunk(const FieldSampler& sampler, std::span<const tracking::Warp> wa
     for (float& f : features[v]) f /= std::max(1 - transmittance, 1e-6F);
   }
   std::vector<Eigen::Array3f> sums(features.size(), Eigen::Array3f::Zero());
-  for (const tracking::Warp& warp : warps) {
+  for (const motion::Warp& warp : warps) {
     auto turned = features;
     for (std::size_t v = 0; v < features.size(); ++v) {
       fields::turn_vectors(turn_at(warp, triangles.positions[chunk.begin + v]), turned[v].data());
@@ -114,7 +114,7 @@ void color_chunk(const FieldSampler& sampler, std::span<const tracking::Warp> wa
 
 } // namespace
 
-std::optional<host::Mesh> bake_surface(const encode::Layer& layer, const SurfaceOptions& options,
+std::optional<host::Mesh> bake_surface(const clip::Layer& layer, const SurfaceOptions& options,
                                        const Progress& progress) {
   check(options);
   const FieldSampler sampler(layer.field);
@@ -133,7 +133,7 @@ std::optional<host::Mesh> bake_surface(const encode::Layer& layer, const Surface
   host::Mesh mesh;
   mesh.name = layer.name;
   mesh.colors.resize(triangles.positions.size());
-  const std::vector<tracking::Warp> warps = seen_warps(layer.motion);
+  const std::vector<motion::Warp> warps = seen_warps(layer.motion);
   parallel_for(mesh.colors.size(), 2048,
                [&](const Chunk& chunk) { color_chunk(sampler, warps, triangles, normals, chunk, mesh.colors); });
   for (const Eigen::Vector3d& p : triangles.positions) mesh.positions.emplace_back(p.cast<float>());

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "bake/surface_nets.h"
+#include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/clip.h"
 #include "host/mesh_writer.h"
 
 namespace kinora::bake {
@@ -20,7 +20,7 @@ struct SurfaceOptions {
 /// The surface in canonical space, without a skin. Colours are what a ray from outside composites just behind the
 /// surface, in the mean of what light it stands in during the clip. Nothing if the layer has no surface. Uses all
 /// threads; same bits for any number of them. Throws Error: kUsage for options that make no sense, kInterrupted.
-std::optional<host::Mesh> bake_surface(const encode::Layer& layer, const SurfaceOptions& options,
+std::optional<host::Mesh> bake_surface(const clip::Layer& layer, const SurfaceOptions& options,
                                        const Progress& progress);
 
 } // namespace kinora::bake

@@ -7,7 +7,7 @@
 #include "bake/voxel_key.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/turn.h"
+#include "fields/network/turn.h"
 
 namespace kinora::bake {
 namespace {
@@ -56,7 +56,7 @@ void sort_unique(std::vector<VoxelKey>& keys) {
 }
 
 /// Voxels in which the layer may be at this instant, sorted: those near the present places of its occupied cells.
-std::vector<VoxelKey> candidate_voxels(const fields::Field& field, const tracking::Warp& warp, double voxel) {
+std::vector<VoxelKey> candidate_voxels(const fields::Field& field, const motion::Warp& warp, double voxel) {
   const double cell = field.config.box.side / field.occupancy.resolution();
   // Half of a cell's diagonal, and what bending may stretch it by; half of a voxel, whose samples lie off its centre.
   const double reach = std::sqrt(3.0) / 2 * cell * (warp.is_rigid() ? 1.0 : 1.3) + voxel / 2;
@@ -85,7 +85,7 @@ std::vector<VoxelKey> candidate_voxels(const fields::Field& field, const trackin
 /// Bakes runs of voxels. `samples` per axis and voxel.
 class VoxelSampler {
 public:
-  VoxelSampler(const FieldSampler& field, const tracking::Warp& warp, const VolumeOptions& options)
+  VoxelSampler(const FieldSampler& field, const motion::Warp& warp, const VolumeOptions& options)
       : field_(field), warp_(warp), voxel_(options.voxel),
         least_density_(static_cast<float>(-std::log(1 - options.opacity) / options.voxel)),
         per_axis_(options.voxel > 1.5 * field.field().config.cell_size() ? 2 : 1),
@@ -157,7 +157,7 @@ private:
   }
 
   const FieldSampler& field_;
-  const tracking::Warp& warp_;
+  const motion::Warp& warp_;
   double voxel_;
   float least_density_;
   int per_axis_;
@@ -195,15 +195,15 @@ LayerVolume merged(const LayerVolume& a, const LayerVolume& b) {
 
 } // namespace
 
-VolumeBaker::VolumeBaker(const encode::Clip& clip, std::span<const std::size_t> layers, const VolumeOptions& options)
+VolumeBaker::VolumeBaker(const clip::Clip& clip, std::span<const std::size_t> layers, const VolumeOptions& options)
     : clip_(&clip), layers_(layers.begin(), layers.end()), options_(options) {
   if (!(options.voxel > 0) || !std::isfinite(options.voxel) || !(options.opacity > 0 && options.opacity < 1)) {
     throw Error(ErrorCode::kUsage, "a volume needs voxels larger than 0 metres");
   }
 }
 
-LayerVolume VolumeBaker::bake_layer(const encode::Layer& layer, int frame, const Progress& progress) const {
-  const tracking::Warp warp = layer.motion.warp(frame);
+LayerVolume VolumeBaker::bake_layer(const clip::Layer& layer, int frame, const Progress& progress) const {
+  const motion::Warp warp = layer.motion.warp(frame);
   const FieldSampler field(layer.field);
   const std::vector<VoxelKey> candidates = candidate_voxels(layer.field, warp, options_.voxel);
   const VoxelSampler sampler(field, warp, options_);
@@ -225,8 +225,8 @@ LayerVolume VolumeBaker::bake_layer(const encode::Layer& layer, int frame, const
 host::Volume VolumeBaker::at(int frame, const Progress& progress) {
   LayerVolume all;
   for (const std::size_t i : layers_) {
-    const encode::Layer& layer = clip_->layers[i];
-    if (layer.motion.kind() != tracking::MotionKind::kStill) {
+    const clip::Layer& layer = clip_->layers[i];
+    if (layer.motion.kind() != motion::MotionKind::kStill) {
       all = merged(all, bake_layer(layer, frame, progress));
       continue;
     }

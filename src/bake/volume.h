@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/clip.h"
 #include "host/volume_writer.h"
 
 namespace kinora::bake {
@@ -29,7 +29,7 @@ struct LayerVolume {
 class VolumeBaker {
 public:
   /// `layers`: numbers of the layers to bake. Throws Error(kUsage) for options that make no sense.
-  VolumeBaker(const encode::Clip& clip, std::span<const std::size_t> layers, const VolumeOptions& options);
+  VolumeBaker(const clip::Clip& clip, std::span<const std::size_t> layers, const VolumeOptions& options);
 
   /// Every voxel near an occupied cell of a layer is pulled back into the layer's canonical space by the warp of the
   /// frame, and takes the density by which as much light passes as does on average at a few points inside
@@ -38,9 +38,9 @@ public:
   host::Volume at(int frame, const Progress& progress);
 
 private:
-  LayerVolume bake_layer(const encode::Layer& layer, int frame, const Progress& progress) const;
+  LayerVolume bake_layer(const clip::Layer& layer, int frame, const Progress& progress) const;
 
-  const encode::Clip* clip_;
+  const clip::Clip* clip_;
   std::vector<std::size_t> layers_;
   VolumeOptions options_;
   std::map<std::size_t, LayerVolume> still_;

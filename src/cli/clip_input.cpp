@@ -16,17 +16,17 @@ void require_input(const std::filesystem::path& path) {
   throw Error(ErrorCode::kUsage, fmt::format("{} does not exist; is the name right?", path.string()));
 }
 
-encode::Clip open_clip(const std::filesystem::path& path, encode::ByteAccount* account) {
+clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account) {
   require_input(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw Error(ErrorCode::kNotRecognised,
                 fmt::format("{} is a folder, not a clip; make a clip of a capture with kinora encode", path.string()));
   }
-  return encode::read_clip(path, account);
+  return clip::read_clip(path, account);
 }
 
-double frames_per_second(const encode::Clip& clip) {
+double frames_per_second(const clip::Clip& clip) {
   const std::size_t count = clip.times.size();
   const double duration = count > 1 ? clip.times.back() - clip.times.front() : 0;
   // Times are kept to the nanosecond: more digits of the rate than these mean nothing.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "encode/clip.h"
-#include "encode/clip_io.h"
+#include "clip/clip.h"
+#include "clip/clip_io.h"
 
 namespace kinora::cli {
 
@@ -14,10 +14,10 @@ namespace kinora::cli {
 void require_input(const std::filesystem::path& path);
 
 /// Reads a clip; an input that is no file of ours is told apart from one that is a capture.
-encode::Clip open_clip(const std::filesystem::path& path, encode::ByteAccount* account = nullptr);
+clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account = nullptr);
 
 /// Frames per second of a clip, from its times (30 if it has one frame).
-double frames_per_second(const encode::Clip& clip);
+double frames_per_second(const clip::Clip& clip);
 
 /// The frame numbers of a range that a clip of `count` frames has. Throws Error(kUsage) if there are none.
 std::vector<int> frames_in_range(const std::string& range, std::size_t count);

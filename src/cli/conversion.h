@@ -8,19 +8,19 @@
 #include "bake/surface.h"
 #include "bake/volume.h"
 #include "cli/context.h"
-#include "encode/layer_choice.h"
+#include "clip/layer_choice.h"
 #include "host/options.h"
 
 namespace kinora::cli {
 
 /// What to convert, and into what.
 struct Conversion {
-  const encode::Clip* clip = nullptr;
+  const clip::Clip* clip = nullptr;
   const KinoraFormat* format = nullptr;
   std::filesystem::path input;
   std::filesystem::path output;
   std::vector<int> frames; ///< of the clip, increasing
-  encode::LayerChoice layers;
+  clip::LayerChoice layers;
   bake::SurfaceOptions surface;
   bake::VolumeOptions volume;
   host::Options format_options;

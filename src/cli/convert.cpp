@@ -68,18 +68,17 @@ std::vector<std::string> split_at_commas(const std::string& text) {
   return parts;
 }
 
-encode::LayerChoice layers_of_option(const encode::Clip& clip, const std::string& names, Context& context) {
-  if (names.empty()) return encode::all_layers(clip);
-  encode::LayerChoice chosen = encode::choose_layers(clip, split_at_commas(names), context.progress);
+clip::LayerChoice layers_of_option(const clip::Clip& clip, const std::string& names, Context& context) {
+  if (names.empty()) return clip::all_layers(clip);
+  clip::LayerChoice chosen = clip::choose_layers(clip, split_at_commas(names), context.progress);
   if (chosen.empty()) {
     throw Error(ErrorCode::kUsage, fmt::format("-O layers={}: the clip has none of these layers; it has: {}", names,
-                                               encode::layer_names(clip)));
+                                               clip::layer_names(clip)));
   }
   return chosen;
 }
 
-Conversion conversion_of(const Options& options, const encode::Clip& clip, const KinoraFormat& format,
-                         Context& context) {
+Conversion conversion_of(const Options& options, const clip::Clip& clip, const KinoraFormat& format, Context& context) {
   Conversion conversion;
   conversion.clip = &clip;
   conversion.format = &format;
@@ -104,8 +103,8 @@ Conversion conversion_of(const Options& options, const encode::Clip& clip, const
 Json plan_json(const Conversion& conversion) {
   Json layers = Json::array();
   for (const std::size_t i : conversion.layers) {
-    const encode::Layer& layer = conversion.clip->layers[i];
-    layers.push_back({{"name", layer.name}, {"motion", tracking::name_of(layer.motion.kind())}});
+    const clip::Layer& layer = conversion.clip->layers[i];
+    layers.push_back({{"name", layer.name}, {"motion", motion::name_of(layer.motion.kind())}});
   }
   const bool one_file = host::supports(*conversion.format, KINORA_WRITES_MESHES);
   return {{"layers", std::move(layers)}, {"files", one_file ? 1 : conversion.frames.size()}, {"bytes", nullptr}};
@@ -141,7 +140,7 @@ std::string summary(const Conversion& conversion, const Json& result, bool dry_r
 void run(const Options& options, Context& context) {
   check_source(options, context.plugins());
   const KinoraFormat& format = target_of(options, context.plugins());
-  const encode::Clip clip = open_clip(options.input);
+  const clip::Clip clip = open_clip(options.input);
   const Conversion conversion = conversion_of(options, clip, format, context);
   Json result = options.dry_run                                ? plan_json(conversion)
                 : host::supports(format, KINORA_WRITES_MESHES) ? convert_to_meshes(conversion, context)

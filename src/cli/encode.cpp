@@ -13,8 +13,8 @@
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/pipeline.h"
-#include "ingest/body_mesh.h"
-#include "player/evaluate.h"
+#include "evaluate/evaluate.h"
+#include "ingest/files/body_mesh.h"
 #include "tracking/body/body_sizes.h"
 
 namespace kinora::cli {
@@ -86,13 +86,13 @@ encode::EncodeOptions encode_options(const Options& options) {
   return out;
 }
 
-Json file_json(const std::filesystem::path& path, const encode::ByteAccount& account) {
+Json file_json(const std::filesystem::path& path, const clip::ByteAccount& account) {
   Json parts = Json::array();
   for (const auto& entry : account.entries) parts.push_back({{"name", entry.name}, {"bytes", entry.bytes}});
   return {{"path", path.string()}, {"bytes", account.total}, {"parts", std::move(parts)}};
 }
 
-std::size_t bytes_of_layer(const std::string& name, const encode::ByteAccount& account) {
+std::size_t bytes_of_layer(const std::string& name, const clip::ByteAccount& account) {
   std::size_t bytes = 0;
   for (const auto& entry : account.entries) {
     if (entry.name == "field " + name || entry.name == "motion " + name) bytes += entry.bytes;
@@ -155,21 +155,22 @@ void run(const Options& options, Context& context) {
   const Stopwatch watch;
   encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
   context.progress.stage("writing", 0);
-  encode::write_clip(result.clip, out.writing_path());
+  clip::write_clip(result.clip, out.writing_path());
   out.commit();
   result.report["timing"]["total_s"] = rounded(watch.seconds());
   result.report["timing"]["ms_per_frame"] =
       rounded(1000 * watch.seconds() / static_cast<double>(result.clip.times.size()));
 
-  encode::ByteAccount account;
-  result.clip = encode::Clip{};
+  clip::ByteAccount account;
+  result.clip = clip::Clip{};
   if (out.can_be_read_back()) {
-    encode::Clip clip = encode::read_clip(options.clip, &account);
+    clip::Clip clip = clip::read_clip(options.clip, &account);
     if (report_file || context.shared.json) {
       const Stopwatch evaluation_watch;
       const player::Player player(std::move(clip));
-      add_quality(result.report, player::evaluate_against(options.capture, context.plugins(), player,
-                                                          {kComparedFrames, false, options.format}, context.progress));
+      add_quality(result.report,
+                  evaluate::evaluate_against(options.capture, context.plugins(), player,
+                                             {kComparedFrames, false, options.format}, context.progress));
       result.report["timing"]["evaluation_s"] = rounded(evaluation_watch.seconds());
     }
   }

@@ -8,7 +8,7 @@
 #include "cli/commands.h"
 #include "cli/output_file.h"
 #include "cli/quality_text.h"
-#include "player/evaluate.h"
+#include "evaluate/evaluate.h"
 
 namespace kinora::cli {
 namespace {
@@ -24,10 +24,10 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) file.emplace(options.report, context.shared.overwrite, std::vector{options.clip});
   const player::Player player(open_clip(options.clip));
   require_input(options.capture);
-  player::EvaluateOptions how;
+  evaluate::EvaluateOptions how;
   how.ground_truth = true;
   const nlohmann::json report =
-      player::evaluate_against(options.capture, context.plugins(), player, how, context.progress);
+      evaluate::evaluate_against(options.capture, context.plugins(), player, how, context.progress);
   if (file) write_text(*file, report.dump(1) + "\n");
   if (context.shared.json) {
     context.print_json(report);

@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "cli/text.h"
 #include "core/error.h"
-#include "ingest/capture.h"
+#include "ingest/capture/capture.h"
 
 namespace kinora::cli {
 namespace fs = std::filesystem;
@@ -22,12 +22,12 @@ Json intrinsics_json(const Intrinsics& camera) {
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
 }
 
-Json layer_json(const encode::Layer& layer, std::size_t frames) {
+Json layer_json(const clip::Layer& layer, std::size_t frames) {
   std::map<std::string, int> health;
-  for (std::size_t i = 0; i < frames; ++i) ++health[std::string(tracking::name_of(layer.motion.health(i)))];
+  for (std::size_t i = 0; i < frames; ++i) ++health[std::string(motion::name_of(layer.motion.health(i)))];
   Json out = {{"name", layer.name},
               {"label", layer.label},
-              {"motion", tracking::name_of(layer.motion.kind())},
+              {"motion", motion::name_of(layer.motion.kind())},
               {"frames", health},
               {"parameters", layer.field.parameter_count()},
               {"box_side_m", layer.field.config.box.side}};
@@ -38,8 +38,8 @@ Json layer_json(const encode::Layer& layer, std::size_t frames) {
 std::size_t per_frame(std::size_t bytes, std::size_t frames) { return frames > 0 ? (bytes + frames / 2) / frames : 0; }
 
 Json clip_json(const fs::path& path) {
-  encode::ByteAccount account;
-  const encode::Clip clip = open_clip(path, &account);
+  clip::ByteAccount account;
+  const clip::Clip clip = open_clip(path, &account);
   Json out = {{"schema", "kinora.info/1"},
               {"path", path.string()},
               {"kind", "clip"},
@@ -53,7 +53,7 @@ Json clip_json(const fs::path& path) {
               {"layers", Json::array()},
               {"parts", Json::array()},
               {"metadata", clip.metadata}};
-  for (const encode::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
+  for (const clip::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
   for (const auto& entry : account.entries) out["parts"].push_back({{"name", entry.name}, {"bytes", entry.bytes}});
   return out;
 }

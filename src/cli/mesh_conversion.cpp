@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct BakedLayer {
-  const encode::Layer* layer;
+  const clip::Layer* layer;
   host::Mesh mesh;
   bake::Skinning skinning;
 };
@@ -28,7 +28,7 @@ std::vector<int> some_of(const std::vector<int>& frames) {
 void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& description, Context& context) {
   constexpr double kNoticeable = 0.01; // metres
   const std::string& name = baked.layer->name;
-  if (baked.layer->motion.kind() == tracking::MotionKind::kDeforming) {
+  if (baked.layer->motion.kind() == motion::MotionKind::kDeforming) {
     const auto difference = baked.skinning.blending_difference(baked.mesh, some_of(conversion.frames));
     description["blending_difference"] = {{"mean_m", difference.mean}, {"largest_m", difference.largest}};
     if (difference.largest > kNoticeable) {
@@ -41,7 +41,7 @@ void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& 
   }
   std::size_t lost = 0;
   for (const int frame : conversion.frames) {
-    lost += baked.layer->motion.health(static_cast<std::size_t>(frame)) == tracking::Health::kLost ? 1U : 0U;
+    lost += baked.layer->motion.health(static_cast<std::size_t>(frame)) == motion::Health::kLost ? 1U : 0U;
   }
   if (lost > 0) {
     report_loss(conversion, fmt::format("{}: lost in {} frames, where it is shown at its last known place", name, lost),
@@ -53,7 +53,7 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
   std::vector<BakedLayer> baked;
   context.progress.stage("surfaces", conversion.layers.size());
   for (std::size_t i = 0; i < conversion.layers.size(); ++i) {
-    const encode::Layer& layer = conversion.clip->layers[conversion.layers[i]];
+    const clip::Layer& layer = conversion.clip->layers[conversion.layers[i]];
     auto mesh = bake::bake_surface(layer, conversion.surface, context.progress);
     context.progress.advance(i + 1, layer.name);
     if (!mesh) {
@@ -64,7 +64,7 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
     baked.push_back({&layer, std::move(*mesh), std::move(skinning)});
     const host::Mesh& made = baked.back().mesh;
     Json description = {{"name", layer.name},
-                        {"motion", tracking::name_of(layer.motion.kind())},
+                        {"motion", motion::name_of(layer.motion.kind())},
                         {"vertices", made.positions.size()},
                         {"triangles", made.faces.size()},
                         {"joints", made.skin.inverse_bind.size()}};

@@ -30,8 +30,8 @@ Json matrix_json(const SE3& transform) {
 // A clip keeps a node to a tenth of a millimetre and a thousandth of a radian: six decimals are all that it knows.
 double rounded(double value) { return std::round(value * 1e6) / 1e6; }
 
-Json nodes_json(const tracking::Motion& motion, std::size_t frame) {
-  const tracking::Warp warp = motion.warp(static_cast<double>(frame));
+Json nodes_json(const motion::Motion& motion, std::size_t frame) {
+  const motion::Warp warp = motion.warp(static_cast<double>(frame));
   Json nodes = Json::array();
   for (std::size_t i = 0; i < warp.node_positions().size(); ++i) {
     const Eigen::Vector3d& p = warp.node_positions()[i];
@@ -42,7 +42,7 @@ Json nodes_json(const tracking::Motion& motion, std::size_t frame) {
   return nodes;
 }
 
-Json joints_json(const tracking::JointPaths& joints, std::size_t frame) {
+Json joints_json(const motion::JointPaths& joints, std::size_t frame) {
   Json result = Json::array();
   for (std::size_t j = 0; j < joints.names.size(); ++j) {
     const Eigen::Vector3d& p = joints.places[frame][j];
@@ -51,9 +51,9 @@ Json joints_json(const tracking::JointPaths& joints, std::size_t frame) {
   return result;
 }
 
-Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
+Json layer_json(const clip::Layer& layer, const clip::Clip& clip) {
   const std::size_t count = clip.times.size();
-  const bool rigid = layer.motion.kind() == tracking::MotionKind::kRigid;
+  const bool rigid = layer.motion.kind() == motion::MotionKind::kRigid;
   const double first = static_cast<double>(player::first_frame_of(layer.motion, count));
   const SE3 world_to_canonical = rigid ? layer.motion.canonical_to_world(first).inverse() : SE3::Identity();
   Json frames = Json::array();
@@ -62,7 +62,7 @@ Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
     Json entry = {{"frame", i},
                   {"capture_frame", clip.capture_frames[i]},
                   {"time", clip.times[i]},
-                  {"health", tracking::name_of(layer.motion.health(i))}};
+                  {"health", motion::name_of(layer.motion.health(i))}};
     if (rigid) entry["transform"] = matrix_json(layer.motion.canonical_to_world(frame) * world_to_canonical);
     if (layer.motion.graph()) entry["nodes"] = nodes_json(layer.motion, i);
     if (layer.joints) entry["joints"] = joints_json(*layer.joints, i);
@@ -71,14 +71,14 @@ Json layer_json(const encode::Layer& layer, const encode::Clip& clip) {
     }
     frames.push_back(std::move(entry));
   }
-  return {{"name", layer.name}, {"kind", tracking::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
+  return {{"name", layer.name}, {"kind", motion::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
 }
 
 void run(const Options& options, Context& context) {
   OutputFile out(options.out, context.shared.overwrite, {options.clip});
-  const encode::Clip clip = open_clip(options.clip);
+  const clip::Clip clip = open_clip(options.clip);
   Json motion = {{"schema", "kinora.motion/1"}, {"fps", frames_per_second(clip)}, {"layers", Json::array()}};
-  for (const encode::Layer& layer : clip.layers) motion["layers"].push_back(layer_json(layer, clip));
+  for (const clip::Layer& layer : clip.layers) motion["layers"].push_back(layer_json(layer, clip));
   write_text(out, motion.dump() + "\n");
   if (context.shared.json) {
     context.print_json({{"schema", "kinora.written/1"}, {"output", options.out.string()}});

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/context.h"
-#include "fields/renderer.h"
+#include "fields/rendering/renderer.h"
 #include "host/options.h"
 
 namespace kinora::cli {

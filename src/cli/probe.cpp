@@ -25,7 +25,7 @@ std::optional<Answer> as_clip(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
   try {
-    encode::read_clip(path);
+    clip::read_clip(path);
     return Answer{"kinora-clip", 100, "a clip of Kinora, whole"};
   } catch (const Error& error) {
     return Answer{"kinora-clip", error.code() == ErrorCode::kNotRecognised ? 0 : 90, error.what()};

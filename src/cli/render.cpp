@@ -82,7 +82,7 @@ std::vector<player::View> views_of(const Options& options, const player::Player&
 }
 
 // A film shows each view when the clip does; where that is not one after another, at the clip's pace.
-std::vector<double> show_times(const std::vector<player::View>& views, const encode::Clip& clip) {
+std::vector<double> show_times(const std::vector<player::View>& views, const clip::Clip& clip) {
   std::vector<double> times;
   for (const player::View& view : views) {
     const auto before = static_cast<std::size_t>(view.frame);
@@ -99,8 +99,7 @@ std::vector<double> show_times(const std::vector<player::View>& views, const enc
 }
 
 // Clips of earlier versions do not hold it.
-void require_confidence(const encode::Clip& clip, const player::LayerChoice& layers,
-                        const std::filesystem::path& file) {
+void require_confidence(const clip::Clip& clip, const player::LayerChoice& layers, const std::filesystem::path& file) {
   for (const std::size_t i : layers) {
     if (clip.layers[i].confidence) continue;
     throw Error(ErrorCode::kFailure,
@@ -126,7 +125,7 @@ void run(const Options& options, Context& context) {
   const player::Player player(open_clip(options.clip));
   const player::LayerChoice layers = options.layers.empty()
                                          ? player.all_layers()
-                                         : encode::choose_layers(player.clip(), options.layers, context.progress);
+                                         : clip::choose_layers(player.clip(), options.layers, context.progress);
   const auto has = [&beside](std::string_view pass) {
     return std::find(beside.begin(), beside.end(), pass) != beside.end();
   };

@@ -11,7 +11,7 @@
 #include "cli/output_file.h"
 #include "cli/point_file.h"
 #include "core/error.h"
-#include "tracking/point_track.h"
+#include "motion/point_track.h"
 
 namespace kinora::cli {
 namespace {
@@ -26,17 +26,17 @@ struct Options {
 /// Per point, its place at every frame.
 using Tracks = std::vector<std::vector<Eigen::Vector3d>>;
 
-Tracks track_all(const encode::Clip& clip, int frame, std::span<const Eigen::Vector3d> points,
+Tracks track_all(const clip::Clip& clip, int frame, std::span<const Eigen::Vector3d> points,
                  std::span<const std::optional<std::size_t>> layers) {
   std::map<std::optional<std::size_t>, std::vector<std::size_t>> points_of;
   for (std::size_t i = 0; i < points.size(); ++i) points_of[layers[i]].push_back(i);
   Tracks tracks(points.size());
   for (const auto& [layer, indices] : points_of) {
     // Without any surface there is nothing that could carry the point: it stays.
-    const tracking::Motion motion = layer ? clip.layers[*layer].motion : tracking::Motion::still();
+    const motion::Motion motion = layer ? clip.layers[*layer].motion : motion::Motion::still();
     std::vector<Eigen::Vector3d> own;
     for (const std::size_t i : indices) own.push_back(points[i]);
-    Tracks carried = tracking::track_points(motion, clip.times.size(), static_cast<std::size_t>(frame), own);
+    Tracks carried = motion::track_points(motion, clip.times.size(), static_cast<std::size_t>(frame), own);
     for (std::size_t k = 0; k < indices.size(); ++k) tracks[indices[k]] = std::move(carried[k]);
   }
   return tracks;
@@ -53,9 +53,9 @@ std::string csv_of(const std::vector<NamedPoint>& points, const Tracks& tracks, 
   return text;
 }
 
-nlohmann::json summary_of(const encode::Clip& clip, std::span<const std::optional<std::size_t>> layers) {
+nlohmann::json summary_of(const clip::Clip& clip, std::span<const std::optional<std::size_t>> layers) {
   nlohmann::json counts = nlohmann::json::object();
-  for (const encode::Layer& layer : clip.layers) counts[layer.name] = 0;
+  for (const clip::Layer& layer : clip.layers) counts[layer.name] = 0;
   for (const auto& layer : layers) {
     if (layer) counts[clip.layers[*layer].name] = counts[clip.layers[*layer].name].get<int>() + 1;
   }
@@ -66,7 +66,7 @@ void run(const Options& options, Context& context) {
   OutputFile out(options.out, context.shared.overwrite, {options.clip, options.points});
   require_input(options.points);
   const std::vector<NamedPoint> points = read_points(options.points);
-  const encode::Clip clip = open_clip(options.clip);
+  const clip::Clip clip = open_clip(options.clip);
   const std::size_t count = clip.times.size();
   if (options.frame < 0 || static_cast<std::size_t>(options.frame) >= count) {
     throw Error(ErrorCode::kUsage,

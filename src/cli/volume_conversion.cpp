@@ -54,8 +54,8 @@ Json convert_to_volumes(const Conversion& conversion, Context& context) {
   }
   Json layers = Json::array();
   for (const std::size_t i : conversion.layers) {
-    const encode::Layer& layer = conversion.clip->layers[i];
-    layers.push_back({{"name", layer.name}, {"motion", tracking::name_of(layer.motion.kind())}});
+    const clip::Layer& layer = conversion.clip->layers[i];
+    layers.push_back({{"name", layer.name}, {"motion", motion::name_of(layer.motion.kind())}});
   }
   return {{"layers", std::move(layers)},
           {"files", conversion.frames.size()},

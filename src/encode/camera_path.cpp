@@ -10,7 +10,7 @@
 namespace kinora::encode {
 namespace {
 
-std::size_t count_of(tracking::Health health, const tracking::CameraTracker& tracker) {
+std::size_t count_of(motion::Health health, const tracking::CameraTracker& tracker) {
   const auto& results = tracker.results();
   return static_cast<std::size_t>(
       std::count_if(results.begin(), results.end(), [health](const auto& result) { return result.health == health; }));
@@ -61,9 +61,9 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
   CameraPath path;
   path.origin = CameraPath::Origin::kFollowed;
   path.moving_from = tracker.moving_from();
-  path.tracked = count_of(tracking::Health::kTracked, tracker);
-  path.held = count_of(tracking::Health::kHeld, tracker);
-  path.lost = count_of(tracking::Health::kLost, tracker);
+  path.tracked = count_of(motion::Health::kTracked, tracker);
+  path.held = count_of(motion::Health::kHeld, tracker);
+  path.lost = count_of(motion::Health::kLost, tracker);
   path.key_frames = tracker.keyframe_count();
   path.loops = tracker.loop_count();
   if (!tracker.moves()) return path;

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "encode/stage_times.h"
-#include "ingest/capture.h"
-#include "tracking/camera_tracker.h"
+#include "ingest/capture/capture.h"
+#include "tracking/camera/camera_tracker.h"
 
 namespace kinora::encode {
 

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "ingest/explained_surface.h"
-#include "ingest/joint_detector.h"
-#include "ingest/mask_completion.h"
-#include "ingest/network_segmenter.h"
-#include "ingest/sample_views.h"
-#include "ingest/segmenter.h"
+#include "ingest/calibration/explained_surface.h"
+#include "ingest/joints/joint_detector.h"
+#include "ingest/segmentation/mask_completion.h"
+#include "ingest/segmentation/network_segmenter.h"
+#include "ingest/segmentation/sample_views.h"
+#include "ingest/segmentation/segmenter.h"
 
 namespace kinora::encode {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "encode/camera_path.h"
-#include "ingest/registration_search.h"
+#include "ingest/calibration/registration_search.h"
 
 namespace kinora::encode {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "encode/rounding.h"
-#include "ingest/registration_json.h"
+#include "ingest/depth/registration_json.h"
 
 namespace kinora::encode {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "encode/scene_tracker.h"
-#include "ingest/depth_unit.h"
+#include "ingest/depth/depth_unit.h"
 
 namespace kinora::encode {
 namespace {
@@ -13,7 +13,7 @@ bool is_held_out(std::size_t frame, int holdout) {
   return holdout > 0 && (frame + 1) % static_cast<std::size_t>(holdout) == 0;
 }
 
-void add_to_timeline(const ingest::Frame& frame, bool held_out, Clip& clip) {
+void add_to_timeline(const ingest::Frame& frame, bool held_out, clip::Clip& clip) {
   if (clip.times.empty()) clip.metadata["start_seconds"] = frame.time;
   clip.times.push_back(frame.time - clip.metadata["start_seconds"].get<double>());
   clip.capture_frames.push_back(frame.index);

@@ -4,20 +4,20 @@
 #include <cstddef>
 #include <map>
 
+#include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/clip.h"
 #include "encode/encode_options.h"
 #include "encode/stage_times.h"
 #include "encode/tracked_label.h"
-#include "fields/pixel_store.h"
-#include "ingest/capture.h"
-#include "ingest/exposure.h"
+#include "fields/sampling/pixel_store.h"
+#include "ingest/calibration/exposure.h"
+#include "ingest/capture/capture.h"
 
 namespace kinora::encode {
 
 /// What the pass leaves behind.
 struct FramePass {
-  Clip clip;                 ///< timeline, camera and its path; no layer yet
+  clip::Clip clip;           ///< timeline, camera and its path; no layer yet
   fields::PixelStore pixels; ///< of all frames but those that are held out and those without mask
   std::map<int, TrackedLabel> labels;
   ingest::StreamReport streams;

@@ -43,13 +43,13 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
     }
   }
   if (kind == "still") {
-    plan.motion = tracking::MotionKind::kStill;
+    plan.motion = motion::MotionKind::kStill;
     plan.why = source + ": no motion is stored";
   } else if (kind == "rigid") {
-    plan.motion = tracking::MotionKind::kRigid;
+    plan.motion = motion::MotionKind::kRigid;
     plan.why = source + ": one pose per frame is tracked";
   } else if (kind == "deforming") {
-    plan.motion = tracking::MotionKind::kDeforming;
+    plan.motion = motion::MotionKind::kDeforming;
     plan.why = source + ": the bending of a graph is tracked";
   } else {
     throw Error(ErrorCode::kCorruptInput, fmt::format("labels.json gives label {} the kind \"{}\"; use deforming, "

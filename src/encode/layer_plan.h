@@ -3,15 +3,15 @@
 
 #include <string>
 
-#include "ingest/capture.h"
-#include "tracking/motion.h"
+#include "ingest/capture/capture.h"
+#include "motion/motion.h"
 
 namespace kinora::encode {
 
 struct LayerPlan {
   int label = 0;
   std::string name;
-  tracking::MotionKind motion = tracking::MotionKind::kStill;
+  motion::MotionKind motion = motion::MotionKind::kStill;
   bool is_told = false; ///< the capture itself says which motion: what is seen does not change it
   std::string why;      ///< one sentence for the report
 };

@@ -49,22 +49,22 @@ Json body_json(const tracking::LayerBody& body) {
     }
     return "too few frames show enough of it to tell whether it is a person";
   };
-  return {{"verdict", tracking::name_of(body.verdict())},
+  return {{"verdict", name_of(body.verdict())},
           {"why", why()},
           {"explained", round4(body.explained())},
           {"empty", round4(body.free_space())},
           {"detected_joints", round4(body.detected())}};
 }
 
-Json motion_json(const TrackedLabel& label, const tracking::Motion& motion) {
-  Json out = {{"kind", tracking::name_of(motion.kind())}};
+Json motion_json(const TrackedLabel& label, const motion::Motion& motion) {
+  Json out = {{"kind", motion::name_of(motion.kind())}};
   if (label.bend) out["bends"] = {{"from_frame", label.bend->first_frame}, {"by_m", round4(label.bend->metres)}};
-  if (motion.kind() == tracking::MotionKind::kStill && label.poses.empty()) return out;
+  if (motion.kind() == motion::MotionKind::kStill && label.poses.empty()) return out;
   std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
   const bool bends = motion.graph() != nullptr;
-  for (const auto& deformation : motion.deformations()) ++health[std::string(tracking::name_of(deformation.health))];
+  for (const auto& deformation : motion.deformations()) ++health[std::string(motion::name_of(deformation.health))];
   if (!bends) {
-    for (const auto& pose : label.poses) ++health[std::string(tracking::name_of(pose.health))];
+    for (const auto& pose : label.poses) ++health[std::string(motion::name_of(pose.health))];
   }
   out["frames"] = health;
   if (bends) {
@@ -107,7 +107,7 @@ Json training_json(const fields::TrainingReport& training) {
 } // namespace
 
 Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
-  const Layer& layer = outcome.layer;
+  const clip::Layer& layer = outcome.layer;
   Json out = {{"name", layer.name},
               {"label", layer.label},
               {"why", outcome.why},

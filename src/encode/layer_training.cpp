@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "fields/confidence_of_views.h"
+#include "fields/training/confidence_of_views.h"
 
 namespace kinora::encode {
 namespace {
 
-std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion) {
-  if (label.plan.motion == tracking::MotionKind::kRigid && motion.kind() == tracking::MotionKind::kStill) {
+std::string reason_of(const TrackedLabel& label, const motion::Motion& motion) {
+  if (label.plan.motion == motion::MotionKind::kRigid && motion.kind() == motion::MotionKind::kStill) {
     return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
   }
   if (!label.bend) return label.plan.why;
@@ -21,7 +21,7 @@ std::string reason_of(const TrackedLabel& label, const tracking::Motion& motion)
 /// What a draft leaves behind.
 struct Draft {
   fields::Field field;
-  tracking::Motion motion; ///< the layer's, refined
+  motion::Motion motion; ///< the layer's, refined
   DraftReport report;
 };
 
@@ -38,7 +38,7 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
       "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });
   DraftReport report{shorter.rays, {}};
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
-  tracking::Motion motion = times.measure("refine the motion of " + name, [&] {
+  motion::Motion motion = times.measure("refine the motion of " + name, [&] {
     return refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing, progress,
                          &report.refinement, refinement);
   });
@@ -65,10 +65,10 @@ void compare_views(const fields::LayerObservations& observations, const fields::
 LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
                          StageTimes& times, Progress& progress) {
   const TrackedLabel& tracked = *job.label;
-  const tracking::Motion tracked_motion = tracked.motion();
+  const motion::Motion tracked_motion = tracked.motion();
   const fields::LayerObservations as_tracked{pixels, tracked.plan.label, tracked_motion};
   LayerOutcome outcome;
-  Layer& layer = outcome.layer;
+  clip::Layer& layer = outcome.layer;
   layer.name = job.name;
   layer.label = tracked.plan.label;
   layer.joints = tracked.joints();

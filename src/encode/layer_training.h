@@ -6,15 +6,15 @@
 #include <optional>
 #include <string>
 
+#include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/clip.h"
 #include "encode/encode_options.h"
 #include "encode/motion_refinement.h"
 #include "encode/stage_times.h"
 #include "encode/training_plan.h"
-#include "fields/geometry_trial.h"
-#include "fields/trainer.h"
-#include "fields/view_agreement.h"
+#include "fields/planning/geometry_trial.h"
+#include "fields/planning/view_agreement.h"
+#include "fields/training/trainer.h"
 
 namespace kinora::encode {
 
@@ -26,7 +26,7 @@ struct DraftReport {
 
 /// A layer, and all that was chosen and measured on its way.
 struct LayerOutcome {
-  Layer layer;
+  clip::Layer layer;
   std::string why; ///< it moves as it does; one sentence
   fields::FieldNeed need;
   fields::FieldConfig config; ///< that training began with

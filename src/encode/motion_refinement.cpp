@@ -8,19 +8,19 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "fields/ray_response.h"
-#include "fields/rim_pixels.h"
-#include "fields/surface_band.h"
-#include "tracking/bulk_warp.h"
-#include "tracking/deforming_problem.h"
-#include "tracking/statistics.h"
+#include "core/statistics.h"
+#include "fields/sampling/rim_pixels.h"
+#include "fields/sampling/surface_band.h"
+#include "fields/training/ray_response.h"
+#include "motion/bulk_warp.h"
+#include "tracking/solver/deforming_problem.h"
 
 namespace kinora::encode {
 namespace {
 
 using fields::RayResponse;
-using tracking::BulkWarp;
-using tracking::NodeStates;
+using motion::BulkWarp;
+using motion::NodeStates;
 
 constexpr std::size_t kPixels = 4000;    // of a frame
 constexpr std::size_t kRimPixels = 3000; // besides, on either side of the rim
@@ -111,7 +111,7 @@ public:
       for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
     }
     if (sizes.size() < RayResponse::kColors * kFewest) return std::nullopt;
-    return std::max(kLeastColorSigma, tracking::kDeviationPerMedian * tracking::median(sizes));
+    return std::max(kLeastColorSigma, kDeviationPerMedian * median(sizes));
   }
 
 private:
@@ -182,7 +182,7 @@ public:
   Refiner(const fields::Field& field, const fields::LayerObservations& layer,
           std::span<const tracking::GraphEdge> edges, double node_spacing, const MotionRefinementConfig& config)
       : field_(field), layer_(layer), graph_(layer.motion.graph()),
-        table_(std::make_shared<const tracking::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing),
+        table_(std::make_shared<const motion::InfluenceTable>(graph_)), edges_(edges), spacing_(node_spacing),
         config_(config) {
     for (const Eigen::Vector3d& node : graph_->nodes()) nodes_.emplace_back(node - table_->origin());
   }
@@ -196,7 +196,7 @@ public:
     double best_sigma = 0;
     bool moved = false;
     for (int round = 0; round <= config_.rounds; ++round) {
-      const BulkWarp warp(table_, tracking::Warp(graph_, nodes));
+      const BulkWarp warp(table_, motion::Warp(graph_, nodes));
       view.look(warp, round < config_.rounds);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
@@ -232,12 +232,12 @@ private:
   // Where a layer moves, its canonical space moves the other way beneath the ray: each residual is linear in the place
   // of the surface point, as that of a plane.
   void add_rows(const FrameView& view, const NodeStates& states, double color_sigma,
-                std::vector<tracking::SkinnedPoint>& points, std::vector<tracking::PointTerms>& terms) const {
+                std::vector<motion::SkinnedPoint>& points, std::vector<tracking::PointTerms>& terms) const {
     for (std::size_t i = 0; i < view.size(); ++i) {
       if (!view.place(i).allFinite()) continue;
-      const tracking::Influence influence = graph_->influence(view.place(i) + table_->origin());
+      const motion::Influence influence = graph_->influence(view.place(i) + table_->origin());
       if (influence.count == 0) continue;
-      const tracking::BlendedMotion blended = tracking::blend_motion(states, influence);
+      const motion::BlendedMotion blended = motion::blend_motion(states, influence);
       const Eigen::Vector3d place = blended.apply(view.place(i));
       for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
         const auto residual = view.residual(i, v);
@@ -257,7 +257,7 @@ private:
   // One damped Gauss–Newton step; false if none lowers the energy.
   bool step(const FrameView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
     const NodeStates states = states_of(nodes, warp);
-    std::vector<tracking::SkinnedPoint> points;
+    std::vector<motion::SkinnedPoint> points;
     std::vector<tracking::PointTerms> terms;
     add_rows(view, states, color_sigma, points, terms);
     const tracking::ObjectView no_textures;
@@ -266,13 +266,13 @@ private:
     problem.terms() = std::move(terms);
     problem.set_prior(states);
     double before = 0;
-    const tracking::BlockSystem system = problem.linearise(tracking::pose_layer(points, states), before);
+    const tracking::BlockSystem system = problem.linearise(motion::pose_layer(points, states), before);
     for (double damping = 1e-3; damping < 1e3; damping *= 30) {
       const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
       const auto solved =
           tracking::solve_pcg(problem.pattern(), system, added, config_.pcg_iterations, config_.pcg_tolerance);
-      const NodeStates candidate = tracking::stepped(states, solved.step);
-      if (!(problem.energy(tracking::pose_layer(points, candidate)) < before)) continue;
+      const NodeStates candidate = motion::stepped(states, solved.step);
+      if (!(problem.energy(motion::pose_layer(points, candidate)) < before)) continue;
       for (std::size_t n = 0; n < nodes.size(); ++n) {
         nodes[n] =
             DualQuaternion::from(SE3(Eigen::Translation3d(warp.world_origin()) * candidate.transforms[n].to_se3() *
@@ -285,8 +285,8 @@ private:
 
   const fields::Field& field_;
   fields::LayerObservations layer_;
-  std::shared_ptr<const tracking::DeformationGraph> graph_;
-  std::shared_ptr<const tracking::InfluenceTable> table_;
+  std::shared_ptr<const motion::DeformationGraph> graph_;
+  std::shared_ptr<const motion::InfluenceTable> table_;
   std::span<const tracking::GraphEdge> edges_;
   double spacing_;
   MotionRefinementConfig config_;
@@ -316,11 +316,11 @@ DualQuaternion weighed(const Eigen::Vector3d& node, const DualQuaternion& own, c
 }
 
 // A frame that was not refined, next to ones that were, is corrected as these are in the mean.
-void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_refined,
-                    std::vector<tracking::Motion::Deformation>& refined) {
+void correct_others(const motion::Motion& motion, const std::vector<bool>& is_refined,
+                    std::vector<motion::Motion::Deformation>& refined) {
   const std::vector<Eigen::Vector3d>& nodes = motion.graph()->nodes();
   for (std::size_t f = 0; f < refined.size(); ++f) {
-    if (is_refined[f] || refined[f].health != tracking::Health::kTracked) continue;
+    if (is_refined[f] || refined[f].health != motion::Health::kTracked) continue;
     std::vector<std::size_t> neighbours;
     if (f > 0 && is_refined[f - 1]) neighbours.push_back(f - 1);
     if (f + 1 < refined.size() && is_refined[f + 1]) neighbours.push_back(f + 1);
@@ -342,19 +342,19 @@ void correct_others(const tracking::Motion& motion, const std::vector<bool>& is_
 
 } // namespace
 
-tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
-                               std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
-                               MotionRefinement* report, const MotionRefinementConfig& config) {
+motion::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
+                             std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
+                             MotionRefinement* report, const MotionRefinementConfig& config) {
   const Refiner refiner(field, layer, edges, node_spacing, config);
-  const tracking::Motion& motion = layer.motion;
+  const motion::Motion& motion = layer.motion;
   const std::vector<fields::StoredFrame>& frames = layer.pixels.frames();
-  std::vector<tracking::Motion::Deformation> refined = motion.deformations();
+  std::vector<motion::Motion::Deformation> refined = motion.deformations();
   std::vector<bool> is_refined(refined.size(), false);
   MotionRefinement result;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     progress.check();
     const auto f = static_cast<std::size_t>(frames[k].frame);
-    if (refined[f].health == tracking::Health::kTracked) {
+    if (refined[f].health == motion::Health::kTracked) {
       is_refined[f] = refiner.refine(frames[k], refined[f].node_to_world, result);
     }
     progress.advance(k + 1, "");
@@ -365,7 +365,7 @@ tracking::Motion refine_motion(const fields::Field& field, const fields::LayerOb
     result.color_after /= static_cast<double>(result.frames);
   }
   if (report != nullptr) *report = result;
-  return tracking::Motion::deforming(motion.graph(), std::move(refined));
+  return motion::Motion::deforming(motion.graph(), std::move(refined));
 }
 
 } // namespace kinora::encode

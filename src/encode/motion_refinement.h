@@ -9,9 +9,9 @@
 #include <span>
 
 #include "core/progress.h"
-#include "fields/field.h"
-#include "fields/layer_observations.h"
-#include "tracking/surface_graph.h"
+#include "fields/model/field.h"
+#include "fields/sampling/layer_observations.h"
+#include "tracking/model/surface_graph.h"
 
 namespace kinora::encode {
 
@@ -33,8 +33,8 @@ struct MotionRefinement {
 /// that are not stored move as their neighbours do. A frame that would be explained worse keeps its nodes. `edges` and
 /// `node_spacing` (metres) are those of the motion's graph. Same input, same bits, for any number of threads. Throws
 /// Error(kInterrupted) when cancelled.
-tracking::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
-                               std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
-                               MotionRefinement* report = nullptr, const MotionRefinementConfig& config = {});
+motion::Motion refine_motion(const fields::Field& field, const fields::LayerObservations& layer,
+                             std::span<const tracking::GraphEdge> edges, double node_spacing, Progress& progress,
+                             MotionRefinement* report = nullptr, const MotionRefinementConfig& config = {});
 
 } // namespace kinora::encode

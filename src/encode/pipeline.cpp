@@ -6,7 +6,7 @@
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
 #include "encode/training_plan.h"
-#include "ingest/registration_json.h"
+#include "ingest/depth/registration_json.h"
 
 namespace kinora::encode {
 namespace {
@@ -43,7 +43,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   const Json config = config_json(prepared, options);
   const Json settings = settings_json(options.settings);
   const Json not_modelled = not_modelled_json(plan.not_modelled);
-  Clip& clip = pass.clip;
+  clip::Clip& clip = pass.clip;
   clip.metadata.update(metadata_of(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
   Json layers = Json::array();

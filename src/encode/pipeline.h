@@ -4,15 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "clip/clip.h"
 #include "core/progress.h"
 #include "encode/capture_preparation.h"
-#include "encode/clip.h"
 #include "encode/encode_options.h"
 
 namespace kinora::encode {
 
 struct EncodeResult {
-  Clip clip;
+  clip::Clip clip;
   /// "kinora.encode/1": `capture` (what was read, skipped frames with reasons), `camera`,
   /// `streams` (exposure, delay and registration of colour and depth, as estimated), `layers` (what was modelled
   /// and why, parameters, tracking health, training, milliseconds per frame), `not_modelled`, `config`, `settings`,

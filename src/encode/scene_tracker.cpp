@@ -57,9 +57,9 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   const Eigen::Vector3d mean = sight.sum / static_cast<double>(sight.pixels);
   tracked.centre = frame.camera.camera_to_world * mean;
   tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
-  if (tracked.plan.motion == tracking::MotionKind::kStill) return;
-  tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), tracking::Health::kLost});
-  if (tracked.plan.motion == tracking::MotionKind::kDeforming) {
+  if (tracked.plan.motion == motion::MotionKind::kStill) return;
+  tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), motion::Health::kLost});
+  if (tracked.plan.motion == motion::MotionKind::kDeforming) {
     tracked.bending = std::make_unique<tracking::DeformingTracker>(label, settings_.deforming);
   } else {
     tracking::RigidTrackerConfig config = settings_.rigid;
@@ -91,7 +91,7 @@ void SceneTracker::let_bend(TrackedLabel& tracked) {
   const SE3 to_canonical = tracked.poses[before].canonical_to_world.inverse();
   tracked.poses.resize(before);
   for (auto& pose : tracked.poses) pose.canonical_to_world = pose.canonical_to_world * to_canonical;
-  tracked.plan.motion = tracking::MotionKind::kDeforming;
+  tracked.plan.motion = motion::MotionKind::kDeforming;
   tracked.tracker.reset();
 }
 

@@ -7,7 +7,7 @@
 #include "encode/settings.h"
 #include "encode/stage_times.h"
 #include "encode/tracked_label.h"
-#include "ingest/frame.h"
+#include "ingest/frame/frame.h"
 
 namespace kinora::encode {
 

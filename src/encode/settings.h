@@ -6,11 +6,11 @@
 
 #include "encode/motion_refinement.h"
 #include "encode/setting_list.h"
-#include "fields/trainer.h"
-#include "ingest/capture.h"
-#include "tracking/camera_tracker.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/rigid_tracker.h"
+#include "fields/training/trainer.h"
+#include "ingest/capture/capture.h"
+#include "tracking/camera/camera_tracker.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/rigid/rigid_tracker.h"
 
 namespace kinora::encode {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "encode/touched_entries.h"
+#include "clip/payloads/touched_entries.h"
 
 namespace kinora::encode {
 namespace {
@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 double psnr(double error) { return std::round(-1000 * std::log10(std::max(error, 1e-12) / 3)) / 100; }
 
 Json levels_json(const fields::Field& field) {
-  const auto touched = touched_entries(field.config, field.occupancy);
+  const auto touched = clip::touched_entries(field.config, field.occupancy);
   Json levels = Json::array();
   for (const fields::GridLevel& level : fields::grid_levels(field.config)) {
     levels.push_back({{"cells_per_side", level.resolution},

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fields/trainer.h"
+#include "fields/training/trainer.h"
 
 namespace kinora::encode {
 

@@ -10,28 +10,28 @@ namespace {
 constexpr double kStillMove = 0.004;
 
 // A deforming layer is followed from its first frame on; before that it is lost, or goes as a rigid thing.
-tracking::Motion with_frames_before(const tracking::Motion& motion, const std::vector<tracking::Motion::Pose>& poses) {
-  std::vector<tracking::Motion::Deformation> all;
+motion::Motion with_frames_before(const motion::Motion& motion, const std::vector<motion::Motion::Pose>& poses) {
+  std::vector<motion::Motion::Deformation> all;
   for (const auto& pose : poses) {
     all.push_back(motion.deformations().front());
     all.back().health = pose.health;
-    if (pose.health == tracking::Health::kLost) continue;
+    if (pose.health == motion::Health::kLost) continue;
     const DualQuaternion to_frame = DualQuaternion::from(pose.canonical_to_world);
     for (DualQuaternion& node : all.back().node_to_world) node = to_frame * node;
   }
   all.insert(all.end(), motion.deformations().begin(), motion.deformations().end());
-  return tracking::Motion::deforming(motion.graph(), std::move(all));
+  return motion::Motion::deforming(motion.graph(), std::move(all));
 }
 
 } // namespace
 
-tracking::Motion TrackedLabel::motion() const {
+motion::Motion TrackedLabel::motion() const {
   if (layer) return with_frames_before(layer->motion, poses);
   const bool moves = !poses.empty() && largest_move() > kStillMove;
-  return moves ? tracking::Motion::rigid(poses) : tracking::Motion::still();
+  return moves ? motion::Motion::rigid(poses) : motion::Motion::still();
 }
 
-std::optional<tracking::JointPaths> TrackedLabel::joints() const {
+std::optional<motion::JointPaths> TrackedLabel::joints() const {
   auto joints = layer ? layer->body.joint_paths() : std::nullopt;
   if (!joints) return std::nullopt;
   auto& places = joints->places;
@@ -42,7 +42,7 @@ std::optional<tracking::JointPaths> TrackedLabel::joints() const {
 double TrackedLabel::largest_move() const {
   double largest = 0;
   for (const auto& pose : poses) {
-    if (pose.health == tracking::Health::kLost) continue;
+    if (pose.health == motion::Health::kLost) continue;
     const double shift = (pose.canonical_to_world * centre - centre).norm();
     const double turn = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * radius;
     largest = std::max(largest, shift + turn);

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "encode/layer_plan.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/joint_paths.h"
-#include "tracking/motion.h"
-#include "tracking/rigid_tracker.h"
+#include "motion/joint_paths.h"
+#include "motion/motion.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/rigid/rigid_tracker.h"
 
 namespace kinora::encode {
 
@@ -22,7 +22,7 @@ struct TrackedLabel {
   Eigen::Vector3d centre; ///< of its measured points in the first frame, world
   double radius = 0;      ///< root mean square distance of these points from the centre, metres
   /// One per frame so far, if rigid; if deforming, one per frame before the graph.
-  std::vector<tracking::Motion::Pose> poses;
+  std::vector<motion::Motion::Pose> poses;
   int relocalised = 0;                             ///< times it was found again
   int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
   std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
@@ -32,9 +32,9 @@ struct TrackedLabel {
   std::optional<tracking::TrackedLayer> layer;         ///< and after that, unless it was never seen
 
   /// Over the whole timeline: still if it never left its place by more than tracking can tell.
-  tracking::Motion motion() const;
+  motion::Motion motion() const;
   /// Of its skeleton over the whole timeline, if it is a person.
-  std::optional<tracking::JointPaths> joints() const;
+  std::optional<motion::JointPaths> joints() const;
   /// Greatest distance (metres) of its points from where they were in its first frame; only if rigid.
   double largest_move() const;
 };

@@ -20,7 +20,7 @@ std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
     }
     for (const auto& [number, label] : pass.labels) {
       const auto f = static_cast<std::size_t>(frame.frame);
-      const bool lost = f < label.poses.size() && label.poses[f].health == tracking::Health::kLost;
+      const bool lost = f < label.poses.size() && label.poses[f].health == motion::Health::kLost;
       if (!lost && in_frame[static_cast<std::size_t>(number)] > 0) {
         counts[number] += in_frame[static_cast<std::size_t>(number)];
       }
@@ -31,11 +31,11 @@ std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
 
 // Empty if the label can be modelled.
 std::string why_not_modelled(const TrackedLabel& label) {
-  const auto lost = [](const auto& pose) { return pose.health == tracking::Health::kLost; };
+  const auto lost = [](const auto& pose) { return pose.health == motion::Health::kLost; };
   if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
     return "too little of it is measured in every frame to follow it";
   }
-  if (label.plan.motion == tracking::MotionKind::kDeforming && !label.layer)
+  if (label.plan.motion == motion::MotionKind::kDeforming && !label.layer)
     return "too little of it is measured in every frame to follow it";
   return "";
 }
@@ -49,7 +49,7 @@ std::string unique_name(const std::string& wanted, const std::vector<LayerJob>& 
   return name;
 }
 
-std::size_t rays_of_all(const Clip& clip, const EncodeOptions& options) {
+std::size_t rays_of_all(const clip::Clip& clip, const EncodeOptions& options) {
   const Intrinsics& camera = clip.intrinsics;
   const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(clip.times.size());
   const TrainingBudget& budget = options.settings.budget;

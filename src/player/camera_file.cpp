@@ -94,7 +94,7 @@ SE3 pose_of(const Entry& entry) {
   return rigid_from_matrix(matrix, (entry.where() + ": \"transform_matrix\"").c_str());
 }
 
-double frame_of(const Entry& entry, const encode::Clip& clip) {
+double frame_of(const Entry& entry, const clip::Clip& clip) {
   const bool by_time = entry.frame().contains("time");
   const double value = by_time ? entry.number("time") : entry.frame().contains("frame") ? entry.number("frame") : 0;
   if (!std::isfinite(value)) entry.fail("its time is not a finite number");
@@ -123,7 +123,7 @@ bool has_distortion(const Entry& entry) {
 
 } // namespace
 
-std::vector<View> read_camera_file(const std::filesystem::path& path, const encode::Clip& clip, Progress& progress) {
+std::vector<View> read_camera_file(const std::filesystem::path& path, const clip::Clip& clip, Progress& progress) {
   const Json top = parse_file(path);
   const auto frames = top.is_object() ? top.find("frames") : top.end();
   if (!top.is_object() || frames == top.end() || !frames->is_array() || frames->empty()) {

@@ -15,6 +15,6 @@ namespace kinora::player {
 /// Lens distortion is warned of and ignored. Throws Error(kUsage) if there is no such file,
 /// Error(kCorruptInput) naming file, frame and key; names that lead out of the output folder or occur twice are
 /// refused.
-std::vector<View> read_camera_file(const std::filesystem::path& path, const encode::Clip& clip, Progress& progress);
+std::vector<View> read_camera_file(const std::filesystem::path& path, const clip::Clip& clip, Progress& progress);
 
 } // namespace kinora::player

@@ -15,7 +15,7 @@ constexpr double kFallbackDistance = 2; ///< metres, when nothing is in front of
 std::optional<std::size_t> first_moving_layer(const Player& player) {
   const auto& layers = player.clip().layers;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    if (layers[i].motion.kind() != tracking::MotionKind::kStill && player.centre_of(i, 0)) return i;
+    if (layers[i].motion.kind() != motion::MotionKind::kStill && player.centre_of(i, 0)) return i;
   }
   return std::nullopt;
 }
@@ -57,7 +57,7 @@ Eigen::Vector3d mean_centre(const Player& player, std::size_t layer, const std::
 
 } // namespace
 
-std::vector<View> capture_views(const encode::Clip& clip, const std::vector<int>& frames) {
+std::vector<View> capture_views(const clip::Clip& clip, const std::vector<int>& frames) {
   std::vector<View> views;
   views.reserve(frames.size());
   for (const int frame : frames) {

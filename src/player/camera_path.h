@@ -17,7 +17,7 @@ struct View {
 };
 
 /// The capture camera at each of `frames` (numbers into the clip's timeline). Names are six-digit frame numbers.
-std::vector<View> capture_views(const encode::Clip& clip, const std::vector<int>& frames);
+std::vector<View> capture_views(const clip::Clip& clip, const std::vector<int>& frames);
 
 /// The capture camera carried about the vertical through what the scene is about: the first moving layer's centre, or,
 /// if nothing moves, the point on the optical axis at the median depth of the middle of the picture. Vertical is the

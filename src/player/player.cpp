@@ -24,9 +24,9 @@ std::optional<Eigen::Vector3d> occupied_centre(const fields::Field& field) {
 
 } // namespace
 
-std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count) {
+std::size_t first_frame_of(const motion::Motion& motion, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
-    if (motion.health(i) != tracking::Health::kLost) return i;
+    if (motion.health(i) != motion::Health::kLost) return i;
   }
   return 0;
 }
@@ -38,8 +38,8 @@ int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
   return samples;
 }
 
-Player::Player(encode::Clip clip) : clip_(std::move(clip)) {
-  for (const encode::Layer& layer : clip_.layers) {
+Player::Player(clip::Clip clip) : clip_(std::move(clip)) {
+  for (const clip::Layer& layer : clip_.layers) {
     drawables_.push_back(
         std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence));
     centres_.push_back(occupied_centre(layer.field));
@@ -55,8 +55,8 @@ std::optional<std::size_t> Player::layer_with_label(int label) const {
 }
 
 fields::PosedField Player::posed(std::size_t layer, double frame) const {
-  const tracking::Motion& motion = clip_.layers[layer].motion;
-  if (motion.kind() != tracking::MotionKind::kDeforming) return fields::pose(*drawables_.at(layer), motion.warp(frame));
+  const motion::Motion& motion = clip_.layers[layer].motion;
+  if (motion.kind() != motion::MotionKind::kDeforming) return fields::pose(*drawables_.at(layer), motion.warp(frame));
   const std::lock_guard lock(last_posed_mutex_);
   const auto known = last_posed_.find(layer);
   if (known != last_posed_.end() && known->second.frame == frame) return known->second.posed;
@@ -81,7 +81,7 @@ fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoi
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {
   const auto& centre = centres_.at(layer);
   if (!centre) return std::nullopt;
-  const tracking::Warp warp = clip_.layers[layer].motion.warp(frame);
+  const motion::Warp warp = clip_.layers[layer].motion.warp(frame);
   if (warp.is_rigid()) return warp.rigid() * *centre;
   // No node need be near the centre of what bends.
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -7,15 +7,15 @@
 #include <optional>
 #include <vector>
 
-#include "encode/layer_choice.h"
-#include "fields/renderer.h"
+#include "clip/layer_choice.h"
+#include "fields/rendering/renderer.h"
 
 namespace kinora::player {
 
-using encode::LayerChoice;
+using clip::LayerChoice;
 
 /// The first frame, of `count`, in which a layer with this motion has been seen: until then it is lost.
-std::size_t first_frame_of(const tracking::Motion& motion, std::size_t count);
+std::size_t first_frame_of(const motion::Motion& motion, std::size_t count);
 
 /// Samples along each side of a pixel (DrawOptions) with which a picture shows no less than the capture's pixels would,
 /// averaged: 1 unless it is smaller than the capture.
@@ -24,12 +24,12 @@ int samples_per_side(const Intrinsics& picture, const Intrinsics& capture);
 /// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
 class Player {
 public:
-  explicit Player(encode::Clip clip);
+  explicit Player(clip::Clip clip);
 
-  const encode::Clip& clip() const { return clip_; }
+  const clip::Clip& clip() const { return clip_; }
   std::size_t frame_count() const { return clip_.times.size(); }
 
-  LayerChoice all_layers() const { return encode::all_layers(clip_); }
+  LayerChoice all_layers() const { return clip::all_layers(clip_); }
   std::optional<std::size_t> layer_with_label(int label) const;
 
   /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not
@@ -49,7 +49,7 @@ public:
 private:
   fields::PosedField posed(std::size_t layer, double frame) const;
 
-  encode::Clip clip_;
+  clip::Clip clip_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
   std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
   std::vector<std::size_t> first_frames_;

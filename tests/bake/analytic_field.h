@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "encode/clip.h"
+#include "clip/clip.h"
 
 namespace kinora::bake::testing {
 
@@ -86,23 +86,23 @@ inline SE3 moved(const Eigen::Vector3d& offset, double turn = 0) {
   return pose;
 }
 
-inline tracking::Motion rigid_motion(int frames) {
-  std::vector<tracking::Motion::Pose> poses;
+inline motion::Motion rigid_motion(int frames) {
+  std::vector<motion::Motion::Pose> poses;
   poses.reserve(static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) poses.push_back({moved({0.1 * i, -0.05 * i, 0.02 * i}, 0.2 * i)});
-  return tracking::Motion::rigid(std::move(poses));
+  return motion::Motion::rigid(std::move(poses));
 }
 
 /// Nodes every 15 cm through the unit cube that bend it around the y axis, more in every frame, and carry it upwards.
-inline tracking::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
+inline motion::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
   std::vector<Eigen::Vector3d> nodes;
   nodes.reserve(7 * 7 * 7);
   for (int i = 0; i < 7 * 7 * 7; ++i)
     nodes.emplace_back(0.15 * Eigen::Vector3i(i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3).cast<double>());
-  const auto graph = std::make_shared<const tracking::DeformationGraph>(nodes, 0.15, 0.35);
-  std::vector<tracking::Motion::Deformation> deformations;
+  const auto graph = std::make_shared<const motion::DeformationGraph>(nodes, 0.15, 0.35);
+  std::vector<motion::Motion::Deformation> deformations;
   for (int f = 0; f < frames; ++f) {
-    tracking::Motion::Deformation deformation;
+    motion::Motion::Deformation deformation;
     for (const Eigen::Vector3d& p : nodes) {
       const double angle = bend_per_frame * f * p.x();
       SE3 pose = SE3::Identity();
@@ -112,12 +112,12 @@ inline tracking::Motion bending_motion(int frames, double bend_per_frame = 0.3) 
     }
     deformations.push_back(std::move(deformation));
   }
-  return tracking::Motion::deforming(graph, std::move(deformations));
+  return motion::Motion::deforming(graph, std::move(deformations));
 }
 
 /// A still ball, a rigid one to its right and a bending one to its left, `frames` frames at 10 per second.
-inline encode::Clip sample_clip(int frames) {
-  encode::Clip clip;
+inline clip::Clip sample_clip(int frames) {
+  clip::Clip clip;
   for (int i = 0; i < frames; ++i) {
     clip.times.push_back(0.5 + 0.1 * i);
     clip.capture_frames.push_back(i);
@@ -125,7 +125,7 @@ inline encode::Clip sample_clip(int frames) {
   }
   clip.intrinsics = {64, 48, 60, 60, 31.5, 23.5};
   clip.camera_to_world = {moved({0, 0, -2})};
-  clip.layers.push_back({"background", 0, ball_field({0, 0, 0.2}, 0.15), tracking::Motion::still()});
+  clip.layers.push_back({"background", 0, ball_field({0, 0, 0.2}, 0.15), motion::Motion::still()});
   clip.layers.push_back({"object", 2, ball_field({0.3, 0, 0}, 0.1), rigid_motion(frames)});
   clip.layers.push_back({"person", 1, ball_field({-0.3, 0, 0}, 0.1), bending_motion(frames)});
   return clip;

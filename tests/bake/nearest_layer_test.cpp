@@ -8,10 +8,10 @@ namespace kinora::bake {
 namespace {
 
 TEST(NearestLayer, IsTheOneWhoseSurfaceIsThereAtThatFrame) {
-  const encode::Clip clip = testing::sample_clip(4);
+  const clip::Clip clip = testing::sample_clip(4);
   for (const int frame : {0, 3}) {
     std::vector<Eigen::Vector3d> points;
-    for (const encode::Layer& layer : clip.layers) {
+    for (const clip::Layer& layer : clip.layers) {
       const Eigen::Vector3d on_surface = layer.label == 0   ? Eigen::Vector3d(0, 0, 0.05)
                                          : layer.label == 2 ? Eigen::Vector3d(0.3, 0.1, 0)
                                                             : Eigen::Vector3d(-0.3, 0.1, 0);
@@ -23,8 +23,8 @@ TEST(NearestLayer, IsTheOneWhoseSurfaceIsThereAtThatFrame) {
 }
 
 TEST(NearestLayer, IsNoneWhereThereIsNoSurface) {
-  encode::Clip clip = testing::sample_clip(1);
-  clip.layers = {{"nothing", 0, fields::Field(testing::unit_config()), tracking::Motion::still()}};
+  clip::Clip clip = testing::sample_clip(1);
+  clip.layers = {{"nothing", 0, fields::Field(testing::unit_config()), motion::Motion::still()}};
   const std::vector<Eigen::Vector3d> points = {{0, 0, 0}};
   EXPECT_EQ(nearest_layers(clip, 0, points, Progress())[0], std::nullopt);
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFrames = 4;
 
-host::Mesh mesh_with(const tracking::Motion& motion) {
+host::Mesh mesh_with(const motion::Motion& motion) {
   SurfaceOptions options;
   options.triangles = 3000;
   return bake_surface({"ball", 1, testing::ball_field(), motion}, options, Progress()).value();
@@ -31,15 +31,15 @@ Eigen::Vector3d placed(const host::Mesh& mesh, const std::vector<SE3>& joints, s
 }
 
 TEST(Skinning, OfAStillLayerIsNone) {
-  host::Mesh mesh = mesh_with(tracking::Motion::still());
-  const Skinning skinning(tracking::Motion::still(), mesh);
+  host::Mesh mesh = mesh_with(motion::Motion::still());
+  const Skinning skinning(motion::Motion::still(), mesh);
   EXPECT_FALSE(skinning.moves());
   EXPECT_TRUE(mesh.skin.inverse_bind.empty());
   EXPECT_TRUE(skinning.joints_at(0).empty());
 }
 
 TEST(Skinning, OfARigidLayerIsOneJointThatCarriesEveryVertexExactly) {
-  const tracking::Motion motion = testing::rigid_motion(kFrames);
+  const motion::Motion motion = testing::rigid_motion(kFrames);
   host::Mesh mesh = mesh_with(motion);
   const Skinning skinning(motion, mesh);
   ASSERT_EQ(mesh.skin.inverse_bind.size(), 1U);
@@ -52,7 +52,7 @@ TEST(Skinning, OfARigidLayerIsOneJointThatCarriesEveryVertexExactly) {
 }
 
 TEST(Skinning, WeightsOfADeformingLayerAddUpToOneOverDifferentJoints) {
-  const tracking::Motion motion = testing::bending_motion(kFrames);
+  const motion::Motion motion = testing::bending_motion(kFrames);
   host::Mesh mesh = mesh_with(motion);
   const Skinning skinning(motion, mesh);
   ASSERT_EQ(mesh.skin.joints.size(), mesh.positions.size());
@@ -69,7 +69,7 @@ TEST(Skinning, WeightsOfADeformingLayerAddUpToOneOverDifferentJoints) {
 }
 
 TEST(Skinning, OfADeformingLayerFollowsItsWarpUpToTheKnownDifference) {
-  const tracking::Motion motion = testing::bending_motion(kFrames);
+  const motion::Motion motion = testing::bending_motion(kFrames);
   host::Mesh mesh = mesh_with(motion);
   const Skinning skinning(motion, mesh);
   const std::vector<int> frames = {0, 1, 2, 3};
@@ -78,7 +78,7 @@ TEST(Skinning, OfADeformingLayerFollowsItsWarpUpToTheKnownDifference) {
   EXPECT_LT(difference.largest, 0.003);
   EXPECT_LE(difference.mean, difference.largest);
   for (const int frame : frames) {
-    const tracking::Warp warp = motion.warp(frame);
+    const motion::Warp warp = motion.warp(frame);
     const std::vector<SE3> joints = skinning.joints_at(frame);
     for (std::size_t v = 0; v < mesh.positions.size(); v += 7) {
       const Eigen::Vector3d exact = warp.to_world(mesh.positions[v].cast<double>()).value();
@@ -88,7 +88,7 @@ TEST(Skinning, OfADeformingLayerFollowsItsWarpUpToTheKnownDifference) {
 }
 
 TEST(Skinning, HasNoDifferenceWhereAllNodesMoveAlike) {
-  const tracking::Motion motion = testing::bending_motion(kFrames, 0);
+  const motion::Motion motion = testing::bending_motion(kFrames, 0);
   host::Mesh mesh = mesh_with(motion);
   const Skinning skinning(motion, mesh);
   const std::vector<int> frames = {0, 3};
@@ -96,10 +96,10 @@ TEST(Skinning, HasNoDifferenceWhereAllNodesMoveAlike) {
 }
 
 TEST(Skinning, JointsStandAtTheNodesOfTheGraph) {
-  const tracking::Motion motion = testing::bending_motion(kFrames);
+  const motion::Motion motion = testing::bending_motion(kFrames);
   host::Mesh mesh = mesh_with(motion);
   const Skinning skinning(motion, mesh);
-  const tracking::Warp warp = motion.warp(2);
+  const motion::Warp warp = motion.warp(2);
   const std::vector<Eigen::Vector3d>& nodes = warp.node_positions();
   for (const SE3& joint : skinning.joints_at(2)) {
     double nearest = 1;

@@ -7,7 +7,7 @@
 #include "bake/surface.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/arrow_ball.h"
+#include "fields/scenes/arrow_ball.h"
 
 namespace kinora::bake {
 namespace {
@@ -16,7 +16,7 @@ using testing::ball_field;
 using testing::kRadius;
 
 host::Mesh mesh_of(const fields::Field& field, const SurfaceOptions& options = {}) {
-  return bake_surface({"ball", 0, field, tracking::Motion::still()}, options, Progress()).value_or(host::Mesh{});
+  return bake_surface({"ball", 0, field, motion::Motion::still()}, options, Progress()).value_or(host::Mesh{});
 }
 
 TEST(Surface, OfABallIsClosedAndTurnedOutwards) {
@@ -55,13 +55,13 @@ TEST(Surface, ColorsAreThoseOfTheField) {
 
 TEST(Surface, ColorsAreThoseOfTheMeanFrame) {
   const fields::testing::ArrowBall arrows;
-  std::vector<tracking::Motion::Pose> poses;
+  std::vector<motion::Motion::Pose> poses;
   Eigen::Array3d expected = Eigen::Array3d::Zero();
   for (int i = 0; i < 4; ++i) {
     poses.push_back({arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix())});
     expected += 0.25 * arrows.expected(poses.back().canonical_to_world.linear());
   }
-  const encode::Layer layer{"ball", 1, arrows.field(), tracking::Motion::rigid(poses)};
+  const clip::Layer layer{"ball", 1, arrows.field(), motion::Motion::rigid(poses)};
   const host::Mesh mesh = *bake_surface(layer, {}, Progress());
   for (const auto& color : mesh.colors) {
     for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(color[c], 255 * expected[static_cast<Eigen::Index>(c)], 3);
@@ -108,7 +108,7 @@ TEST(Surface, IsTheSameForAnyNumberOfThreads) {
 
 TEST(Surface, OfAnEmptyFieldIsNone) {
   const fields::Field empty(testing::unit_config());
-  EXPECT_FALSE(bake_surface({"nothing", 0, empty, tracking::Motion::still()}, {}, Progress()));
+  EXPECT_FALSE(bake_surface({"nothing", 0, empty, motion::Motion::still()}, {}, Progress()));
 }
 
 TEST(Surface, OptionsThatMakeNoSenseAreRefused) {

@@ -5,7 +5,7 @@
 #include "bake/volume.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/arrow_ball.h"
+#include "fields/scenes/arrow_ball.h"
 
 namespace kinora::bake {
 namespace {
@@ -14,13 +14,13 @@ using testing::kRadius;
 
 constexpr double kVoxel = 0.03;
 
-encode::Clip clip_of(const tracking::Motion& motion, int frames) {
-  encode::Clip clip = testing::sample_clip(frames);
+clip::Clip clip_of(const motion::Motion& motion, int frames) {
+  clip::Clip clip = testing::sample_clip(frames);
   clip.layers = {{"ball", 1, testing::ball_field(), motion}};
   return clip;
 }
 
-host::Volume volume_of(const encode::Clip& clip, int frame) {
+host::Volume volume_of(const clip::Clip& clip, int frame) {
   std::vector<std::size_t> layers(clip.layers.size());
   for (std::size_t i = 0; i < layers.size(); ++i) layers[i] = i;
   return VolumeBaker(clip, layers, {kVoxel, 0.01}).at(frame, Progress());
@@ -38,7 +38,7 @@ Eigen::Vector3d middle_of(const host::Volume& volume) {
 }
 
 TEST(Volume, OfAStillBallFillsIt) {
-  const host::Volume volume = volume_of(clip_of(tracking::Motion::still(), 1), 0);
+  const host::Volume volume = volume_of(clip_of(motion::Motion::still(), 1), 0);
   const double ball = 4.0 / 3 * M_PI * std::pow(kRadius, 3);
   const double half_opaque = std::log(2.0) * 48; // per metre, at the surface
   const auto full =
@@ -54,7 +54,7 @@ TEST(Volume, OfAStillBallFillsIt) {
 }
 
 TEST(Volume, ColorsAreLinearLight) {
-  const host::Volume volume = volume_of(clip_of(tracking::Motion::still(), 1), 0);
+  const host::Volume volume = volume_of(clip_of(motion::Motion::still(), 1), 0);
   for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
     if (place_of(volume, i).x() > -0.1 || volume.density[i] < 100) continue;
     ASSERT_NEAR(volume.color[i][0], 0.604, 0.01); // sRGB 0.8
@@ -63,7 +63,7 @@ TEST(Volume, ColorsAreLinearLight) {
 }
 
 TEST(Volume, OfARigidLayerFollowsIt) {
-  const encode::Clip clip = clip_of(testing::rigid_motion(4), 4);
+  const clip::Clip clip = clip_of(testing::rigid_motion(4), 4);
   for (const int frame : {0, 3}) {
     const Eigen::Vector3d expected = clip.layers[0].motion.canonical_to_world(frame).translation();
     EXPECT_LT((middle_of(volume_of(clip, frame)) - expected).norm(), 0.005);
@@ -72,13 +72,13 @@ TEST(Volume, OfARigidLayerFollowsIt) {
 
 TEST(Volume, ColorsTurnWithTheLayer) {
   const fields::testing::ArrowBall arrows;
-  std::vector<tracking::Motion::Pose> poses(3);
+  std::vector<motion::Motion::Pose> poses(3);
   for (int i = 0; i < 3; ++i) {
     poses[static_cast<std::size_t>(i)].canonical_to_world =
         arrows.pose(Eigen::AngleAxisd(1.0 * i, Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
-  encode::Clip clip = testing::sample_clip(3);
-  clip.layers = {{"ball", 1, arrows.field(), tracking::Motion::rigid(poses)}};
+  clip::Clip clip = testing::sample_clip(3);
+  clip.layers = {{"ball", 1, arrows.field(), motion::Motion::rigid(poses)}};
   for (int i = 0; i < 3; ++i) {
     const host::Volume volume = volume_of(clip, i);
     const Eigen::Array3d expected = arrows.expected(poses[static_cast<std::size_t>(i)].canonical_to_world.linear());
@@ -95,8 +95,8 @@ TEST(Volume, ColorsTurnWithTheLayer) {
 }
 
 TEST(Volume, OfADeformingLayerIsWhereItsWarpPutsTheBall) {
-  const encode::Clip clip = clip_of(testing::bending_motion(4), 4);
-  const tracking::Warp warp = clip.layers[0].motion.warp(3);
+  const clip::Clip clip = clip_of(testing::bending_motion(4), 4);
+  const motion::Warp warp = clip.layers[0].motion.warp(3);
   const host::Volume volume = volume_of(clip, 3);
   const host::Volume straight = volume_of(clip, 0);
   ASSERT_GT(volume.voxels.size(), 0.8 * static_cast<double>(straight.voxels.size()));
@@ -109,10 +109,10 @@ TEST(Volume, OfADeformingLayerIsWhereItsWarpPutsTheBall) {
 }
 
 TEST(Volume, LayersAddUpWhereTheyMeet) {
-  encode::Clip once = clip_of(tracking::Motion::still(), 1);
-  encode::Clip twice = once;
+  clip::Clip once = clip_of(motion::Motion::still(), 1);
+  clip::Clip twice = once;
   twice.layers.push_back(twice.layers[0]);
-  twice.layers.back().motion = tracking::Motion::rigid({{}}); // the same place by another kind of motion
+  twice.layers.back().motion = motion::Motion::rigid({{}}); // the same place by another kind of motion
   const host::Volume one = volume_of(once, 0);
   const host::Volume two = volume_of(twice, 0);
   ASSERT_EQ(one.voxels, two.voxels);
@@ -123,7 +123,7 @@ TEST(Volume, LayersAddUpWhereTheyMeet) {
 }
 
 TEST(Volume, IsTheSameForAnyNumberOfThreads) {
-  const encode::Clip clip = testing::sample_clip(2);
+  const clip::Clip clip = testing::sample_clip(2);
   set_thread_count(1);
   const host::Volume one = volume_of(clip, 1);
   set_thread_count(3);
@@ -135,7 +135,7 @@ TEST(Volume, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Volume, VoxelsThatAreTooSmallForTheSceneAreRefused) {
-  encode::Clip clip = clip_of(tracking::Motion::rigid({{testing::moved({5000, 0, 0})}}), 1);
+  clip::Clip clip = clip_of(motion::Motion::rigid({{testing::moved({5000, 0, 0})}}), 1);
   const std::vector<std::size_t> layers = {0};
   VolumeBaker far_away(clip, layers, {0.003, 0.01});
   EXPECT_THROW((void)far_away.at(0, Progress()), Error);

@@ -5,7 +5,7 @@
 
 #include "bake/analytic_field.h"
 #include "cli/run_kinora.h"
-#include "encode/clip_io.h"
+#include "clip/clip_io.h"
 #include "interop/gltf_validator.h"
 
 namespace kinora::test {
@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 class ConvertTest : public testing::Test {
 protected:
   ConvertTest() {
-    encode::write_clip(bake::testing::sample_clip(kFrames), clip());
+    clip::write_clip(bake::testing::sample_clip(kFrames), clip());
     folder_.write("points.csv", "id,x,y,z\nstill,0,0,0.05\nbox,0.3,0.1,0\nhand,-0.3,0.1,0\n");
   }
 
@@ -109,9 +109,9 @@ TEST_F(ConvertTest, WhatMakesNoSenseIsAUsageError) {
 }
 
 TEST_F(ConvertTest, StrictFailsWhereALayerHasNoSurface) {
-  encode::Clip clip_with_nothing = bake::testing::sample_clip(1);
+  clip::Clip clip_with_nothing = bake::testing::sample_clip(1);
   clip_with_nothing.layers[0].field = fields::Field(bake::testing::unit_config());
-  encode::write_clip(clip_with_nothing, clip());
+  clip::write_clip(clip_with_nothing, clip());
   const Said lenient = convert("out.glb");
   EXPECT_EQ(lenient.code, 0) << lenient.err;
   EXPECT_NE(lenient.err.find("background: it has no surface"), std::string::npos);
@@ -127,7 +127,7 @@ TEST_F(TrackTest, EveryPointIsInEveryFrameAndFollowsItsLayer) {
   std::string line;
   std::getline(file, line);
   EXPECT_EQ(line, "frame,id,x,y,z");
-  const encode::Clip truth = bake::testing::sample_clip(kFrames);
+  const clip::Clip truth = bake::testing::sample_clip(kFrames);
   const Eigen::Vector3d start[] = {{0, 0, 0.05}, {0.3, 0.1, 0}, {-0.3, 0.1, 0}};
   const char* names[] = {"still", "box", "hand"};
   for (int frame = 0; frame < kFrames; ++frame) {

@@ -3,7 +3,7 @@
 
 #include "cli/run_kinora.h"
 #include "core/image_codec.h"
-#include "ingest/tiny_detector.h"
+#include "ingest/onnx/tiny_detector.h"
 #include "tracking/body/detected_joints.h"
 #include "tracking/body/synthetic_body.h"
 

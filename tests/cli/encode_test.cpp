@@ -3,7 +3,7 @@
 
 #include "cli/run_kinora.h"
 #include "end_to_end/box_capture.h"
-#include "ingest/tiny_network.h"
+#include "ingest/onnx/tiny_network.h"
 #include "support/source_folder.h"
 
 namespace kinora::test {

@@ -2,10 +2,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
+#include "clip/clip_io.h"
+#include "clip/sample_clip.h"
 #include "core/image_codec.h"
-#include "encode/clip_io.h"
-#include "encode/sample_clip.h"
-#include "fields/painted_field.h"
+#include "fields/scenes/painted_field.h"
 
 namespace kinora::test {
 namespace {
@@ -14,14 +14,14 @@ using Json = nlohmann::json;
 
 class Render : public testing::Test {
 protected:
-  Render() { encode::write_clip(encode::testing::sample_clip(1, 5, true), path("clip.mkv")); }
+  Render() { clip::write_clip(clip::testing::sample_clip(1, 5, true), path("clip.mkv")); }
   Said render(std::vector<std::string> words) const {
     words.insert(words.begin(), {"render", path("clip.mkv")});
     return run_kinora(folder_, words);
   }
   // Instead of the clip, one in which the capture camera sees a ball of 0.3 m, 1.2 m before it.
   void show_ball() const {
-    encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+    clip::Clip clip = clip::testing::sample_clip(1, 2, false);
     clip.layers.resize(1);
     clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
     // As if cameras had stood on the capture camera's side alone.
@@ -33,7 +33,7 @@ protected:
     }
     clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
     fs::remove(path("clip.mkv"));
-    encode::write_clip(clip, path("clip.mkv"));
+    clip::write_clip(clip, path("clip.mkv"));
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   ColorImage picture(const std::string& name) const {

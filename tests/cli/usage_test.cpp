@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
-#include "encode/clip_io.h"
-#include "encode/sample_clip.h"
+#include "clip/clip_io.h"
+#include "clip/sample_clip.h"
 
 namespace kinora::test {
 namespace {
@@ -15,7 +15,7 @@ protected:
   Said run(const std::vector<std::string>& words) const { return run_kinora(folder_, words); }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   std::string sample_clip(const std::string& name = "clip.mkv") const {
-    encode::write_clip(encode::testing::sample_clip(1, 5, true), path(name));
+    clip::write_clip(clip::testing::sample_clip(1, 5, true), path(name));
     return path(name);
   }
 
@@ -182,12 +182,12 @@ TEST_F(Tool, OutputsThatCannotBeWrittenHaveTheirOwnCode) {
 }
 
 TEST_F(Tool, RigidMotionBeginsAtTheIdentityAndHasTheCamera) {
-  encode::Clip clip = encode::testing::sample_clip(1, 5, true);
-  std::vector<tracking::Motion::Pose> poses = clip.layers[1].motion.poses();
-  for (auto& pose : poses) pose.health = tracking::Health::kTracked;
-  poses[0].health = tracking::Health::kLost;
-  clip.layers[1].motion = tracking::Motion::rigid(poses);
-  encode::write_clip(clip, path("clip.mkv"));
+  clip::Clip clip = clip::testing::sample_clip(1, 5, true);
+  std::vector<motion::Motion::Pose> poses = clip.layers[1].motion.poses();
+  for (auto& pose : poses) pose.health = motion::Health::kTracked;
+  poses[0].health = motion::Health::kLost;
+  clip.layers[1].motion = motion::Motion::rigid(poses);
+  clip::write_clip(clip, path("clip.mkv"));
   EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
   const Json motion = Json::parse(contents_of(path("m.json")));
   EXPECT_TRUE(motion.at("fps").is_number());
@@ -207,9 +207,9 @@ TEST_F(Tool, RigidMotionBeginsAtTheIdentityAndHasTheCamera) {
 }
 
 TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
-  const encode::Clip clip = encode::testing::bending_clip(1, 4, true);
-  const tracking::Motion& walker = clip.layers[2].motion;
-  encode::write_clip(clip, path("clip.mkv"));
+  const clip::Clip clip = clip::testing::bending_clip(1, 4, true);
+  const motion::Motion& walker = clip.layers[2].motion;
+  clip::write_clip(clip, path("clip.mkv"));
   EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
   const Json person = Json::parse(contents_of(path("m.json"))).at("layers").at(2);
   EXPECT_EQ(person.at("name"), "person");
@@ -217,7 +217,7 @@ TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
   ASSERT_EQ(person.at("frames").size(), 4U);
   for (std::size_t f = 0; f < 4; ++f) {
     const Json& frame = person["frames"][f];
-    EXPECT_EQ(frame.at("health"), tracking::name_of(walker.health(f)));
+    EXPECT_EQ(frame.at("health"), motion::name_of(walker.health(f)));
     EXPECT_TRUE(frame.contains("camera_to_world"));
     EXPECT_FALSE(frame.contains("transform"));
     ASSERT_EQ(frame.at("nodes").size(), walker.graph()->nodes().size());
@@ -233,9 +233,9 @@ TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
 }
 
 TEST_F(Tool, MotionOfAPersonHasItsJoints) {
-  encode::Clip clip = encode::testing::bending_clip(1, 4, true);
-  const tracking::JointPaths& joints = *clip.layers[2].joints;
-  encode::write_clip(clip, path("clip.mkv"));
+  clip::Clip clip = clip::testing::bending_clip(1, 4, true);
+  const motion::JointPaths& joints = *clip.layers[2].joints;
+  clip::write_clip(clip, path("clip.mkv"));
   EXPECT_EQ(run({"motion", path("clip.mkv"), "--out", path("m.json"), "-q"}).code, 0);
   const Json layers = Json::parse(contents_of(path("m.json"))).at("layers");
   EXPECT_FALSE(layers.at(1).at("frames").at(0).contains("joints"));
@@ -249,14 +249,14 @@ TEST_F(Tool, MotionOfAPersonHasItsJoints) {
     }
   }
   clip.layers[2].joints.reset();
-  encode::write_clip(clip, path("nobody.mkv"));
+  clip::write_clip(clip, path("nobody.mkv"));
   EXPECT_EQ(run({"motion", path("nobody.mkv"), "--out", path("n.json"), "-q"}).code, 0);
   EXPECT_FALSE(Json::parse(contents_of(path("n.json")))["layers"][2]["frames"][0].contains("joints"));
 }
 
 TEST_F(Tool, InfoOfADeformingLayerCountsItsNodes) {
-  const encode::Clip clip = encode::testing::bending_clip(1, 4, true);
-  encode::write_clip(clip, path("clip.mkv"));
+  const clip::Clip clip = clip::testing::bending_clip(1, 4, true);
+  clip::write_clip(clip, path("clip.mkv"));
   const Json info = Json::parse(run({"info", path("clip.mkv"), "--json"}).out);
   EXPECT_EQ(info.at("layers").at(2).at("motion"), "deforming");
   EXPECT_EQ(info.at("layers").at(2).at("nodes"), clip.layers[2].motion.graph()->nodes().size());

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tracking/room_scene.h"
+#include "tracking/scenes/room_scene.h"
 
 namespace kinora::encode {
 namespace {

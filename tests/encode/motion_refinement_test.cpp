@@ -3,21 +3,21 @@
 
 #include <cmath>
 
-#include "../fields/bending_sheet.h"
 #include "core/parallel.h"
 #include "encode/motion_refinement.h"
-#include "fields/rim_pixels.h"
-#include "fields/trainer.h"
+#include "fields/sampling/rim_pixels.h"
+#include "fields/scenes/bending_sheet.h"
+#include "fields/training/trainer.h"
 
 namespace kinora::encode {
 namespace {
 
 using fields::Performance;
-using tracking::Motion;
+using motion::Motion;
 
 constexpr double kSpacing = 0.06;
 
-std::vector<tracking::GraphEdge> edges_of(const tracking::DeformationGraph& graph) {
+std::vector<tracking::GraphEdge> edges_of(const motion::DeformationGraph& graph) {
   std::vector<tracking::GraphEdge> edges;
   const auto& nodes = graph.nodes();
   for (int a = 0; a < static_cast<int>(nodes.size()); ++a) {
@@ -110,7 +110,7 @@ TEST(MotionRefinement, FramesThatAreNotStoredMoveAsTheirNeighbours) {
 TEST(MotionRefinement, LostFramesAndUnseenLayersKeepTheirNodes) {
   const Performance performance;
   std::vector<Motion::Deformation> deformations = astray(performance.motion, 0.01).deformations();
-  for (Motion::Deformation& deformation : deformations) deformation.health = tracking::Health::kLost;
+  for (Motion::Deformation& deformation : deformations) deformation.health = motion::Health::kLost;
   const Motion lost = Motion::deforming(performance.motion.graph(), std::move(deformations));
   MotionRefinement report;
   const fields::Field field = draft_of(performance, performance.motion);

@@ -1,14 +1,14 @@
 // A generated capture through the whole encoder: what comes out must look like what went in.
 #include <gtest/gtest.h>
 
+#include "clip/clip_io.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "encode/clip_io.h"
 #include "encode/pipeline.h"
 #include "end_to_end/box_capture.h"
+#include "evaluate/evaluate.h"
 #include "host/plugin_table.h"
-#include "player/evaluate.h"
-#include "tracking/bending_plate.h"
+#include "tracking/scenes/bending_plate.h"
 
 namespace kinora::test {
 namespace {
@@ -137,9 +137,9 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   encode::EncodeResult result = encode_folder(folder, options, listener);
 
   ASSERT_EQ(result.clip.layers.size(), 3U);
-  EXPECT_EQ(result.clip.layers[0].motion.kind(), tracking::MotionKind::kStill);
-  EXPECT_EQ(result.clip.layers[1].motion.kind(), tracking::MotionKind::kDeforming);
-  EXPECT_EQ(result.clip.layers[2].motion.kind(), tracking::MotionKind::kRigid);
+  EXPECT_EQ(result.clip.layers[0].motion.kind(), motion::MotionKind::kStill);
+  EXPECT_EQ(result.clip.layers[1].motion.kind(), motion::MotionKind::kDeforming);
+  EXPECT_EQ(result.clip.layers[2].motion.kind(), motion::MotionKind::kRigid);
   EXPECT_FALSE(layer_named(result.report, "object").at("motion").contains("bends"));
   EXPECT_TRUE(result.report.at("not_modelled").empty());
   EXPECT_EQ(result.report.at("capture").at("frames_held_out"), 2);
@@ -153,9 +153,9 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   }
 
   const player::Player player(std::move(result.clip));
-  player::EvaluateOptions how;
+  evaluate::EvaluateOptions how;
   how.ground_truth = true;
-  const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
+  const Json quality = evaluate::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
   const Json object = layer_named(quality, "object").at("held_out");
   const Json background = layer_named(quality, "background").at("held_out");
   EXPECT_GT(object.at("psnr_box").get<double>(), 18);
@@ -185,7 +185,7 @@ TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {
   EXPECT_NEAR(result.clip.camera_to_world[9].translation().x(), 0.18, 1e-6);
 
   const player::Player player(std::move(result.clip));
-  const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, {}, listener);
+  const Json quality = evaluate::evaluate_against(folder.path(), host::PluginTable::builtin(), player, {}, listener);
   const Json held_out = layer_named(quality, "background").at("held_out");
   EXPECT_GT(held_out.at("psnr").get<double>(), 22);
   EXPECT_LT(held_out.at("depth_error_median").get<double>(), 0.01);
@@ -209,9 +209,9 @@ TEST(Encoder, CarriedCameraIsFoundAndWhatMovesStaysWhereItIsInTheWorld) {
   }
 
   const player::Player player(std::move(result.clip));
-  player::EvaluateOptions how;
+  evaluate::EvaluateOptions how;
   how.ground_truth = true;
-  const Json quality = player::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
+  const Json quality = evaluate::evaluate_against(folder.path(), host::PluginTable::builtin(), player, how, listener);
   EXPECT_GT(layer_named(quality, "object").at("held_out").at("psnr_box").get<double>(), 17);
   EXPECT_GT(layer_named(quality, "background").at("held_out").at("psnr").get<double>(), 27);
   EXPECT_LT(layer_named(quality, "background").at("held_out").at("depth_error_median").get<double>(), 0.012);
@@ -264,12 +264,12 @@ TEST(Encoder, RemembersTheCamerasThatRegisteredTheCapture) {
   const auto table = host::PluginTable::builtin();
   ingest::CaptureOptions how;
   how.registration = {scene.intrinsics(), scene.color_intrinsics(), SE3::Identity()};
-  encode::Clip clip = encode::encode_capture(prepare_folder(folder, how, listener), quick_options(), listener).clip;
+  clip::Clip clip = encode::encode_capture(prepare_folder(folder, how, listener), quick_options(), listener).clip;
   EXPECT_EQ(clip.intrinsics, scene.color_intrinsics());
 
-  const auto quality = [&](encode::Clip judged) {
+  const auto quality = [&](clip::Clip judged) {
     const player::Player player(std::move(judged));
-    return layer_named(player::evaluate_against(folder.path(), table, player, {}, listener), "background")
+    return layer_named(evaluate::evaluate_against(folder.path(), table, player, {}, listener), "background")
         .at("trained");
   };
   EXPECT_GT(quality(clip).at("depth_coverage").get<double>(), 0.97);
@@ -312,7 +312,7 @@ TEST(Encoder, LabelsFileRenamesAndStillsAnObject) {
   ASSERT_EQ(result.clip.layers.size(), 3U);
   EXPECT_EQ(result.clip.layers[1].name, "ball");
   EXPECT_EQ(result.clip.layers[2].name, "crate");
-  EXPECT_EQ(result.clip.layers[2].motion.kind(), tracking::MotionKind::kStill);
+  EXPECT_EQ(result.clip.layers[2].motion.kind(), motion::MotionKind::kStill);
 }
 
 TEST(Encoder, WithoutLabelsEverythingIsBackground) {
@@ -386,7 +386,7 @@ TEST(Encoder, SameBytesForOneThreadAndTwo) {
     Listener listener;
     const encode::EncodeResult result = encode_folder(folder, options, listener);
     const std::filesystem::path path = folder.path() / "clip.mkv";
-    encode::write_clip(result.clip, path);
+    clip::write_clip(result.clip, path);
     std::ifstream file(path, std::ios::binary);
     files.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
   }

@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "evaluate/ground_truth.h"
 #include "formats/sample_capture.h"
 #include "fuzz/mutate.h"
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
-#include "ingest/ground_truth.h"
+#include "ingest/capture/capture.h"
 
 namespace kinora::fuzz {
 namespace {
@@ -56,7 +56,7 @@ void read_with_damage(const TemporaryFolder& folder, const fs::path& name, std::
       while (capture->next()) {
       }
     });
-    survive([&] { (void)ingest::GroundTruth::read(folder.path()); });
+    survive([&] { (void)evaluate::GroundTruth::read(folder.path()); });
   }
   folder.write(name, whole);
 }

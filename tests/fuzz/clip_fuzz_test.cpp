@@ -3,16 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include "clip/clip_io.h"
+#include "clip/payloads/confidence_codec.h"
+#include "clip/payloads/deformation_codec.h"
+#include "clip/payloads/field_codec.h"
+#include "clip/payloads/joints_codec.h"
+#include "clip/payloads/pose_codec.h"
+#include "clip/sample_clip.h"
 #include "container/ebml_builder.h"
 #include "container/writer.h"
 #include "core/error.h"
-#include "encode/clip_io.h"
-#include "encode/confidence_codec.h"
-#include "encode/deformation_codec.h"
-#include "encode/field_codec.h"
-#include "encode/joints_codec.h"
-#include "encode/pose_codec.h"
-#include "encode/sample_clip.h"
 #include "fuzz/mutate.h"
 
 namespace kinora::encode {
@@ -27,11 +27,11 @@ void write_mutated(const std::filesystem::path& path, const std::filesystem::pat
   head.kind = "clip";
   for (const container::StoredTrack& stored : reader.tracks()) {
     head.tracks.push_back(stored.track);
-    Bytes& graph = head.tracks.back().private_data;
+    clip::Bytes& graph = head.tracks.back().private_data;
     if (!graph.empty() && random.below(4) == 0) graph = fuzz::mutate(std::move(graph), random);
   }
   for (const container::StoredAttachment& stored : reader.attachments()) {
-    Bytes bytes = reader.read_attachment(stored);
+    clip::Bytes bytes = reader.read_attachment(stored);
     if (random.below(4) == 0) bytes = fuzz::mutate(std::move(bytes), random);
     head.attachments.push_back({stored.name, stored.media_type, stored.description, std::move(bytes)});
   }
@@ -48,12 +48,12 @@ void write_mutated(const std::filesystem::path& path, const std::filesystem::pat
 
 TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
   const TemporaryFolder folder;
-  write_clip(testing::bending_clip(1, 4, true), folder / "a.mkv");
+  clip::write_clip(clip::testing::bending_clip(1, 4, true), folder / "a.mkv");
   for (std::uint64_t i = 0; i < 300; ++i) {
     Random random(7, i);
     write_mutated(folder / "a.mkv", folder / "b.mkv", random);
     try {
-      read_clip(folder / "b.mkv");
+      clip::read_clip(folder / "b.mkv");
     } catch (const Error& error) {
       EXPECT_TRUE(error.code() == ErrorCode::kCorruptInput || error.code() == ErrorCode::kNotRecognised)
           << i << ": " << error.what();
@@ -62,20 +62,21 @@ TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
 }
 
 TEST(ClipFuzz, FieldDecoderRefusesOrDecodesMutatedPayloads) {
-  const std::array payloads{encode_field(testing::random_field(2)), encode_field(testing::random_field(3))};
+  const std::array payloads{clip::encode_field(clip::testing::random_field(2)),
+                            clip::encode_field(clip::testing::random_field(3))};
   for (std::uint64_t i = 0; i < 2000; ++i) {
     Random random(8, i);
-    const Bytes& payload = payloads[i % 2];
-    Bytes mutated = payload;
+    const clip::Bytes& payload = payloads[i % 2];
+    clip::Bytes mutated = payload;
     // Most damage goes to the header, where the numbers are that decide about memory.
-    Bytes header(mutated.begin(), mutated.begin() + 72);
+    clip::Bytes header(mutated.begin(), mutated.begin() + 72);
     header = fuzz::mutate(std::move(header), random);
     header.resize(72);
     std::copy(header.begin(), header.end(), mutated.begin());
     if (i % 3 == 0) mutated = fuzz::mutate(payload, random);
-    AllocationBudget budget(mutated.size());
+    clip::AllocationBudget budget(mutated.size());
     try {
-      decode_field(mutated, "mutated", budget);
+      clip::decode_field(mutated, "mutated", budget);
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
     }
@@ -83,14 +84,14 @@ TEST(ClipFuzz, FieldDecoderRefusesOrDecodesMutatedPayloads) {
 }
 
 TEST(ClipFuzz, ConfidenceDecoderRefusesOrDecodesMutatedPayloads) {
-  const fields::Occupancy occupancy = testing::random_field(2).occupancy;
-  const Bytes payload = encode_confidence(testing::random_confidence(occupancy, 2));
+  const fields::Occupancy occupancy = clip::testing::random_field(2).occupancy;
+  const clip::Bytes payload = clip::encode_confidence(clip::testing::random_confidence(occupancy, 2));
   for (std::uint64_t i = 0; i < 4000; ++i) {
     Random random(12, i);
-    const Bytes mutated = fuzz::mutate(payload, random);
-    AllocationBudget budget(mutated.size());
+    const clip::Bytes mutated = fuzz::mutate(payload, random);
+    clip::AllocationBudget budget(mutated.size());
     try {
-      const fields::Confidence confidence = decode_confidence(mutated, occupancy, "mutated", budget);
+      const fields::Confidence confidence = clip::decode_confidence(mutated, occupancy, "mutated", budget);
       for (const auto& levels : confidence.levels()) {
         for (const std::uint8_t level : levels) ASSERT_LE(level, fields::Confidence::kMost);
       }
@@ -101,13 +102,13 @@ TEST(ClipFuzz, ConfidenceDecoderRefusesOrDecodesMutatedPayloads) {
 }
 
 TEST(ClipFuzz, JointsDecoderRefusesOrDecodesMutatedPayloads) {
-  const Bytes payload = encode_joints(testing::random_joints(2, 10));
+  const clip::Bytes payload = clip::encode_joints(clip::testing::random_joints(2, 10));
   for (std::uint64_t i = 0; i < 4000; ++i) {
     Random random(14, i);
-    const Bytes mutated = fuzz::mutate(payload, random);
-    AllocationBudget budget(mutated.size());
+    const clip::Bytes mutated = fuzz::mutate(payload, random);
+    clip::AllocationBudget budget(mutated.size());
     try {
-      const tracking::JointPaths joints = decode_joints(mutated, 10, "mutated", budget);
+      const motion::JointPaths joints = clip::decode_joints(mutated, 10, "mutated", budget);
       ASSERT_EQ(joints.places.size(), 10U);
       for (const auto& places : joints.places) ASSERT_EQ(places.size(), joints.names.size());
     } catch (const Error& error) {
@@ -120,9 +121,9 @@ TEST(ClipFuzz, PoseDecoderRefusesOrDecodesMutatedPayloads) {
   Random poses(9);
   for (std::uint64_t i = 0; i < 5000; ++i) {
     Random random(10, i);
-    const Bytes payload = encode_pose({testing::random_pose(poses), tracking::Health::kTracked});
+    const clip::Bytes payload = clip::encode_pose({clip::testing::random_pose(poses), motion::Health::kTracked});
     try {
-      const SE3 pose = decode_pose(fuzz::mutate(payload, random), "mutated").canonical_to_world;
+      const SE3 pose = clip::decode_pose(fuzz::mutate(payload, random), "mutated").canonical_to_world;
       EXPECT_TRUE(pose.matrix().allFinite());
       EXPECT_NEAR(pose.linear().determinant(), 1, 1e-12);
     } catch (const Error& error) {
@@ -132,20 +133,20 @@ TEST(ClipFuzz, PoseDecoderRefusesOrDecodesMutatedPayloads) {
 }
 
 TEST(ClipFuzz, DeformationDecoderRefusesOrDecodesMutatedPayloads) {
-  testing::WalkerOptions options;
+  clip::testing::WalkerOptions options;
   options.nodes = 40;
   options.frames = 3;
-  const tracking::Motion motion = testing::walker(options);
-  DeformationEncoder encoder(*motion.graph());
-  std::vector<Bytes> payloads;
+  const motion::Motion motion = clip::testing::walker(options);
+  clip::DeformationEncoder encoder(*motion.graph());
+  std::vector<clip::Bytes> payloads;
   for (const auto& deformation : motion.deformations()) payloads.push_back(encoder.encode(deformation).bytes);
   for (std::uint64_t i = 0; i < 4000; ++i) {
     Random random(11, i);
     try {
-      const Bytes graph_bytes = encode_graph(*motion.graph());
-      const auto graph = decode_graph(i % 4 == 0 ? fuzz::mutate(graph_bytes, random) : graph_bytes, "mutated");
-      DeformationDecoder decoder(*graph);
-      for (const Bytes& payload : payloads) {
+      const clip::Bytes graph_bytes = clip::encode_graph(*motion.graph());
+      const auto graph = clip::decode_graph(i % 4 == 0 ? fuzz::mutate(graph_bytes, random) : graph_bytes, "mutated");
+      clip::DeformationDecoder decoder(*graph);
+      for (const clip::Bytes& payload : payloads) {
         const bool key = &payload == payloads.data();
         const auto deformation = decoder.decode(fuzz::mutate(payload, random), key, "mutated");
         for (const DualQuaternion& q : deformation.node_to_world) {

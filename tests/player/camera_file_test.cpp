@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "clip/sample_clip.h"
 #include "core/error.h"
-#include "encode/sample_clip.h"
 #include "formats/sample_capture.h"
 
 namespace kinora::player {
@@ -52,7 +52,7 @@ protected:
   }
 
   TemporaryFolder folder_;
-  encode::Clip clip_ = encode::testing::sample_clip(2, 6, false);
+  clip::Clip clip_ = clip::testing::sample_clip(2, 6, false);
   Warnings warnings_;
 };
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "encode/sample_clip.h"
+#include "clip/sample_clip.h"
 
 namespace kinora::player {
 namespace {
@@ -38,7 +38,7 @@ TEST(Orbit, PivotStaysAtItsPixelAndDistance) {
 
 class OrbitOfClip : public testing::Test {
 protected:
-  OrbitOfClip() : player_(encode::testing::sample_clip(3, 8, false)) {}
+  OrbitOfClip() : player_(clip::testing::sample_clip(3, 8, false)) {}
   Player player_;
 
   // Of the view, relative to the capture camera, in degrees.
@@ -74,7 +74,7 @@ TEST_F(OrbitOfClip, TurnsAboutTheMovingLayersCentre) {
 }
 
 TEST(CaptureView, FollowsTheCamerasPathWithFrameNumbersAsNames) {
-  const encode::Clip clip = encode::testing::sample_clip(4, 5, true);
+  const clip::Clip clip = clip::testing::sample_clip(4, 5, true);
   const auto views = capture_views(clip, {1, 4});
   ASSERT_EQ(views.size(), 2U);
   EXPECT_EQ(views[1].name, "000004");

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "encode/sample_clip.h"
+#include "clip/sample_clip.h"
 
 namespace kinora::player {
 namespace {
 
 TEST(PlayerLayers, NothingChosenDrawsNothing) {
-  const Player player(encode::testing::sample_clip(1, 3, false));
+  const Player player(clip::testing::sample_clip(1, 3, false));
   Camera camera = player.clip().capture_camera(0);
   camera.intrinsics = camera.intrinsics.resized(16, 12);
   const fields::Picture picture = player.draw(camera, 0, {});
@@ -17,16 +17,16 @@ TEST(PlayerLayers, NothingChosenDrawsNothing) {
 }
 
 TEST(PlayerLayers, AreFoundByLabel) {
-  const Player player(encode::testing::sample_clip(1, 3, false));
+  const Player player(clip::testing::sample_clip(1, 3, false));
   EXPECT_EQ(player.layer_with_label(2), 1U);
   EXPECT_EQ(player.layer_with_label(7), std::nullopt);
 }
 
 TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
-  encode::Clip clip = encode::testing::sample_clip(1, 4, false);
-  std::vector<tracking::Motion::Pose> poses(4, {SE3::Identity(), tracking::Health::kLost});
-  poses[2].health = tracking::Health::kTracked;
-  clip.layers[1].motion = tracking::Motion::rigid(std::move(poses));
+  clip::Clip clip = clip::testing::sample_clip(1, 4, false);
+  std::vector<motion::Motion::Pose> poses(4, {SE3::Identity(), motion::Health::kLost});
+  poses[2].health = motion::Health::kTracked;
+  clip.layers[1].motion = motion::Motion::rigid(std::move(poses));
   const Player player(std::move(clip));
   const Eigen::Vector3d centre = player.centre_of(1, 0).value();
   Camera camera{{32, 24, 30, 30, 15.5, 11.5}, SE3(Eigen::Translation3d(centre - Eigen::Vector3d(0, 0, 1.2)))};
@@ -42,7 +42,7 @@ TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
 }
 
 TEST(PlayerCentre, MovesWithTheLayer) {
-  encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+  clip::Clip clip = clip::testing::sample_clip(1, 2, false);
   fields::Field& field = clip.layers[1].field;
   field.occupancy = fields::Occupancy(field.config.occupancy_resolution);
   field.occupancy.set(10, 20, 30);
@@ -55,7 +55,7 @@ TEST(PlayerCentre, MovesWithTheLayer) {
 }
 
 TEST(PlayerCentre, OfAnEmptyLayerIsNothing) {
-  encode::Clip clip = encode::testing::sample_clip(1, 2, false);
+  clip::Clip clip = clip::testing::sample_clip(1, 2, false);
   clip.layers[0].field.occupancy = fields::Occupancy(clip.layers[0].field.config.occupancy_resolution);
   EXPECT_FALSE(Player(std::move(clip)).centre_of(0, 0).has_value());
 }
@@ -70,7 +70,7 @@ TEST(PlayerSize, PicturesSmallerThanTheCaptureGetMoreSamples) {
 }
 
 TEST(PlayerTime, DrawingAtATimeIsDrawingAtItsFrame) {
-  const Player player(encode::testing::sample_clip(5, 4, true));
+  const Player player(clip::testing::sample_clip(5, 4, true));
   Camera camera = player.clip().capture_camera(2);
   camera.intrinsics = camera.intrinsics.resized(24, 18);
   const fields::Picture by_frame = player.draw(camera, 2, player.all_layers());

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include "clip/clip_io.h"
 #include "core/metrics.h"
 #include "core/parallel.h"
-#include "encode/clip_io.h"
-#include "fields/bending_sheet.h"
-#include "fields/renderer.h"
-#include "fields/trainer.h"
+#include "fields/rendering/renderer.h"
+#include "fields/scenes/bending_sheet.h"
+#include "fields/training/trainer.h"
 
 namespace kinora::fields {
 namespace {
@@ -25,14 +25,14 @@ Field learn(const Performance& performance, std::size_t rays) {
   return train_field({performance.store, kSheet, performance.motion}, config, trainer, progress);
 }
 
-Picture draw(const Field& field, const tracking::Motion& motion, const Camera& camera) {
+Picture draw(const Field& field, const motion::Motion& motion, const Camera& camera) {
   const DrawableField drawable(field, motion.graph().get());
   const PosedField posed = pose(drawable, motion.warp(kHeldOutFrame));
   return render({&posed, 1}, camera);
 }
 
 /// Of the held-out frame, silhouette included.
-double psnr_of(const Field& field, const tracking::Motion& motion) {
+double psnr_of(const Field& field, const motion::Motion& motion) {
   const ingest::Frame truth = sheet_frame(kHeldOutFrame, curvature_at(kHeldOutFrame));
   return compare_images(draw(field, motion, truth.camera).color, truth.color, truth.labels).psnr_box;
 }
@@ -46,7 +46,7 @@ std::size_t opaque_pixels(const Picture& picture) {
 TEST(BentLayer, LosesNothingThatIsSeenWhenItIsStored) {
   const Performance performance;
   const Field field = learn(performance, 300'000);
-  encode::Clip clip;
+  clip::Clip clip;
   for (int i = 0; i < 9; ++i) {
     clip.times.push_back(i / 30.0);
     clip.capture_frames.push_back(i);
@@ -55,7 +55,7 @@ TEST(BentLayer, LosesNothingThatIsSeenWhenItIsStored) {
   clip.intrinsics = sheet_frame(0, 0).camera.intrinsics;
   clip.camera_to_world = {SE3::Identity()};
   clip.layers.push_back({"sheet", kSheet, field, performance.motion});
-  const encode::Clip stored = encode::as_stored(clip);
+  const clip::Clip stored = clip::as_stored(clip);
   const double unstored_psnr = psnr_of(field, performance.motion);
   EXPECT_GT(unstored_psnr, 20); // there is something to lose
   EXPECT_GT(psnr_of(stored.layers[0].field, stored.layers[0].motion), unstored_psnr - 0.1);

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "tracking/body/person_camera.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/seen_errors.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/scenes/seen_errors.h"
 
 namespace kinora::tracking {
 namespace {
@@ -27,7 +27,7 @@ Followed follow(std::string_view name, int frames, std::span<const std::size_t> 
   Followed result;
   std::vector<int> numbers;
   for (int i = 0; i < frames; ++i) {
-    if (tracker.track(testing::see_person(scene, i, camera)).health != Health::kTracked) ++result.not_tracked;
+    if (tracker.track(testing::see_person(scene, i, camera)).health != motion::Health::kTracked) ++result.not_tracked;
     numbers.push_back(i);
   }
   result.errors = testing::seen_errors(testing::track_person(scene, kPoints, camera, parts), tracker.motion(), numbers);

@@ -8,10 +8,10 @@
 
 #include "core/random.h"
 #include "core/sensor_noise.h"
-#include "ingest/depth_cleaning.h"
+#include "ingest/depth/depth_cleaning.h"
 #include "tracking/body/person_camera.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/seen_errors.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/scenes/seen_errors.h"
 
 namespace kinora::tracking {
 namespace {
@@ -58,7 +58,7 @@ Followed follow(const Fault& fault) {
     shown.index = i;
     shown.time = i / testing::kSceneRate;
     numbers.push_back(fate == Fate::kArrives ? i : -1);
-    if (tracker.track(shown).health != Health::kTracked) ++result.not_tracked;
+    if (tracker.track(shown).health != motion::Health::kTracked) ++result.not_tracked;
   }
   result.mean_error =
       testing::seen_errors(testing::track_person(scene, kPoints, kCamera), tracker.motion(), numbers).mean;
@@ -177,7 +177,7 @@ TEST(FaultyPerson, InTheWrongUnitIsNobody) {
       ingest::Frame frame = testing::see_person(testing::person_scene("clap"), i, kCamera);
       for (float& z : frame.depth.values()) z *= unit;
       frame.clean_depth = ingest::clean_depth(frame.depth, frame.camera.intrinsics);
-      EXPECT_EQ(tracker.track(frame).health, Health::kLost) << unit;
+      EXPECT_EQ(tracker.track(frame).health, motion::Health::kLost) << unit;
     }
   }
 }

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "fields/analytic_scene.h"
-#include "fields/renderer.h"
-#include "ingest/depth_cleaning.h"
+#include "fields/rendering/renderer.h"
+#include "fields/scenes/analytic_scene.h"
+#include "ingest/depth/depth_cleaning.h"
 
 namespace kinora::fields {
 namespace {
@@ -127,7 +127,7 @@ Bleeding learn(const Change& disturb, const std::vector<int>& labels) {
     if (labels.size() == 1) frame.labels = {};
     store.add(frame, i);
   }
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   std::vector<DrawableField> fields;
   for (const int label : labels) {
     Progress progress;
@@ -136,7 +136,7 @@ Bleeding learn(const Change& disturb, const std::vector<int>& labels) {
   }
   std::vector<PosedField> posed;
   posed.reserve(fields.size());
-  for (const DrawableField& field : fields) posed.push_back(pose(field, tracking::Warp(SE3::Identity())));
+  for (const DrawableField& field : fields) posed.push_back(pose(field, motion::Warp(SE3::Identity())));
   const ingest::Frame held_out = red_ball(0, 0.125);
   return bleeding(render(posed, held_out.camera), held_out);
 }

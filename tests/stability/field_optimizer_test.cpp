@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
-#include "fields/flush_to_zero.h"
-#include "fields/optimizer.h"
-#include "fields/random_field.h"
-#include "fields/renderer.h"
+#include "fields/network/flush_to_zero.h"
+#include "fields/rendering/renderer.h"
+#include "fields/scenes/random_field.h"
+#include "fields/training/optimizer.h"
 
 namespace kinora::fields {
 namespace {
@@ -59,7 +59,7 @@ TEST_P(RawDensity, LeavesLossGradientStepAndDrawingFinite) {
   EXPECT_TRUE(std::isfinite(gradient.sharpness));
 
   const DrawableField drawable(field);
-  const PosedField posed = pose(drawable, tracking::Warp(SE3::Identity()));
+  const PosedField posed = pose(drawable, motion::Warp(SE3::Identity()));
   Camera camera;
   camera.intrinsics = {32, 24, 30, 30, 15.5, 11.5};
   camera.camera_to_world = SE3::Identity();

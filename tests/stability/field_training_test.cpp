@@ -7,10 +7,10 @@
 #include "core/error.h"
 #include "core/metrics.h"
 #include "core/random.h"
-#include "fields/analytic_scene.h"
-#include "fields/kernels.h"
-#include "fields/renderer.h"
-#include "fields/trainer.h"
+#include "fields/network/instruction_set.h"
+#include "fields/rendering/renderer.h"
+#include "fields/scenes/analytic_scene.h"
+#include "fields/training/trainer.h"
 
 namespace kinora::fields {
 namespace {
@@ -65,14 +65,14 @@ Outcome learn_ball(const Trial& trial) {
     trial.disturb(frame);
     store.add(frame, i);
   }
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   Listener progress;
   TrainingReport report;
   const DrawableField ball(
       train_field({store, kBall, still}, choose_field_config({store, kBall, still}), trial.trainer, progress, &report));
   ingest::Frame held_out = trial.scene.frame(0, kHeldOutAngle);
   trial.place(held_out);
-  const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
+  const PosedField posed = pose(ball, motion::Warp(SE3::Identity()));
   const Picture picture = render({&posed, 1}, held_out.camera);
   const ImageMetrics metrics = compare_images(picture.color, held_out.color, held_out.labels);
   return {std::min(metrics.psnr_box, kAlike),
@@ -185,11 +185,11 @@ TEST(DisturbedTraining, KeepsAStructureOfOnePixel) {
   wire(frame);
   PixelStore store(100'000, 1);
   store.add(frame, 0);
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   Progress progress;
   const DrawableField field(
       train_field({store, kBall, still}, choose_field_config({store, kBall, still}), short_training(), progress));
-  const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));
+  const PosedField posed = pose(field, motion::Warp(SE3::Identity()));
   const ImageMetrics metrics = compare_images(render({&posed, 1}, frame.camera).color, frame.color, frame.labels);
   EXPECT_GT(metrics.iou, 0.7);
   EXPECT_GT(metrics.psnr_inside, 25);
@@ -203,7 +203,7 @@ TEST(DisturbedTraining, LearnsFromASinglePixel) {
   frame.labels.at(kU, kV) = kBall;
   PixelStore store(100'000, 1);
   store.add(frame, 0);
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   TrainerConfig trainer = short_training();
   trainer.rays = 50'000;
   Progress progress;
@@ -211,7 +211,7 @@ TEST(DisturbedTraining, LearnsFromASinglePixel) {
       train_field({store, kBall, still}, choose_field_config({store, kBall, still}), trainer, progress));
   const auto& table = field.field().table;
   EXPECT_TRUE(std::all_of(table.begin(), table.end(), [](float v) { return std::isfinite(v); }));
-  const PosedField posed = pose(field, tracking::Warp(SE3::Identity()));
+  const PosedField posed = pose(field, motion::Warp(SE3::Identity()));
   const Picture picture = render({&posed, 1}, frame.camera);
   EXPECT_GT(picture.color.at(kU, kV, 3), 240);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(picture.color.at(kU, kV, c), frame.color.at(kU, kV, c), 8) << c;
@@ -226,7 +226,7 @@ TEST(DisturbedTraining, OfAHallInFineDetailWorksInSixteenMegabytes) {
     frame.camera.camera_to_world.translation() += Eigen::Vector3d(20.0 * i, 0, 0);
     store.add(frame, i);
   }
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   const FieldConfig config = choose_field_config({store, 0, still});
   EXPECT_EQ(config.finest_resolution, 2048);
   TrainerConfig trainer = short_training();
@@ -242,7 +242,7 @@ TEST(DisturbedTraining, SaysThatNothingCanBeLearntFromBackgroundAlone) {
   PixelStore store(100'000, 1);
   store.add(frame, 0);
   Progress progress;
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   EXPECT_THROW(choose_field_config({store, 7, still}), Error);
   EXPECT_THROW(train_field({store, 7, still}, {}, short_training(), progress), Error);
   PixelStore empty(100'000, 1);
@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(DisturbedTraining, TooLargeSteps, ::testing::Values(30.
 
 TEST(DisturbedTraining, EndsAlikeOnEveryInstructionSet) {
   const Scene scene;
-  const auto still = tracking::Motion::still();
+  const auto still = motion::Motion::still();
   const PixelStore store = store_of(scene);
   const FieldConfig config = choose_field_config({store, kBall, still});
   const ingest::Frame held_out = scene.frame(0, kHeldOutAngle);
@@ -281,7 +281,7 @@ TEST(DisturbedTraining, EndsAlikeOnEveryInstructionSet) {
     ASSERT_STREQ(kernels::instruction_set(), hwy::TargetName(target));
     Progress progress;
     const DrawableField ball(train_field({store, kBall, still}, config, trainer, progress));
-    const PosedField posed = pose(ball, tracking::Warp(SE3::Identity()));
+    const PosedField posed = pose(ball, motion::Warp(SE3::Identity()));
     psnrs.push_back(
         compare_images(render({&posed, 1}, held_out.camera).color, held_out.color, held_out.labels).psnr_box);
   }

@@ -4,8 +4,8 @@
 #include "core/random.h"
 #include "core/sensor_noise.h"
 #include "tracking/body/synthetic_body.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/synthetic_scene.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/scenes/synthetic_scene.h"
 
 namespace kinora::tracking {
 namespace {
@@ -78,10 +78,10 @@ ingest::Frame frame_at(int frame, bool is_let_go) {
 }
 
 /// The box's poses, followed as a scene is.
-std::vector<Motion::Pose> follow(bool is_let_go) {
+std::vector<motion::Motion::Pose> follow(bool is_let_go) {
   RigidTracker box(2);
   DeformingTracker person(1);
-  std::vector<Motion::Pose> poses;
+  std::vector<motion::Motion::Pose> poses;
   for (int i = 0; i < kFrames; ++i) {
     const ingest::Frame frame = frame_at(i, is_let_go);
     auto missed = box.track(frame).missed;
@@ -95,17 +95,17 @@ std::vector<Motion::Pose> follow(bool is_let_go) {
 }
 
 TEST(HeldObject, GoesWithTheHandThatHoldsItWhileItIsHidden) {
-  const std::vector<Motion::Pose> poses = follow(false);
+  const std::vector<motion::Motion::Pose> poses = follow(false);
   const SE3 first = box_at(0, false);
   for (int i = 0; i < kFrames; ++i) {
-    const Motion::Pose& pose = poses[static_cast<std::size_t>(i)];
+    const motion::Motion::Pose& pose = poses[static_cast<std::size_t>(i)];
     const SE3 truth = box_at(i, false);
     const bool is_hidden = i >= kHidden && i < kShown;
     if (is_hidden) {
-      EXPECT_EQ(pose.health, Health::kHeld) << i;
+      EXPECT_EQ(pose.health, motion::Health::kHeld) << i;
     }
     if (i > kShown) {
-      EXPECT_EQ(pose.health, Health::kTracked) << i;
+      EXPECT_EQ(pose.health, motion::Health::kTracked) << i;
     }
     // Where it was seen last it was 55 cm off in the end, and it was not found again.
     EXPECT_LT((pose.canonical_to_world * first.translation() - truth.translation()).norm(), 0.03) << i;
@@ -113,8 +113,8 @@ TEST(HeldObject, GoesWithTheHandThatHoldsItWhileItIsHidden) {
 }
 
 TEST(HeldObject, StaysBehindOnceTheCameraSeesThatItIsNotInTheHand) {
-  const std::vector<Motion::Pose> poses = follow(true);
-  EXPECT_EQ(poses.back().health, Health::kHeld);
+  const std::vector<motion::Motion::Pose> poses = follow(true);
+  EXPECT_EQ(poses.back().health, motion::Health::kHeld);
   EXPECT_EQ(poses[kFrames - 1].canonical_to_world.matrix(), poses[kFrames - 4].canonical_to_world.matrix());
   EXPECT_NE(poses[kLetGo + 2].canonical_to_world.matrix(), poses[kLetGo].canonical_to_world.matrix());
 }

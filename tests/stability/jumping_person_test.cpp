@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 #include "tracking/body/person_jumps.h"
-#include "tracking/deforming_tracker.h"
+#include "tracking/deforming/deforming_tracker.h"
 
 namespace kinora::tracking {
 namespace {
@@ -25,7 +25,7 @@ struct Case {
   int least;    ///< trials that keep to it
 };
 
-Motion follow(const testing::PersonScene& scene, const testing::PersonCamera& camera) {
+motion::Motion follow(const testing::PersonScene& scene, const testing::PersonCamera& camera) {
   DeformingTracker tracker(1);
   for (int i = 0; i < scene.frames; ++i) tracker.track(testing::see_person(scene, i, camera));
   return tracker.motion();
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Jumps, JumpingPersons,
 
 TEST(JumpingPerson, EndsWithTheSameBitsOnOneThreadAndTwo) {
   const auto scene = testing::jumping_person(Jump::kPersonShift, 0.30, 1);
-  std::vector<Motion> motions;
+  std::vector<motion::Motion> motions;
   for (const int threads : {1, 2}) {
     set_thread_count(threads);
     motions.push_back(follow(scene, camera_of(1)));

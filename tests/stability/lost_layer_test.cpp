@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tracking/bending_plate.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/point_track.h"
+#include "motion/point_track.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/scenes/bending_plate.h"
 
 namespace kinora::tracking {
 namespace {
@@ -51,15 +51,15 @@ TEST_P(LostLayer, IsFoundAgainBentAndTurnedAsBefore) {
   for (int i = 0; i < kCount; ++i) {
     const auto result = tracker.track(frame_at(i, GetParam()));
     if (i < kBefore || i == kCount - 1) {
-      EXPECT_EQ(result.health, Health::kTracked) << i;
+      EXPECT_EQ(result.health, motion::Health::kTracked) << i;
     }
   }
-  const Motion motion = tracker.motion();
+  const motion::Motion motion = tracker.motion();
   double sum = 0;
   int count = 0;
   for (double x = -0.2; x < 0.21; x += 0.08) {
     for (double y = -0.15; y < 0.16; y += 0.06) {
-      const auto track = track_point(motion, kCount, 0, plate_at(0, GetParam()).place(x, y));
+      const auto track = motion::track_point(motion, kCount, 0, plate_at(0, GetParam()).place(x, y));
       sum += (track.back() - plate_at(kCount - 1, GetParam()).place(x, y)).norm();
       ++count;
     }

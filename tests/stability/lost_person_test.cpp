@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/point_track.h"
 #include "tracking/body/synthetic_body.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/point_track.h"
+#include "tracking/deforming/deforming_tracker.h"
 
 namespace kinora::tracking {
 namespace {
@@ -52,9 +52,9 @@ TEST(LostPerson, IsFoundAgainElsewhereInAnotherPose) {
   DeformingTracker tracker(1);
   for (int i = 0; i < kCount; ++i) {
     const bool is_away = i >= kSeenBefore && i < kSeenBefore + kAway;
-    EXPECT_EQ(tracker.track(frame_at(i)).health, is_away ? Health::kHeld : Health::kTracked) << i;
+    EXPECT_EQ(tracker.track(frame_at(i)).health, is_away ? motion::Health::kHeld : motion::Health::kTracked) << i;
   }
-  const Motion motion = tracker.motion();
+  const motion::Motion motion = tracker.motion();
   for (const Mark& mark : {Mark{kChest, {0, 0.1, 0.12}, 0.04}, Mark{kHead, {0, 0.1, 0.1}, 0.04},
                            Mark{kLeftShoulder, {0.13, 0, 0.04}, 0.04}, Mark{kLeftElbow, {0.13, 0, 0.035}, 0.15},
                            Mark{kRightElbow, {-0.13, 0, 0.035}, 0.04}, Mark{kLeftKnee, {0, -0.2, 0.05}, 0.04}}) {
@@ -62,7 +62,7 @@ TEST(LostPerson, IsFoundAgainElsewhereInAnotherPose) {
       const BodyState state = person_at(frame);
       return Vec(place_bones(state.pose, state.shape)[mark.bone] * mark.local);
     };
-    const auto track = track_point(motion, kCount, 0, place(0));
+    const auto track = motion::track_point(motion, kCount, 0, place(0));
     EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
   }
 }
@@ -93,7 +93,7 @@ TEST_P(TurnedLostPerson, IsFoundAgainInAPoseSeenBefore) {
     picture.time = i / 30.0;
     tracker.track(picture);
   }
-  const Motion motion = tracker.motion();
+  const motion::Motion motion = tracker.motion();
   const bool back = GetParam() > 90;
   for (const Mark& mark :
        {Mark{kChest, {0, 0.1, back ? -0.08 : 0.12}, 0.04}, Mark{kHead, {0, 0.1, back ? -0.08 : 0.1}, 0.04},
@@ -104,7 +104,7 @@ TEST_P(TurnedLostPerson, IsFoundAgainInAPoseSeenBefore) {
       const BodyState state = turning_person_at(frame, GetParam());
       return Vec(place_bones(state.pose, state.shape)[mark.bone] * mark.local);
     };
-    const auto track = track_point(motion, kCount, 0, place(0));
+    const auto track = motion::track_point(motion, kCount, 0, place(0));
     EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
   }
 }

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "tracking/rigid_tracker.h"
-#include "tracking/synthetic_scene.h"
+#include "tracking/rigid/rigid_tracker.h"
+#include "tracking/scenes/synthetic_scene.h"
 
 namespace kinora::tracking {
 namespace {
@@ -56,7 +56,7 @@ Outcome follow(const Shape& shape, const Jump& jump) {
     const SE3 motion = result.pose.canonical_to_world;
     const double metres = (motion * first.translation() - second.translation()).norm();
     const double angle = rotation_angle(motion.inverse() * second * first.inverse());
-    if (result.pose.health != Health::kTracked) {
+    if (result.pose.health != motion::Health::kTracked) {
       ++outcome.lost;
     } else if (metres < 0.01 && angle < 3 * kDegree) {
       ++outcome.found;

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
-#include "tracking/rigid_tracker.h"
-#include "tracking/synthetic_scene.h"
+#include "tracking/rigid/rigid_tracker.h"
+#include "tracking/scenes/synthetic_scene.h"
 
 namespace kinora::tracking {
 namespace {
@@ -38,7 +38,7 @@ Errors error_of(const RigidTrackingResult& result, const SE3& first, const SE3& 
 }
 
 void expect_tracked(const RigidTrackingResult& result, const SE3& first, const SE3& now, const Errors& bound, int i) {
-  EXPECT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+  EXPECT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
   const Errors errors = error_of(result, first, now);
   EXPECT_LT(errors.metres, bound.metres) << "frame " << i;
   EXPECT_LT(errors.degrees, bound.degrees) << "frame " << i;
@@ -78,7 +78,7 @@ TEST(RigidScene, APlaneMaySlideButNeitherRiseNorTilt) {
     const SE3 pose = pose_at({0, 0, 0.9 + 0.004 * i}, 0.4 * i, 0);
     const auto result =
         tracker.track(render_frame({ShapeKind::kPlane, {0, 0, 0}, false}, pose, SE3::Identity(), i, noisy()));
-    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     const SE3 motion = result.pose.canonical_to_world * pose_at({0, 0, 0.9}, 0, 0);
     EXPECT_TRUE(motion.matrix().allFinite());
     EXPECT_LT(std::abs(pose.linear().col(2).dot(motion.translation() - pose.translation())), 0.002) << "frame " << i;
@@ -98,7 +98,7 @@ TEST(RigidScene, ACylinderMaySlideAndTurnAlongItsAxisAlone) {
   for (int i = 0; i < 12; ++i) {
     const SE3 pose = pose_at({0.004 * i, 0, 0.9 + 0.003 * i}, 0, 0, 0.3 * i);
     const auto result = tracker.track(render_frame(pipe, pose, SE3::Identity(), i, noisy()));
-    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     const SE3 motion = result.pose.canonical_to_world * pose_at({0, 0, 0.9}, 0, 0);
     Eigen::Vector3d across = pose.linear().transpose() * (motion.translation() - pose.translation());
     across.y() = 0;
@@ -169,7 +169,7 @@ TEST(RigidScene, LightOnAPlainBallIsNotTakenForItsPrint) {
       }
     }
     const auto result = tracker.track(frame);
-    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     if (i > 0) {
       EXPECT_EQ(result.weak_directions, 3) << "frame " << i;
     }
@@ -219,7 +219,7 @@ TEST(RigidScene, IsNeverWrongWhileItIsHiddenAndFoundAgainAfterwards) {
     const auto result = tracker.track(frame);
     const Errors errors = error_of(result, first, carried(i));
     if (hidden < (i < 22 ? 0.8 : 0.75)) expect_tracked(result, first, carried(i), {0.004, 1.5}, i);
-    if (result.pose.health != Health::kTracked) continue;
+    if (result.pose.health != motion::Health::kTracked) continue;
     EXPECT_LT(errors.metres, 0.01) << "frame " << i << ", hidden " << hidden;
     EXPECT_LT(errors.degrees, 4) << "frame " << i << ", hidden " << hidden;
   }
@@ -245,7 +245,7 @@ TEST(RigidScene, WhatStillShowsOfAThingThatSlipsBehindAnotherIsNotTakenForAllOfI
       }
       frame.clean_depth = frame.depth;
       const auto result = tracker.track(frame);
-      if (result.pose.health != Health::kTracked) continue;
+      if (result.pose.health != motion::Health::kTracked) continue;
       EXPECT_LT(error_of(result, pose_of(0), pose_of(i)).metres, 0.06) << "frame " << i;
     }
   }
@@ -261,7 +261,7 @@ TEST(RigidScene, IsFoundWhenItComesBackIntoView) {
       const auto result = tracker.track(render_frame(box, pose_of(i), SE3::Identity(), i, noisy()));
       if (i < 6 || i >= 19) expect_tracked(result, pose_of(0), pose_of(i), {0.006, 2.5}, i);
       if (i >= 12 && i < 14) {
-        EXPECT_NE(result.pose.health, Health::kTracked) << "frame " << i;
+        EXPECT_NE(result.pose.health, motion::Health::kTracked) << "frame " << i;
       }
     }
   }
@@ -291,7 +291,7 @@ TEST(RigidScene, TwoEqualThingsCrossAndStayThemselves) {
     const auto hidden = behind.track(frame);
     if (i < 5 || i > 20) {
       expect_tracked(hidden, behind_pose(0), behind_pose(i), {0.006, 2}, i);
-    } else if (hidden.pose.health == Health::kTracked) {
+    } else if (hidden.pose.health == motion::Health::kTracked) {
       EXPECT_LT(error_of(hidden, behind_pose(0), behind_pose(i)).metres, 0.015) << "frame " << i;
     }
   }
@@ -328,7 +328,7 @@ TEST(RigidScene, IsHeldWhileDepthIsMissingOnAllOfIt) {
     }
     const auto result = tracker.track(frame);
     if (glass) {
-      EXPECT_EQ(result.pose.health, Health::kHeld) << "frame " << i;
+      EXPECT_EQ(result.pose.health, motion::Health::kHeld) << "frame " << i;
       EXPECT_EQ(result.pose.canonical_to_world.matrix(), tracker.poses()[7].canonical_to_world.matrix());
     } else {
       expect_tracked(result, carried(0), carried(i), {0.003, 1.5}, i);
@@ -387,7 +387,7 @@ TEST(RigidScene, LightThatIsHalvedMovesNothing) {
 }
 
 TEST(RigidScene, OneThreadAndTwoGiveTheSameBitsAcrossAJump) {
-  std::vector<std::vector<Motion::Pose>> runs;
+  std::vector<std::vector<motion::Motion::Pose>> runs;
   for (const int threads : {1, 2}) {
     set_thread_count(threads);
     RigidThing tracker(2);

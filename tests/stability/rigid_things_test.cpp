@@ -1,10 +1,11 @@
-// Things that people handle (tests/tracking/thing_scenes.h): what turns unseen is said, and what was hidden is found.
+// Things that people handle (tests/tracking/scenes/thing_scenes.h): what turns unseen is said, and what was hidden is
+// found.
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "tracking/rigid_tracker.h"
-#include "tracking/thing_scenes.h"
+#include "tracking/rigid/rigid_tracker.h"
+#include "tracking/scenes/thing_scenes.h"
 
 namespace kinora::tracking {
 namespace {
@@ -35,7 +36,7 @@ TEST(RigidThings, APlainVaseWhoseHandleIsHiddenMayTurnAboutItsAxis) {
     RigidTracker tracker(vase.label);
     for (int i = 0; i < 14; ++i) {
       const RigidTrackingResult result = tracker.track(see_things(scene, i, camera));
-      ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+      ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
       if (i < 4) continue; // a little of the handle still stands out
       EXPECT_EQ(result.weak_directions, 1) << "frame " << i;
       EXPECT_GT(weak_share(result, vase.pose(i).linear().col(1)), 0.5) << "frame " << i;
@@ -51,7 +52,7 @@ TEST(RigidThings, WhatComesOutFromBehindAnotherIsFoundWhereItsMotionLed) {
   for (int i = kFirst; i < 42; ++i) { // 21 of its pixels are seen in frame 35
     const RigidTrackingResult result = tracker.track(see_things(scene, i));
     if (i == 35) continue;
-    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     const SE3 found = result.pose.canonical_to_world * hidden.pose(kFirst);
     EXPECT_LT((found.translation() - hidden.pose(i).translation()).norm(), 0.005) << "frame " << i;
   }
@@ -68,7 +69,7 @@ TEST(RigidThings, AGlossyPrintIsFollowedToHalfAPixelOnTheMean) {
   double sum = 0;
   for (int i = 0; i < kFrames; ++i) {
     const RigidTrackingResult result = tracker.track(see_things(scene, i, camera));
-    ASSERT_EQ(result.pose.health, Health::kTracked) << "frame " << i;
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     sum += rotation_angle((result.pose.canonical_to_world * vase.pose(0)).inverse() * vase.pose(i));
   }
   EXPECT_LT(sum / kFrames * 180 / std::numbers::pi, 1.2);

@@ -8,13 +8,13 @@
 
 #include "core/random.h"
 #include "core/sensor_noise.h"
-#include "ingest/depth_cleaning.h"
+#include "ingest/depth/depth_cleaning.h"
 #include "tracking/body/limb_poses.h"
 #include "tracking/body/person_camera.h"
-#include "tracking/deforming_tracker.h"
-#include "tracking/rigid_tracker.h"
-#include "tracking/seen_errors.h"
-#include "tracking/synthetic_scene.h"
+#include "tracking/deforming/deforming_tracker.h"
+#include "tracking/rigid/rigid_tracker.h"
+#include "tracking/scenes/seen_errors.h"
+#include "tracking/scenes/synthetic_scene.h"
 
 namespace kinora::tracking {
 namespace {
@@ -52,11 +52,11 @@ void draw(const testing::Shape& stick, const SE3& to_camera, std::uint8_t label,
 }
 
 // Metres, of points along the stick, from where they are in the first frame; in the worst frame.
-double worst_mean_error(const Motion& motion, const std::vector<SE3>& poses) {
+double worst_mean_error(const motion::Motion& motion, const std::vector<SE3>& poses) {
   std::vector<double> sums(poses.size(), 0);
   double count = 0;
   for (double y = -kHalfLength; y <= kHalfLength; y += 0.05, ++count) {
-    const auto track = track_point(motion, poses.size(), 0, poses.front() * Vec(0, y, 0));
+    const auto track = motion::track_point(motion, poses.size(), 0, poses.front() * Vec(0, y, 0));
     for (std::size_t i = 0; i < poses.size(); ++i) sums[i] += (track[i] - poses[i] * Vec(0, y, 0)).norm();
   }
   return *std::max_element(sums.begin(), sums.end()) / count;
@@ -93,9 +93,9 @@ Followed follow_in_hand(double pixels) {
     ingest::Frame frame = testing::see_person(scene, i, kCamera);
     poses.push_back(stick_in_hand(i));
     draw(stick, poses.back(), 1, frame);
-    EXPECT_EQ(tracker.track(frame).health, Health::kTracked) << i;
+    EXPECT_EQ(tracker.track(frame).health, motion::Health::kTracked) << i;
   }
-  const Motion motion = tracker.motion();
+  const motion::Motion motion = tracker.motion();
   std::vector<int> numbers(kFrames);
   std::iota(numbers.begin(), numbers.end(), 0);
   return {worst_mean_error(motion, poses),
@@ -130,7 +130,7 @@ std::vector<double> errors_of_rigid(double pixels) {
     for (float& z : frame.depth.values()) z = 4;
     draw(stick, pose_of(i), 2, frame);
     const auto result = tracker.track(frame);
-    if (result.pose.health != Health::kTracked) continue;
+    if (result.pose.health != motion::Health::kTracked) continue;
     double& error = errors.emplace_back(0);
     for (const double y : {-kHalfLength, 0.0, kHalfLength}) {
       const Vec there = result.pose.canonical_to_world * pose_of(0) * Vec(0, y, 0);

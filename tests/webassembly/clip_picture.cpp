@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "clip/clip_io.h"
 #include "core/error.h"
 #include "core/metrics.h"
-#include "encode/clip_io.h"
 #include "player/player.h"
 
 namespace kinora {
@@ -23,7 +23,7 @@ namespace {
 constexpr double kSamePicture = 40; // dB
 
 ColorImage middle_of(const std::filesystem::path& clip) {
-  const player::Player player(encode::read_clip(clip));
+  const player::Player player(clip::read_clip(clip));
   const double frame = 0.5 * static_cast<double>(player.frame_count() - 1);
   return player.draw(player.clip().capture_camera(frame), frame, player.all_layers()).color;
 }

@@ -10,7 +10,7 @@
 #include "tracking/body/body_model.h"
 #include "tracking/body/detected_joints.h"
 #include "tracking/body/pose_prior.h"
-#include "tracking/object_view.h"
+#include "tracking/view/object_view.h"
 
 namespace kinora::tracking {
 

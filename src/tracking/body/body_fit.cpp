@@ -7,8 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/statistics.h"
 #include "tracking/body/limb_search.h"
-#include "tracking/statistics.h"
 
 namespace kinora::tracking {
 namespace {

@@ -1,7 +1,7 @@
 // A person's measures from a mesh of that person.
 #pragma once
 
-#include "ingest/body_mesh.h"
+#include "ingest/files/body_mesh.h"
 #include "tracking/body/body_prior.h"
 
 namespace kinora::tracking {

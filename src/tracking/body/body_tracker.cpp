@@ -43,13 +43,13 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
   BodyTrackingResult result;
   if (started_ ? view.depth_pixels < config_.min_pixels : view.depth_pixels < config_.first_pixels) {
     velocity_.setZero();
-    result.health = started_ ? Health::kHeld : Health::kLost;
+    result.health = started_ ? motion::Health::kHeld : motion::Health::kLost;
     result.limbs.fill(LimbHealth::kHidden);
     if (started_) ++lost_frames_;
   } else {
     if (!started_ || lost_frames_ >= config_.lost_frames) begin(view, camera_to_world);
     follow(gather_evidence(view, config_.max_points, config_.energy), camera_to_world, seconds, objects, result);
-    lost_frames_ = result.health == Health::kLost ? lost_frames_ + 1 : 0;
+    lost_frames_ = result.health == motion::Health::kLost ? lost_frames_ + 1 : 0;
   }
   return result;
 }
@@ -119,13 +119,13 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
     if (which.begin == 0) result.explained = explained_share(evidence, state);
     if (which.begin == 1) result.free_space_share = free_space_share(evidence, state);
   });
-  result.health = result.explained >= config_.min_explained ? Health::kTracked : Health::kLost;
-  if (learning && result.health == Health::kTracked) learn_shape(evidence, state);
-  if (result.health == Health::kTracked) {
+  result.health = result.explained >= config_.min_explained ? motion::Health::kTracked : motion::Health::kLost;
+  if (learning && result.health == motion::Health::kTracked) learn_shape(evidence, state);
+  if (result.health == motion::Health::kTracked) {
     earlier_.add(state.pose, place_bones(state.pose, state.shape), evidence.view->centroid);
   }
   move_to(transformed(camera_to_world, state), seconds);
-  if (result.health == Health::kTracked) learn_holds(objects, result);
+  if (result.health == motion::Health::kTracked) learn_holds(objects, result);
 }
 
 void BodyTracker::learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result) {

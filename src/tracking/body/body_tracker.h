@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "motion/motion.h"
 #include "tracking/body/body_energy.h"
 #include "tracking/body/earlier_poses.h"
 #include "tracking/body/limb_search.h"
-#include "tracking/interaction.h"
-#include "tracking/motion.h"
+#include "tracking/rigid/interaction.h"
 
 namespace kinora::tracking {
 
@@ -55,7 +55,7 @@ struct BodyTrackerConfig {
 
 /// One frame's answer.
 struct BodyTrackingResult {
-  Health health = Health::kLost;
+  motion::Health health = motion::Health::kLost;
   std::array<LimbHealth, kLimbs> limbs{}; ///< of forearm and hand, or shank and foot
   double explained = 0;                   ///< share of the measured surface that the body lies on
   double free_space_share = 0; ///< share of the body's surface, of what nothing hides, that the camera sees past

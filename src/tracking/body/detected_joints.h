@@ -9,7 +9,7 @@
 
 #include "core/camera.h"
 #include "core/robust_cost.h"
-#include "ingest/joint_detection.h"
+#include "ingest/frame/joint_detection.h"
 #include "tracking/body/body_model.h"
 
 namespace kinora::tracking {

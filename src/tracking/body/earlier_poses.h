@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/spread_entries.h"
 #include "tracking/body/skeleton.h"
-#include "tracking/spread_entries.h"
 
 namespace kinora::tracking {
 

@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "host/plugin_table.h"
-#include "ingest/capture.h"
+#include "ingest/capture/capture.h"
 #include "support/source_folder.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/true_joints.h"
-#include "tracking/layer_view.h"
+#include "tracking/view/layer_view.h"
 
 namespace kinora::tracking {
 namespace {
@@ -21,7 +21,7 @@ TEST(BodySample, WristsAreFollowedWhileTheyAreSeen) {
   while (const auto frame = capture->next()) {
     const int i = frame->index;
     const auto result = tracker.track(view_layer(*frame, 1), frame->camera.camera_to_world, frame->time);
-    EXPECT_EQ(result.health, Health::kTracked) << i;
+    EXPECT_EQ(result.health, motion::Health::kTracked) << i;
     const Bones bones = place_bones(tracker.state().pose, tracker.state().shape);
     const auto error = [&](Joint joint, const char* name) {
       return (bones[joint].translation() - truth.at(i).at(name)).norm();

@@ -48,7 +48,7 @@ TEST(BodyTracker, FollowsSomebodyWhoTurnsAllTheWayRound) {
   for (int i = 0; i < 60; ++i) {
     const BodyState truth = dancing(i, 6);
     const auto result = tracker.track(view_of(truth, i), SE3::Identity(), i * kInterval);
-    EXPECT_EQ(result.health, Health::kTracked) << i;
+    EXPECT_EQ(result.health, motion::Health::kTracked) << i;
     EXPECT_LT(mean_joint_distance(tracker.state(), truth), 0.03) << i;
   }
 }
@@ -82,14 +82,14 @@ TEST(BodyTracker, StaysWhereItIsWhileNothingIsSeen) {
   const BodyState before = tracker.state();
   for (int i = 2; i < 5; ++i) {
     const auto result = tracker.track(ObjectView(), SE3::Identity(), i * kInterval);
-    EXPECT_EQ(result.health, Health::kHeld);
+    EXPECT_EQ(result.health, motion::Health::kHeld);
   }
   EXPECT_EQ(mean_joint_distance(before, tracker.state()), 0);
 }
 
 TEST(BodyTracker, IsNotStartedByAnEmptyView) {
   BodyTracker tracker;
-  EXPECT_EQ(tracker.track(ObjectView(), SE3::Identity(), 0).health, Health::kLost);
+  EXPECT_EQ(tracker.track(ObjectView(), SE3::Identity(), 0).health, motion::Health::kLost);
   EXPECT_FALSE(tracker.started());
 }
 

@@ -6,8 +6,8 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "ingest/depth_cleaning.h"
-#include "tracking/faulty_sensor.h"
+#include "ingest/depth/depth_cleaning.h"
+#include "tracking/scenes/faulty_sensor.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -90,12 +90,12 @@ ingest::Frame see_person(const PersonScene& scene, int frame, const PersonCamera
   return result;
 }
 
-ingest::TrueTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera,
-                                std::span<const std::size_t> parts) {
+evaluate::TrueTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera,
+                                  std::span<const std::size_t> parts) {
   constexpr double kTolerance = 0.004; // metres between a point and what its ray meets
   const Intrinsics intrinsics = intrinsics_of(camera);
   const std::vector<CoatPoint> points = material_points(scene.has_skirt, count);
-  ingest::TrueTracks tracks;
+  evaluate::TrueTracks tracks;
   for (int frame = 0; frame < scene.frames; ++frame) {
     const DressedPerson person = scene.at(frame);
     for (std::size_t i = 0; i < points.size(); ++i) {

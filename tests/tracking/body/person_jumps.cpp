@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "core/random.h"
+#include "motion/point_track.h"
 #include "tracking/body/limb_poses.h"
-#include "tracking/point_track.h"
 
 namespace kinora::tracking::testing {
 namespace {
@@ -100,17 +100,17 @@ PersonScene jumping_person(Jump jump, double size, std::uint64_t trial) {
   return {name_of(jump), kJumpFrames, at, moved_parts(jump, arm)};
 }
 
-std::vector<double> errors_after_jump(const PersonScene& scene, const Motion& motion, std::size_t frames, int frame,
-                                      const PersonCamera& camera, std::size_t points) {
+std::vector<double> errors_after_jump(const PersonScene& scene, const motion::Motion& motion, std::size_t frames,
+                                      int frame, const PersonCamera& camera, std::size_t points) {
   std::vector<Eigen::Vector3d> starts, ends;
   for (const auto& [id, places] : track_person(scene, points, camera, scene.fast_parts)) {
-    const ingest::TruePlace& start = places.at(kJumpFrame - 1);
-    const ingest::TruePlace& end = places.at(frame);
+    const evaluate::TruePlace& start = places.at(kJumpFrame - 1);
+    const evaluate::TruePlace& end = places.at(frame);
     if (!start.visible || !end.visible) continue;
     starts.push_back(start.point);
     ends.push_back(end.point);
   }
-  const auto tracks = track_points(motion, frames, kJumpFrame - 1, starts);
+  const auto tracks = motion::track_points(motion, frames, kJumpFrame - 1, starts);
   std::vector<double> errors;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     errors.push_back((tracks[i][static_cast<std::size_t>(frame)] - ends[i]).norm());

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "motion/motion.h"
 #include "tracking/body/person_camera.h"
-#include "tracking/motion.h"
 
 namespace kinora::tracking::testing {
 
@@ -29,7 +29,7 @@ PersonScene jumping_person(Jump jump, double size, std::uint64_t trial);
 
 /// Metres, in `frame`, of the points of those parts that are seen there and in the last frame before the jump, each
 /// tracked from where it was then. `frames`: that the motion has.
-std::vector<double> errors_after_jump(const PersonScene& scene, const Motion& motion, std::size_t frames, int frame,
-                                      const PersonCamera& camera, std::size_t points);
+std::vector<double> errors_after_jump(const PersonScene& scene, const motion::Motion& motion, std::size_t frames,
+                                      int frame, const PersonCamera& camera, std::size_t points);
 
 } // namespace kinora::tracking::testing

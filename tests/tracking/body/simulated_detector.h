@@ -10,7 +10,7 @@
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/random.h"
-#include "ingest/joint_detection.h"
+#include "ingest/frame/joint_detection.h"
 
 namespace kinora::tracking::testing {
 

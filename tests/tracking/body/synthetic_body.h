@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "ingest/frame.h"
+#include "ingest/frame/frame.h"
 #include "tracking/body/body_energy.h"
-#include "tracking/object_view.h"
+#include "tracking/view/object_view.h"
 
 namespace kinora::tracking::testing {
 

@@ -1,0 +1,35 @@
+// Clips to and from Matroska files. docs/container.md specifies the payloads.
+#pragma once
+
+#include <filesystem>
+
+#include "clip/clip.h"
+#include "core/progress.h"
+
+namespace kinora::clip {
+
+/// Bytes of each part of a clip file, for `info` and reports; they add up to the file's size.
+struct ByteAccount {
+  struct Entry {
+    std::string name; ///< "field background", "motion object", "calibration", "metadata", "container"
+    std::size_t bytes;
+  };
+  std::vector<Entry> entries;
+  std::size_t total = 0;
+};
+
+/// The clip as a reader of its file will see it, up to Clip::times, which a file keeps to the nanosecond: fields and
+/// motions are quantised (field_codec.h, pose_codec.h, deformation_codec.h). Throws Error(kFailure) if the clip cannot
+/// be stored.
+Clip as_stored(const Clip& clip);
+
+/// Writes to `path` (the caller gives a .part name and renames). The same clip gives the same bytes.
+/// Throws Error(kUnwritableOutput) naming the path, also when the disk is full; kFailure if the clip contradicts itself
+/// (sizes, times that do not increase, two layers of one name, numbers that are not finite).
+void write_clip(const Clip& clip, const std::filesystem::path& path);
+
+/// Reads and checks everything: sizes, ranges, checksums. The file is not trusted.
+/// Throws Error: kNotRecognised (not Matroska, or no clip of ours), kCorruptInput (naming file and place).
+Clip read_clip(const std::filesystem::path& path, ByteAccount* account = nullptr);
+
+} // namespace kinora::clip

@@ -1,0 +1,237 @@
+// read_clip: a clip out of a file that is not trusted.
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "clip/clip_description.h"
+#include "clip/clip_io.h"
+#include "clip/codec_ids.h"
+#include "clip/coding/allocation_budget.h"
+#include "clip/payloads/confidence_codec.h"
+#include "clip/payloads/deformation_codec.h"
+#include "clip/payloads/field_codec.h"
+#include "clip/payloads/joints_codec.h"
+#include "clip/payloads/pose_codec.h"
+#include "container/reader.h"
+#include "core/error.h"
+
+namespace kinora::clip {
+
+namespace {
+
+using container::Payload;
+using container::StoredAttachment;
+using container::StoredTrack;
+
+// Where the payloads of one track go.
+struct Destination {
+  std::size_t layer = 0; // of a field or motion track
+  std::string_view codec;
+  bool moves = true; // one payload for each frame; else a single one
+  std::vector<bool> seen;
+  std::vector<motion::Motion::Pose> poses;               // of a camera or a rigid layer
+  std::shared_ptr<const motion::DeformationGraph> graph; // of a deforming layer, as the rest
+  Bytes confidence;                                      // not decoded before the layer's field is known
+  std::optional<DeformationDecoder> decoder;
+  std::vector<motion::Motion::Deformation> deformations;
+};
+
+class ClipReader {
+public:
+  explicit ClipReader(const std::filesystem::path& path) : reader_(path), budget_(reader_.file_bytes()) {}
+
+  Clip read() {
+    check_kind();
+    if (reader_.truncated()) {
+      corrupt(fmt::format("byte {}: the file is cut short here; fetch it again", reader_.file_bytes()));
+    }
+    description_ = parse_clip_description(attachment(kClipFile), place_of(kClipFile));
+    clip_.intrinsics = parse_intrinsics(attachment(kCalibrationFile), place_of(kCalibrationFile));
+    clip_.metadata = parse_json(attachment(kMetadataFile), place_of(kMetadataFile));
+    constexpr double kNanoseconds = 1e9;
+    for (const std::int64_t time : description_.times_ns)
+      clip_.times.push_back(static_cast<double>(time) / kNanoseconds);
+    clip_.capture_frames = description_.capture_frames;
+    clip_.held_out = description_.held_out;
+    clip_.layers.resize(description_.layers.size());
+    prepare_destinations();
+    Payload payload;
+    while (reader_.next(payload)) take(payload);
+    assemble();
+    return std::move(clip_);
+  }
+
+  ByteAccount account() const {
+    ByteAccount account;
+    account.total = static_cast<std::size_t>(reader_.file_bytes());
+    for (const StoredTrack& track : reader_.tracks()) {
+      const auto found = bytes_.find(track.track.id);
+      if (!track.ours) continue;
+      const std::size_t payloads = found == bytes_.end() ? 0 : found->second;
+      account.entries.push_back({track.track.name, payloads + track.track.private_data.size()});
+    }
+    for (const StoredAttachment& stored : reader_.attachments()) {
+      account.entries.push_back({account_name(stored.name), static_cast<std::size_t>(stored.stored_bytes)});
+    }
+    const auto add = [](std::size_t sum, const ByteAccount::Entry& entry) { return sum + entry.bytes; };
+    const std::size_t known = std::accumulate(account.entries.begin(), account.entries.end(), std::size_t{0}, add);
+    account.entries.push_back({"container", account.total - known});
+    return account;
+  }
+
+private:
+  static std::string account_name(const std::string& file) {
+    if (file == kClipFile) return "timeline";
+    if (file == kCalibrationFile) return "calibration";
+    if (file == kMetadataFile) return "metadata";
+    return "attachment " + file;
+  }
+
+  [[noreturn]] void corrupt(const std::string& why) const {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", reader_.name(), why));
+  }
+  std::string place_of(const char* attachment_name) const {
+    return fmt::format("{}: {}", reader_.name(), attachment_name);
+  }
+
+  void check_kind() const {
+    const std::optional<std::string> kind = reader_.tag(container::kKindTag);
+    const auto not_recognised = [this](const std::string& why) {
+      throw Error(ErrorCode::kNotRecognised,
+                  fmt::format("{} is not a clip that this Kinora reads: {}", reader_.name(), why));
+    };
+    if (!kind) {
+      if (reader_.truncated()) corrupt("the file is cut short before it says what it is; fetch it again");
+      not_recognised("it is a Matroska file of another kind");
+    }
+    if (*kind != kClipKind) not_recognised(fmt::format("it says that it is a {}", *kind));
+    const std::string version = reader_.tag(container::kVersionTag).value_or("(none)");
+    if (version != std::to_string(container::kFileVersion)) {
+      not_recognised(fmt::format("its layout has version {}; use a newer Kinora", version));
+    }
+  }
+
+  Bytes attachment(const char* attachment_name) {
+    const StoredAttachment* const stored = reader_.find_attachment(attachment_name);
+    if (stored == nullptr) corrupt(fmt::format("the attachment {} is missing", attachment_name));
+    return reader_.read_attachment(*stored);
+  }
+
+  void prepare_destinations() {
+    add_destination(description_.camera_track, kCameraCodec, 0, description_.camera_moves);
+    for (std::size_t l = 0; l < description_.layers.size(); ++l) {
+      const LayerDescription& layer = description_.layers[l];
+      add_destination(layer.field_track, kFieldCodec, l, false);
+      if (layer.motion_track != 0) add_destination(layer.motion_track, kMotionCodec, l, true);
+      if (layer.confidence_track != 0) add_destination(layer.confidence_track, kConfidenceCodec, l, false);
+      if (layer.joints_track != 0) add_destination(layer.joints_track, kJointsCodec, l, false);
+    }
+  }
+
+  void add_destination(std::uint16_t id, std::string_view codec, std::size_t layer, bool moves) {
+    const auto has_id = [id](const StoredTrack& track) { return track.ours && track.track.id == id; };
+    const auto track = std::find_if(reader_.tracks().begin(), reader_.tracks().end(), has_id);
+    if (track == reader_.tracks().end() || track->track.codec != codec) {
+      corrupt(fmt::format("track {} is missing or is no {}", id, codec));
+    }
+    Destination destination;
+    destination.layer = layer;
+    destination.codec = codec;
+    destination.moves = moves;
+    destination.seen.assign(moves ? description_.times_ns.size() : 1, false);
+    if (codec == kMotionCodec && description_.layers[layer].kind == motion::MotionKind::kDeforming) {
+      destination.graph = decode_graph(track->track.private_data, fmt::format("{}: track {}", reader_.name(), id));
+      budget_.take(decoding_memory(*destination.graph, destination.seen.size()), reader_.name());
+      destination.decoder.emplace(*destination.graph);
+    } else if (codec == kCameraCodec || codec == kMotionCodec) {
+      budget_.take(destination.seen.size() * 2 * sizeof(motion::Motion::Pose), reader_.name());
+      destination.poses.resize(destination.seen.size());
+    }
+    destinations_.emplace(id, std::move(destination));
+  }
+
+  void take(const Payload& payload) {
+    bytes_[payload.track] += static_cast<std::size_t>(payload.stored_bytes);
+    const auto found = destinations_.find(payload.track);
+    if (found == destinations_.end()) return; // of a later Kinora, beside what this one knows
+    Destination& destination = found->second;
+    const std::string place = fmt::format("{}: byte {}", reader_.name(), payload.offset);
+    const auto at = std::lower_bound(description_.times_ns.begin(), description_.times_ns.end(), payload.time_ns);
+    const auto frame = static_cast<std::size_t>(at - description_.times_ns.begin());
+    if (at == description_.times_ns.end() || *at != payload.time_ns || frame >= destination.seen.size()) {
+      throw Error(ErrorCode::kCorruptInput,
+                  fmt::format("{}: a payload at {} ns is of no frame", place, payload.time_ns));
+    }
+    if (destination.seen[frame]) {
+      throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes twice", place, frame));
+    }
+    destination.seen[frame] = true;
+    if (destination.codec == kFieldCodec) {
+      clip_.layers[destination.layer].field = decode_field(payload.bytes, place, budget_);
+    } else if (destination.codec == kConfidenceCodec) {
+      destination.confidence = payload.bytes;
+    } else if (destination.codec == kJointsCodec) {
+      clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), place, budget_);
+    } else if (destination.decoder) {
+      if (frame != destination.deformations.size()) {
+        throw Error(ErrorCode::kCorruptInput,
+                    fmt::format("{}: frame {} comes before frame {}", place, frame, destination.deformations.size()));
+      }
+      destination.deformations.push_back(destination.decoder->decode(payload.bytes, payload.key, place));
+    } else {
+      destination.poses[frame] = decode_pose(payload.bytes, place);
+    }
+  }
+
+  void assemble() {
+    for (auto& [id, destination] : destinations_) {
+      const auto missing = std::find(destination.seen.begin(), destination.seen.end(), false);
+      if (missing != destination.seen.end()) {
+        corrupt(fmt::format("track {} has no payload for frame {}; fetch the file again", id,
+                            missing - destination.seen.begin()));
+      }
+      if (destination.codec == kMotionCodec) {
+        clip_.layers[destination.layer].motion =
+            destination.graph ? motion::Motion::deforming(destination.graph, std::move(destination.deformations))
+                              : motion::Motion::rigid(std::move(destination.poses));
+      } else if (destination.codec == kCameraCodec) {
+        for (const motion::Motion::Pose& pose : destination.poses)
+          clip_.camera_to_world.push_back(pose.canonical_to_world);
+      }
+    }
+    decode_confidences();
+    for (std::size_t l = 0; l < clip_.layers.size(); ++l) {
+      clip_.layers[l].name = description_.layers[l].name;
+      clip_.layers[l].label = description_.layers[l].label;
+    }
+  }
+
+  void decode_confidences() {
+    for (const auto& [id, destination] : destinations_) {
+      if (destination.codec != kConfidenceCodec) continue;
+      Layer& layer = clip_.layers[destination.layer];
+      layer.confidence = decode_confidence(destination.confidence, layer.field.occupancy,
+                                           fmt::format("{}: track {}", reader_.name(), id), budget_);
+    }
+  }
+
+  container::Reader reader_;
+  AllocationBudget budget_;
+  ClipDescription description_;
+  Clip clip_;
+  std::map<std::uint16_t, Destination> destinations_;
+  std::map<std::uint16_t, std::size_t> bytes_;
+};
+
+} // namespace
+
+Clip read_clip(const std::filesystem::path& path, ByteAccount* account) {
+  ClipReader reader(path);
+  Clip clip = reader.read();
+  if (account != nullptr) *account = reader.account();
+  return clip;
+}
+
+} // namespace kinora::clip

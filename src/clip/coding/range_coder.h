@@ -1,0 +1,91 @@
+// An adaptive binary arithmetic coder and integers coded with it. docs/container.md specifies the bits.
+// Source: Howard and Vitter, "Practical Implementations of Arithmetic Coding", 1992; the carry-free interval of 32 bits
+// as in Mahoney's lpaq; integers as Exp-Golomb codes with adaptive bits.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kinora::clip {
+
+/// How probable it is that a bit is set, learnt from those that came before: quickly at first, then more slowly.
+class BitModel {
+public:
+  /// In 1/4096, from 1 to 4095.
+  std::uint32_t probability() const { return probability_ >> 4; }
+  void learn(bool bit);
+
+private:
+  std::uint16_t probability_ = 1U << 15;
+  std::uint8_t seen_ = 0;
+};
+
+/// Both coders have the same member `code`, so that a syntax is written once, as a template, for both directions.
+class RangeEncoder {
+public:
+  /// Writes `bit` and returns it.
+  bool code(BitModel& model, bool bit);
+  /// The whole code; the encoder is spent.
+  std::vector<std::byte> finish();
+
+private:
+  std::vector<std::byte> out_;
+  std::uint32_t low_ = 0;
+  std::uint32_t high_ = ~0U;
+};
+
+/// Safe for untrusted bytes. `place` must outlive the decoder. Throws Error(kCorruptInput) naming it.
+class RangeDecoder {
+public:
+  RangeDecoder(std::span<const std::byte> bytes, const std::string& place);
+  /// The next bit; the argument has no meaning. Throws when the code ends before.
+  bool code(BitModel& model, bool /*bit*/ = false);
+  /// Throws unless the code ends here.
+  void finish() const;
+
+private:
+  std::uint32_t next_byte();
+
+  std::span<const std::byte> bytes_;
+  const std::string& place_;
+  std::size_t read_ = 0; // bytes taken, counting the zeros that follow the last
+  std::uint32_t low_ = 0;
+  std::uint32_t high_ = ~0U;
+  std::uint32_t code_ = 0;
+};
+
+/// What has been learnt about one kind of integer.
+struct IntegerModel {
+  static constexpr std::size_t kClasses = 31; // of size: 1, 2–3, 4–7, …
+  static constexpr std::size_t kLearntBits = 2;
+  BitModel zero;
+  BitModel sign;
+  std::array<BitModel, kClasses> larger;
+  std::array<std::array<BitModel, 1U << kLearntBits>, kClasses> mantissa; // its highest bits; the others cost one bit
+};
+
+/// Writes `value`, whose size is below 2³¹, and returns it; or reads and returns one.
+template <class Coder> std::int32_t code_integer(Coder& coder, IntegerModel& model, std::int32_t value = 0) {
+  const bool negative = value < 0;
+  const auto size = static_cast<std::uint32_t>(negative ? -value : value);
+  if (coder.code(model.zero, size == 0)) return 0;
+  const bool minus = coder.code(model.sign, negative);
+  std::size_t bits = 0;
+  while (bits + 1 < IntegerModel::kClasses && coder.code(model.larger[bits], (size >> (bits + 1)) != 0)) ++bits;
+  std::uint32_t result = 1;
+  for (std::size_t b = bits; b-- > 0;) {
+    const std::size_t depth = bits - 1 - b;
+    BitModel even; // nothing is learnt about low bits
+    BitModel& bit_model = depth < IntegerModel::kLearntBits
+                              ? model.mantissa[bits][(std::size_t{1} << depth) - 1 + (depth > 0 ? (result & 1U) : 0)]
+                              : even;
+    result = (result << 1) | (coder.code(bit_model, ((size >> b) & 1U) != 0) ? 1U : 0U);
+  }
+  return minus ? -static_cast<std::int32_t>(result) : static_cast<std::int32_t>(result);
+}
+
+} // namespace kinora::clip

@@ -1,0 +1,178 @@
+#include "clip/payloads/deformation_codec.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "container/little_endian.h"
+#include "core/error.h"
+
+namespace kinora::clip {
+
+using container::get;
+using container::get_double;
+using container::put;
+using motion::DeformationGraph;
+using motion::Motion;
+
+namespace {
+
+constexpr std::uint8_t kGraphVersion = 1;
+constexpr std::uint8_t kPayloadVersion = 1;
+constexpr std::size_t kGraphHeaderBytes = 24;
+constexpr std::size_t kNodeBytes = 12;
+constexpr std::size_t kPayloadHeaderBytes = 2;
+constexpr double kSmallestRadius = 1e-4; // metres
+constexpr double kLargestRadius = 1e3;
+
+[[noreturn]] void reject(const std::string& place, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+}
+
+bool is_radius(double metres) { return metres >= kSmallestRadius && metres <= kLargestRadius; }
+
+// A number is coded as its difference to a prediction. (An enemy's sum may wrap, but not into what is_valid() accepts.)
+template <class Coder>
+std::int32_t code_difference(Coder& coder, IntegerModel& model, std::int32_t prediction, std::int32_t value) {
+  const auto difference = static_cast<std::uint32_t>(code_integer(coder, model, value - prediction));
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(prediction) + difference);
+}
+
+template <class Coder>
+std::size_t code_face(Coder& coder, DeformationModels& models, std::size_t predicted, std::size_t face) {
+  if (coder.code(models.same_face, face == predicted)) return predicted;
+  const bool high = coder.code(models.face[0], (face & 2U) != 0);
+  const bool low = coder.code(models.face[high ? 2 : 1], (face & 1U) != 0);
+  return (high ? 2U : 0U) + (low ? 1U : 0U);
+}
+
+template <class Coder>
+void code_node(Coder& coder, DeformationModels& models, const NodePrediction& prediction, NodeState& node) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    node.position[a] = code_difference(coder, models.position[a], prediction.position[a], node.position[a]);
+  }
+  const std::size_t face = code_face(coder, models, prediction.face(), largest_component(node.rotation));
+  node.rotation[face] = kQuaternionUnits;
+  for (std::size_t c = 0, m = 0; c < 4; ++c) {
+    if (c == face) continue;
+    const std::int32_t predicted = prediction.component(face, c);
+    node.rotation[c] = code_difference(coder, models.rotation[m++], predicted, node.rotation[c]);
+  }
+}
+
+bool is_valid(const NodeState& node) {
+  const auto is_near = [](std::int32_t coordinate) {
+    return coordinate >= -kFarthestLive && coordinate <= kFarthestLive;
+  };
+  const auto is_component = [](std::int32_t component) {
+    return component >= -kQuaternionUnits && component <= kQuaternionUnits;
+  };
+  return std::all_of(node.position.begin(), node.position.end(), is_near) &&
+         std::all_of(node.rotation.begin(), node.rotation.end(), is_component) &&
+         node.rotation[largest_component(node.rotation)] == kQuaternionUnits;
+}
+
+} // namespace
+
+Bytes encode_graph(const DeformationGraph& graph) {
+  const auto refuse = [](const std::string& why) {
+    throw Error(ErrorCode::kFailure, fmt::format("a deformation graph cannot be stored: {}", why));
+  };
+  if (graph.nodes().size() > kMostNodes) {
+    refuse(fmt::format("it has {} nodes, and {} are the most", graph.nodes().size(), kMostNodes));
+  }
+  if (!is_radius(graph.weight_radius()) || !is_radius(graph.influence_radius())) {
+    refuse(fmt::format("its radii are {} m and {} m", graph.weight_radius(), graph.influence_radius()));
+  }
+  Bytes out;
+  put(out, kGraphVersion);
+  put(out, std::uint8_t{0});
+  put(out, std::uint16_t{0});
+  put(out, static_cast<std::uint32_t>(graph.nodes().size()));
+  put(out, graph.weight_radius());
+  put(out, graph.influence_radius());
+  for (const Eigen::Vector3d& node : graph.nodes()) {
+    for (const std::int32_t coordinate : quantise_rest(node)) put(out, coordinate);
+  }
+  return out;
+}
+
+std::shared_ptr<const DeformationGraph> decode_graph(std::span<const std::byte> private_data,
+                                                     const std::string& place) {
+  if (private_data.size() < kGraphHeaderBytes) reject(place, "the private data of a deforming layer has no graph");
+  if (const auto version = get<std::uint8_t>(private_data, 0); version != kGraphVersion) {
+    reject(place, fmt::format("a graph has version {}; this Kinora reads version {}", version, kGraphVersion));
+  }
+  const auto count = get<std::uint32_t>(private_data, 4);
+  if (count == 0 || count > kMostNodes || private_data.size() != kGraphHeaderBytes + kNodeBytes * count) {
+    reject(place, fmt::format("{} bytes are no graph of {} nodes", private_data.size(), count));
+  }
+  const double weight_radius = get_double(private_data, 8);
+  const double influence_radius = get_double(private_data, 16);
+  if (!is_radius(weight_radius) || !is_radius(influence_radius)) reject(place, "a radius of a graph is out of range");
+  std::vector<Eigen::Vector3d> nodes;
+  for (std::size_t at = kGraphHeaderBytes; at < private_data.size(); at += kNodeBytes) {
+    RestPosition rest{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      rest[a] = get<std::int32_t>(private_data, at + 4 * a);
+      if (rest[a] < -kFarthestRest || rest[a] > kFarthestRest) reject(place, "a node of a graph is too far away");
+    }
+    nodes.push_back(dequantise(rest));
+  }
+  return std::make_shared<const DeformationGraph>(std::move(nodes), weight_radius, influence_radius);
+}
+
+std::uint64_t decoding_memory(const DeformationGraph& graph, std::size_t frames) {
+  return std::uint64_t{frames} * (sizeof(Motion::Deformation) + graph.nodes().size() * sizeof(DualQuaternion));
+}
+
+DeformationCoding::DeformationCoding(const DeformationGraph& graph)
+    : rest_(quantise_rest(graph.nodes())), predictor_(rest_) {}
+
+template <class Coder>
+void DeformationCoding::code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& place) {
+  if (key) models_ = {};
+  const std::vector<NodeState>& reference = key ? predictor_.rest() : last_;
+  for (const std::uint32_t i : predictor_.order()) {
+    code_node(coder, models_, predictor_.predict(i, reference, nodes), nodes[i]);
+    if (!is_valid(nodes[i])) reject(place, fmt::format("node {} is turned or moved impossibly", i));
+  }
+  last_ = nodes;
+}
+
+DeformationEncoder::Coded DeformationEncoder::encode(const Motion::Deformation& deformation) {
+  const bool key = frame_++ % kKeyInterval == 0;
+  std::vector<NodeState> nodes;
+  for (std::size_t i = 0; i < rest_.size(); ++i) nodes.push_back(quantise(deformation.node_to_world.at(i), rest_[i]));
+  Bytes out;
+  put(out, kPayloadVersion);
+  put(out, static_cast<std::uint8_t>(deformation.health));
+  RangeEncoder coder;
+  code(coder, key, nodes, "a deformation");
+  const Bytes coded = coder.finish();
+  out.insert(out.end(), coded.begin(), coded.end());
+  return {key, std::move(out)};
+}
+
+Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payload, bool key, const std::string& place) {
+  if (payload.size() < kPayloadHeaderBytes) reject(place, "a deformation is too short");
+  if (const auto version = get<std::uint8_t>(payload, 0); version != kPayloadVersion) {
+    reject(place, fmt::format("a deformation has version {}; this Kinora reads version {}", version, kPayloadVersion));
+  }
+  const auto health = get<std::uint8_t>(payload, 1);
+  if (health > static_cast<std::uint8_t>(motion::Health::kLost)) {
+    reject(place, "a deformation is neither tracked nor held nor lost");
+  }
+  if (!key && !started_) reject(place, "a deformation without an earlier one to which it refers");
+  RangeDecoder coder(payload.subspan(kPayloadHeaderBytes), place);
+  std::vector<NodeState> nodes(rest_.size());
+  code(coder, key, nodes, place);
+  coder.finish();
+  started_ = true;
+  Motion::Deformation deformation;
+  deformation.health = static_cast<motion::Health>(health);
+  for (std::size_t i = 0; i < nodes.size(); ++i) deformation.node_to_world.push_back(dequantise(nodes[i], rest_[i]));
+  return deformation;
+}
+
+} // namespace kinora::clip

@@ -1,0 +1,86 @@
+// The motion of a deforming layer as the private data and the payloads of a S_KINORA/MOTION track, and back.
+// docs/container.md specifies them.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "clip/coding/node_lattice.h"
+#include "clip/coding/range_coder.h"
+#include "clip/coding/zstd_codec.h"
+#include "motion/motion.h"
+
+namespace kinora::clip {
+
+inline constexpr std::size_t kMostNodes = 16384;
+/// Every so many frames a payload is understood without those before it.
+inline constexpr std::size_t kKeyInterval = 30;
+
+/// The graph as private data of its track: positions of nodes to half a micrometre for each axis. Thread-safe.
+/// Throws Error(kFailure) if it has too many nodes, or one too far away, or a radius that cannot be stored.
+Bytes encode_graph(const motion::DeformationGraph& graph);
+
+/// encode_graph(decode_graph(b)) = b for every b that encode_graph wrote. Safe for untrusted input. Thread-safe.
+/// Throws Error(kCorruptInput) naming `place`.
+std::shared_ptr<const motion::DeformationGraph> decode_graph(std::span<const std::byte> private_data,
+                                                             const std::string& place);
+
+/// Memory that a motion takes once it is decoded.
+std::uint64_t decoding_memory(const motion::DeformationGraph& graph, std::size_t frames);
+
+/// What has been learnt about the differences since the last key payload.
+struct DeformationModels {
+  std::array<IntegerModel, 3> position;
+  std::array<IntegerModel, 3> rotation;
+  BitModel same_face;
+  std::array<BitModel, 3> face;
+};
+
+/// What writer and reader know after each payload, and the syntax of one, which is the same for both.
+class DeformationCoding {
+protected:
+  explicit DeformationCoding(const motion::DeformationGraph& graph);
+  template <class Coder> void code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& place);
+
+  std::vector<RestPosition> rest_;
+
+private:
+  NodePredictor predictor_;
+  std::vector<NodeState> last_;
+  DeformationModels models_;
+};
+
+/// Deformations, frame after frame, into payloads: positions of nodes to 0.06 mm for each axis, rotations to 10⁻³ rad.
+/// Not thread-safe.
+class DeformationEncoder : DeformationCoding {
+public:
+  /// Throws Error(kFailure) if the graph cannot be stored.
+  explicit DeformationEncoder(const motion::DeformationGraph& graph) : DeformationCoding(graph) {}
+
+  struct Coded {
+    bool key;
+    Bytes bytes;
+  };
+  /// Throws Error(kFailure) if a transform is not rigid, or not finite, or carries its node too far away.
+  Coded encode(const motion::Motion::Deformation& deformation);
+
+private:
+  std::size_t frame_ = 0;
+};
+
+/// The reverse, in the same order; it may begin at any key payload. Safe for untrusted input. Not thread-safe.
+class DeformationDecoder : DeformationCoding {
+public:
+  explicit DeformationDecoder(const motion::DeformationGraph& graph) : DeformationCoding(graph) {}
+
+  /// Throws Error(kCorruptInput) naming `place`; then nothing but a key payload may follow.
+  motion::Motion::Deformation decode(std::span<const std::byte> payload, bool key, const std::string& place);
+
+private:
+  bool started_ = false;
+};
+
+} // namespace kinora::clip

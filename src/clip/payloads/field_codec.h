@@ -1,0 +1,30 @@
+// A field as the bytes of a S_KINORA/FIELD payload, and back. docs/container.md specifies them.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "clip/coding/allocation_budget.h"
+#include "clip/coding/zstd_codec.h"
+#include "fields/model/field.h"
+
+namespace kinora::clip {
+
+/// Stored are the occupancy exactly, the table entries that it touches (touched_entries.h) as 16-bit integers times one
+/// power of two for each level (level_quantiser.h), and both networks and the sharpness as 16-bit floats. The same
+/// field gives the same bytes. Thread-safe. Throws Error(kFailure) if parameters are not finite, or their number does
+/// not fit the configuration.
+Bytes encode_field(const fields::Field& field);
+
+/// Entries that no occupied cell touches come back as zero. encode_field(decode_field(b)) = b for every b that
+/// encode_field wrote. Safe for untrusted input; allocates at most what `budget` gives. Thread-safe.
+/// Throws Error(kCorruptInput) naming `place`.
+fields::Field decode_field(std::span<const std::byte> payload, const std::string& place, AllocationBudget& budget);
+
+/// Bytes that decode_field takes from its budget.
+std::uint64_t decoding_memory(const fields::FieldConfig& config);
+
+/// The field as a reader of the file will see it: decode_field(encode_field(field)).
+fields::Field quantised(const fields::Field& field);
+
+} // namespace kinora::clip

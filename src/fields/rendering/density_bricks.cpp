@@ -1,0 +1,221 @@
+#include "fields/rendering/density_bricks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/parallel.h"
+#include "fields/network/field_batch.h"
+#include "fields/network/ray_batch.h"
+#include "fields/network/volume_density.h"
+
+namespace kinora::fields {
+namespace {
+
+constexpr int kSide = DensityBricks::kSide;
+constexpr int kLevels = DensityBricks::kLevels;
+constexpr std::size_t kSamples = static_cast<std::size_t>(kLevels) * kLevels * kLevels;
+static_assert(DensityBricks::kLowest + 255 * DensityBricks::kStep == kMaxRawDensity);
+
+/// Bricks that have an occupied cell within reach of their samples, in order of their index.
+std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolution) {
+  const int per_side = (resolution + kSide - 1) / kSide;
+  const double lattice_per_cell = static_cast<double>(resolution) / occupancy.resolution();
+  std::vector<std::uint8_t> wanted(static_cast<std::size_t>(per_side) * per_side * per_side, 0);
+  const auto range = [&](int cell) {
+    const int low = static_cast<int>(std::floor((cell * lattice_per_cell - 1) / kSide));
+    const int high = static_cast<int>(std::floor(((cell + 1) * lattice_per_cell + 1) / kSide));
+    return std::array<int, 2>{std::max(low, 0), std::min(high, per_side - 1)};
+  };
+  for (int z = 0; z < occupancy.resolution(); ++z) {
+    for (int y = 0; y < occupancy.resolution(); ++y) {
+      for (int x = 0; x < occupancy.resolution(); ++x) {
+        if (!occupancy.at(x, y, z)) continue;
+        const auto [x0, x1] = range(x);
+        const auto [y0, y1] = range(y);
+        const auto [z0, z1] = range(z);
+        for (int k = z0; k <= z1; ++k) {
+          for (int j = y0; j <= y1; ++j) {
+            const std::size_t row = static_cast<std::size_t>(k * per_side + j) * static_cast<std::size_t>(per_side);
+            std::fill(wanted.begin() + static_cast<std::ptrdiff_t>(row) + x0,
+                      wanted.begin() + static_cast<std::ptrdiff_t>(row) + x1 + 1, std::uint8_t{1});
+          }
+        }
+      }
+    }
+  }
+  std::vector<std::array<int, 3>> places;
+  for (int z = 0; z < per_side; ++z) {
+    for (int y = 0; y < per_side; ++y) {
+      for (int x = 0; x < per_side; ++x) {
+        const int place = (z * per_side + y) * per_side + x;
+        if (wanted[static_cast<std::size_t>(place)] != 0) places.push_back({x, y, z});
+      }
+    }
+  }
+  return places;
+}
+
+std::uint8_t quantised(float raw) {
+  const float level = (raw - DensityBricks::kLowest) / DensityBricks::kStep;
+  return static_cast<std::uint8_t>(std::lround(std::clamp(level, 0.0F, 255.0F)));
+}
+
+/// Samples one brick after the other; buffers are kept.
+class BrickSampler {
+public:
+  BrickSampler(const Field& field, int resolution)
+      : field_(field), levels_(grid_levels(field.config)), resolution_(resolution) {}
+
+  /// Fills bytes() for the brick; false if it is as good as empty.
+  bool sample(const std::array<int, 3>& place) {
+    for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
+    at_.clear();
+    bytes_.fill(0);
+    for (std::size_t i = 0; i < kSamples; ++i) {
+      const int number = static_cast<int>(i);
+      const std::array<int, 3> local{number % kLevels, number / kLevels % kLevels, number / (kLevels * kLevels)};
+      std::array<float, 3> position{};
+      for (std::size_t a = 0; a < 3; ++a) {
+        position[a] = static_cast<float>(place[a] * kSide + local[a]) / static_cast<float>(resolution_);
+      }
+      if (!is_reached(position)) continue;
+      x_.push_back(position[0]);
+      y_.push_back(position[1]);
+      z_.push_back(position[2]);
+      at_.push_back(i);
+    }
+    evaluate_points(field_, levels_, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
+    std::uint8_t most = 0;
+    for (std::size_t k = 0; k < at_.size(); ++k) {
+      const std::uint8_t byte = quantised(points_.geometry[k * FieldConfig::kGeometry]);
+      bytes_[at_[k]] = byte;
+      most = std::max(most, byte);
+    }
+    return most >= DensityBricks::kVisible;
+  }
+
+  void write_pairs(std::uint16_t* pairs) const {
+    for (int z = 0; z < kLevels; ++z) {
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kLevels; ++x) {
+          const std::uint8_t* b = bytes_.data() + (z * kLevels + y) * kLevels + x;
+          *pairs++ = static_cast<std::uint16_t>(b[0] | b[kLevels] << 8);
+        }
+      }
+    }
+  }
+
+private:
+  // Whether there is occupied space within half a lattice step.
+  bool is_reached(const std::array<float, 3>& position) const {
+    const Occupancy& occupancy = field_.occupancy;
+    const auto cells = static_cast<float>(occupancy.resolution());
+    const float reach = 0.5F / static_cast<float>(resolution_);
+    std::array<int, 3> low{};
+    std::array<int, 3> high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(static_cast<int>(std::floor((position[a] - reach) * cells)), 0);
+      high[a] = std::min(static_cast<int>(std::floor((position[a] + reach) * cells)), occupancy.resolution() - 1);
+    }
+    for (int z = low[2]; z <= high[2]; ++z) {
+      for (int y = low[1]; y <= high[1]; ++y) {
+        for (int x = low[0]; x <= high[0]; ++x) {
+          if (occupancy.at(x, y, z)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  const Field& field_;
+  std::vector<GridLevel> levels_;
+  int resolution_;
+  std::vector<float> x_, y_, z_;
+  std::vector<std::size_t> at_; // the sample that each point is
+  PointBatch points_;
+  std::array<std::uint8_t, kSamples> bytes_{};
+};
+
+} // namespace
+
+DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.finest_resolution) {
+  constexpr int kFine = 512;
+  while (4 * resolution_ <= kFine) resolution_ *= 2; // what nets bend within the cells of small fields
+  // Large fields are trained with samples as far apart as the sensor's noise asks for, some cells.
+  for (int most = kFine; resolution_ > most; most = kMostResolution) resolution_ = (resolution_ + 1) / 2;
+  const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);
+  constexpr std::size_t kChunk = 64;
+  struct Part {
+    std::vector<std::array<int, 3>> places;
+    std::vector<std::uint16_t> pairs;
+  };
+  std::vector<Part> parts(chunk_count(candidates.size(), kChunk));
+  parallel_for(candidates.size(), kChunk, [&](const Chunk& chunk) {
+    BrickSampler sampler(field, resolution_);
+    Part& part = parts[chunk.index];
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      if (!sampler.sample(candidates[i])) continue;
+      part.places.push_back(candidates[i]);
+      part.pairs.resize(part.pairs.size() + kPairs);
+      sampler.write_pairs(part.pairs.data() + part.pairs.size() - kPairs);
+    }
+  });
+  for (const Part& part : parts) {
+    places_.insert(places_.end(), part.places.begin(), part.places.end());
+    pairs_.insert(pairs_.end(), part.pairs.begin(), part.pairs.end());
+  }
+  const auto per_side = static_cast<std::size_t>(bricks_per_side());
+  index_.assign(per_side * per_side * per_side, -1);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto [x, y, z] = places_[i];
+    index_[(static_cast<std::size_t>(z) * per_side + static_cast<std::size_t>(y)) * per_side +
+           static_cast<std::size_t>(x)] = static_cast<std::int32_t>(i);
+  }
+}
+
+int DensityBricks::brick_at(int x, int y, int z) const {
+  const int n = bricks_per_side();
+  if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) return -1;
+  const int place = (z * n + y) * n + x;
+  return index_[static_cast<std::size_t>(place)];
+}
+
+std::uint8_t DensityBricks::largest(std::size_t brick, const std::array<int, 3>& low, int side) const {
+  const std::uint16_t* pairs = pairs_.data() + brick * kPairs;
+  int most = 0;
+  for (int z = low[2]; z <= low[2] + side; ++z) {
+    for (int y = low[1]; y < low[1] + side; ++y) {
+      for (int x = low[0]; x <= low[0] + side; ++x) {
+        const int pair = pairs[(z * kSide + y) * kLevels + x];
+        most = std::max({most, pair & 255, pair >> 8});
+      }
+    }
+  }
+  return static_cast<std::uint8_t>(most);
+}
+
+float DensityBricks::raw_density(const std::array<float, 3>& at) const {
+  std::array<int, 3> low{};
+  std::array<float, 3> fraction{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const float floor = std::floor(std::clamp(at[a], -1.0F, static_cast<float>(resolution_)));
+    low[a] = static_cast<int>(floor);
+    fraction[a] = at[a] - floor;
+  }
+  const int brick =
+      low[0] < 0 || low[1] < 0 || low[2] < 0 ? -1 : brick_at(low[0] / kSide, low[1] / kSide, low[2] / kSide);
+  if (brick < 0) return kLowest;
+  const std::uint16_t* pairs = pairs_.data() + static_cast<std::size_t>(brick) * kPairs;
+  float sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int dx = corner & 1, dy = (corner >> 1) & 1, dz = corner >> 2;
+    const int pair = ((low[2] % kSide + dz) * kSide + low[1] % kSide) * kLevels + low[0] % kSide + dx;
+    const int byte = pairs[pair] >> (8 * dy) & 255;
+    sum += static_cast<float>(byte) * (dx != 0 ? fraction[0] : 1 - fraction[0]) *
+           (dy != 0 ? fraction[1] : 1 - fraction[1]) * (dz != 0 ? fraction[2] : 1 - fraction[2]);
+  }
+  return kLowest + kStep * sum;
+}
+
+} // namespace kinora::fields

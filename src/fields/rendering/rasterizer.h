@@ -1,0 +1,110 @@
+// Front faces of hulls to pixels: which triangle of which layer each pixel's ray enters, and how deep.
+// Source: Olano, Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", HWWS 1997: no clipping, also of
+// triangles that reach behind the camera.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/camera.h"
+#include "fields/rendering/brick_hull.h"
+
+namespace kinora::fields {
+
+/// Barycentric coordinates of the point that a pixel's ray meets, times 1 / depth, are rows · (x, y, 1), with (x, y, 1)
+/// the pixel's ray in the camera's frame; their sum is 1 / depth.
+struct HullTriangle {
+  std::array<std::array<float, 3>, 3> rows;
+  std::array<std::uint32_t, 3> corners;
+  std::array<std::int16_t, 4> bounds; ///< pixels: first and last column, first and last row
+  std::uint8_t layer;
+};
+
+/// Square tiles of a picture with the triangles that may be seen in each.
+class TriangleBins {
+public:
+  static constexpr int kTile = 16; ///< pixels per side
+
+  explicit TriangleBins(const Intrinsics& intrinsics);
+
+  /// Adds the front faces of a layer, at corners in the camera's frame; layers in ascending order.
+  void add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const HullFace> faces);
+  /// To be called once, after all layers.
+  void sort();
+
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  const HullTriangle& triangle(std::uint32_t index) const { return parts_[index / kPart][index % kPart]; }
+  /// Indices of the tile's triangles, in the order in which they were added.
+  std::span<const std::uint32_t> of_tile(int column, int row) const;
+
+private:
+  static constexpr std::uint32_t kPart = 2048; // triangles at most
+  template <class Visit> void for_triangles_and_tiles(const Visit& visit) const;
+
+  Intrinsics intrinsics_;
+  int columns_;
+  int rows_;
+  std::vector<std::vector<HullTriangle>> parts_;
+  std::vector<std::uint32_t> begin_; // per tile, into members_; one more at the end
+  std::vector<std::uint32_t> members_;
+};
+
+/// Up to kMost values for each pixel of a tile, nearest first; of more the farthest are dropped. The nearest of all
+/// pixels lie together, as most have few.
+template <class T, int kMost> class PixelLists {
+public:
+  static constexpr std::size_t kPixels = TriangleBins::kTile * TriangleBins::kTile;
+  static constexpr std::size_t kMostOfAPixel = kMost;
+
+  void clear() { counts_.fill(0); }
+  std::size_t count(std::size_t pixel) const { return counts_[pixel]; }
+  const T& at(std::size_t pixel, std::size_t number) const { return values_[number * kPixels + pixel]; }
+  /// T has a member `depth`.
+  void insert(std::size_t pixel, const T& value) {
+    std::size_t number = counts_[pixel];
+    if (number == kMost) {
+      if (!(value.depth < at(pixel, number - 1).depth)) return;
+      --number;
+    } else {
+      ++counts_[pixel];
+    }
+    for (; number > 0 && value.depth < at(pixel, number - 1).depth; --number) {
+      values_[number * kPixels + pixel] = at(pixel, number - 1);
+    }
+    values_[number * kPixels + pixel] = value;
+  }
+
+private:
+  std::unique_ptr<T[]> values_{new T[kPixels * kMost]}; // without initial values
+  std::array<std::uint8_t, kPixels> counts_{};
+};
+
+/// Where a pixel's ray enters a hull.
+struct Entry {
+  float depth;            ///< metres along the optical axis
+  std::uint32_t triangle; ///< index into TriangleBins::triangles()
+};
+using Entries = PixelLists<Entry, 8>;
+
+/// Appends the front faces among `faces`, two triangles each.
+void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
+               std::uint8_t layer, std::vector<HullTriangle>& out);
+
+/// The rays of a tile's pixels, (x, y, 1) in the camera's frame.
+struct TileRays {
+  int left, top; ///< its first pixel
+  float x, y;    ///< of that
+  float dx, dy;  ///< from one pixel to the next
+};
+TileRays tile_rays(const Intrinsics& intrinsics, int left, int top);
+
+/// Adds the entries of one triangle into the pixels of a tile.
+void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries);
+
+} // namespace kinora::fields

@@ -1,0 +1,20 @@
+// What a pixel's ray meets in a layer.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "fields/network/turn.h"
+
+namespace kinora::fields {
+
+struct Surface {
+  float depth; ///< metres
+  float opacity;
+  std::uint32_t layer;
+  std::array<float, 3> position; ///< relative to the field's box, where the light is taken away in the mean
+  std::array<float, 3> spread;   ///< its standard deviation along the ray
+  Turn turn = kNoTurn;           ///< of the layer there
+};
+
+} // namespace kinora::fields

@@ -1,0 +1,73 @@
+// What training remembers of the frames: a bounded set of pixels with colour, depth and label.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/large_buffer.h"
+#include "ingest/frame/frame.h"
+
+namespace kinora::fields {
+
+/// What is known of a pixel's depth; 4 bytes.
+class StoredDepth {
+public:
+  static StoredDepth measured(float metres) { return StoredDepth(metres); } ///< and clean; more than 0
+  static StoredDepth guessed(float metres) { return StoredDepth(-metres); } ///< from clean neighbours; 0: unknown
+  static StoredDepth unknown() { return StoredDepth(0); }
+
+  bool is_measured() const { return packed_ > 0; }
+  bool is_guessed() const { return packed_ < 0; }
+  bool is_known() const { return packed_ != 0; }
+  /// Measured or guessed; 0 if it is not known.
+  float metres() const { return std::abs(packed_); }
+
+private:
+  explicit StoredDepth(float packed) : packed_(packed) {}
+
+  float packed_; // negative: guessed
+};
+
+/// 12 bytes.
+struct StoredPixel {
+  std::uint16_t u, v;
+  StoredDepth depth;
+  std::array<std::uint8_t, 3> color;
+  std::uint8_t label;
+};
+static_assert(sizeof(StoredPixel) == 12);
+
+struct StoredFrame {
+  int frame; ///< index into the clip's timeline
+  Camera camera;
+  std::size_t begin, end; ///< its pixels
+};
+
+/// Keeps every pixel while they fit, else a fixed pseudo-random share of each frame's. Not thread-safe.
+class PixelStore {
+public:
+  /// `max_pixels` bounds the memory (12 bytes each); `expected_frames` decides the share kept of each frame.
+  PixelStore(std::size_t max_pixels, std::size_t expected_frames);
+  /// `timeline_index`: the frame's place in the clip's timeline. Throws Error(kFailure) if `max_pixels` are exceeded.
+  void add(const ingest::Frame& frame, int timeline_index);
+
+  /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
+  /// about `max_pixels`.
+  PixelStore thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const;
+
+  const std::vector<StoredFrame>& frames() const { return frames_; }
+  const LargeBuffer<StoredPixel>& pixels() const { return pixels_; }
+
+private:
+  std::size_t max_pixels_;
+  std::size_t expected_frames_;
+  std::size_t pixels_per_frame_;
+  std::vector<StoredFrame> frames_;
+  LargeBuffer<StoredPixel> pixels_;
+};
+
+} // namespace kinora::fields

@@ -1,0 +1,191 @@
+#include "ingest/capture/frame_source.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "ingest/depth/depth_cleaning.h"
+
+namespace kinora::ingest {
+namespace {
+
+Intrinsics intrinsics_of(const KinoraCamera& camera) {
+  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+}
+
+bool is_image(const KinoraImage& image, const Intrinsics& camera, int channels, KinoraPixelType type) {
+  return image.data != nullptr && image.width == camera.width && image.height == camera.height &&
+         image.channels == channels && image.pixel_type == type;
+}
+
+template <class T> Image<T> copy_of(const KinoraImage& image) {
+  Image<T> copy(image.width, image.height, image.channels);
+  const std::size_t row_values = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+  for (int v = 0; v < image.height; ++v)
+    std::memcpy(copy.pixel(0, v), static_cast<const std::byte*>(image.data) + image.row_bytes * v,
+                row_values * sizeof(T));
+  return copy;
+}
+
+template <class T> const T* row_of(const KinoraImage& image, int v) {
+  return reinterpret_cast<const T*>(static_cast<const std::byte*>(image.data) +
+                                    image.row_bytes * static_cast<std::size_t>(v));
+}
+
+/// Metres, 0 where nothing is measured or where the plugin has no confidence in it.
+DepthImage metres_of(const KinoraFrame& frame, double max_depth) {
+  DepthImage depth(frame.depth.width, frame.depth.height);
+  for (int v = 0; v < depth.height(); ++v) {
+    const auto* row = row_of<std::uint16_t>(frame.depth, v);
+    const auto* confidence = frame.confidence.data != nullptr ? row_of<std::uint8_t>(frame.confidence, v) : nullptr;
+    for (int u = 0; u < depth.width(); ++u) {
+      const double metres = row[u] * frame.depth_unit;
+      const bool believed = confidence == nullptr || confidence[u] > 0;
+      depth.at(u, v) = believed && metres <= max_depth ? static_cast<float>(metres) : 0.0F;
+    }
+  }
+  return depth;
+}
+
+bool has_measurement(const DepthImage& depth) {
+  const auto values = depth.values();
+  return std::any_of(values.begin(), values.end(), [](float z) { return z > 0; });
+}
+
+template <class T> bool is_zero_everywhere(const KinoraImage& image) {
+  const auto copy = copy_of<T>(image);
+  const auto values = copy.values();
+  return std::all_of(values.begin(), values.end(), [](T value) { return value == 0; });
+}
+
+/// Of a frame in which nothing counts as measured.
+std::string why_unmeasured(const KinoraFrame& frame, double max_depth) {
+  if (is_zero_everywhere<std::uint16_t>(frame.depth)) return "the depth image holds no measurement";
+  if (frame.confidence.data != nullptr && is_zero_everywhere<std::uint8_t>(frame.confidence))
+    return "the confidence of every depth pixel is 0";
+  return fmt::format(
+      "nothing is measured within {} m; if the scene is nearer, the capture states a wrong unit of depth "
+      "(depth_factor)",
+      max_depth);
+}
+
+std::optional<Undistortion> undistortion_of(const KinoraCamera& camera) {
+  const double* k = camera.distortion;
+  const Distortion distortion{k[0], k[1], k[2], k[3], k[4]};
+  if (distortion.is_zero()) return std::nullopt;
+  return Undistortion(intrinsics_of(camera), distortion);
+}
+
+RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* format) {
+  RegistrationGeometry geometry{intrinsics_of(info.depth_camera), intrinsics_of(info.camera), SE3::Identity()};
+  geometry.depth.validate(std::string(format) + ": the depth camera");
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(info.depth_to_color);
+  geometry.depth_to_color = rigid_from_matrix(matrix, "the pose of the depth camera");
+  return geometry;
+}
+
+} // namespace
+
+FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), max_depth_(options.max_depth),
+      cleaning_(options.cleaning), position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
+  intrinsics_.validate(reader_.format().name);
+  const KinoraCaptureInfo& info = reader_.info();
+  undistortion_ = undistortion_of(info.camera);
+  if (options.registration) {
+    use_registration(*options.registration);
+    return;
+  }
+  if (info.has_depth_camera == 0) return;
+  registration_ = registration_of(info, reader_.format().name);
+  depth_undistortion_ = undistortion_of(info.depth_camera);
+}
+
+void FrameSource::use_registration(const RegistrationGeometry& given) {
+  const auto fits = [this](const Intrinsics& k) {
+    return k.width == intrinsics_.width && k.height == intrinsics_.height;
+  };
+  if (reader_.info().has_depth_camera != 0 || !fits(given.depth) || !fits(given.color)) {
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: this is not the capture whose depth camera is given", reader_.format().name));
+  }
+  given.depth.validate("the given depth camera");
+  given.color.validate("the given colour camera");
+  registration_ = given;
+  depth_undistortion_ = undistortion_;
+  intrinsics_ = given.color;
+  color_to_pose_ = given.depth_to_color.inverse();
+}
+
+SourceResult FrameSource::next() {
+  SourceResult result;
+  result.index = position_;
+  if (position_ >= reader_.info().frame_count || !range_.contains(position_)) {
+    result.end = true;
+    return result;
+  }
+  reader_.seek(position_);
+  position_ += range_.step;
+  const std::optional<host::ReadFrame> read = reader_.next();
+  if (!read) {
+    result.end = true;
+    return result;
+  }
+  result.problem = read->problem.empty() ? problem_of(read->frame) : read->problem;
+  if (!result.problem.empty()) return result;
+  result.has_infrared = read->frame.infrared.data != nullptr;
+  Frame frame = convert(read->frame);
+  frame.index = result.index;
+  if (has_measurement(frame.depth))
+    result.frame = std::move(frame);
+  else
+    result.problem = why_unmeasured(read->frame, max_depth_);
+  return result;
+}
+
+/// A plugin is not trusted: what it hands over must be what its own description promises.
+std::string FrameSource::problem_of(const KinoraFrame& frame) const {
+  const std::string format = reader_.format().name;
+  if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
+    return format + " gave no colour image of the camera's size";
+  const Intrinsics& depth_camera = registration_ ? registration_->depth : intrinsics_;
+  if (!is_image(frame.depth, depth_camera, 1, KINORA_PIXEL_U16))
+    return format + " gave no depth image of the camera's size";
+  if (frame.confidence.data != nullptr && !is_image(frame.confidence, depth_camera, 1, KINORA_PIXEL_U8))
+    return format + " gave a confidence image that is not of the depth camera's size";
+  if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";
+  if (frame.labels.data != nullptr && !is_image(frame.labels, intrinsics_, 1, KINORA_PIXEL_U8))
+    return format + " gave a mask that is not of the camera's size";
+  if (!std::isfinite(frame.time)) return format + " gave a time that is not finite";
+  if (reader_.info().has_poses != 0 && frame.has_pose == 0)
+    return "the frame has no camera pose, though others have one";
+  return {};
+}
+
+/// As the undistorted colour camera sees it.
+DepthImage FrameSource::depth_of(const KinoraFrame& given) const {
+  DepthImage depth = metres_of(given, max_depth_);
+  const std::optional<Undistortion>& undistortion = registration_ ? depth_undistortion_ : undistortion_;
+  if (undistortion) depth = undistortion->depth(depth);
+  return registration_ ? register_depth(depth, *registration_) : depth;
+}
+
+Frame FrameSource::convert(const KinoraFrame& given) const {
+  Frame frame;
+  frame.time = given.time - reader_.info().start_time;
+  frame.camera.intrinsics = intrinsics_;
+  if (reader_.info().has_poses != 0) {
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> pose(given.camera_to_world);
+    frame.camera.camera_to_world = rigid_from_matrix(pose, "the camera pose") * color_to_pose_;
+  }
+  frame.color = copy_of<std::uint8_t>(given.color);
+  frame.depth = depth_of(given);
+  if (use_masks_ && given.labels.data != nullptr) frame.labels = copy_of<std::uint8_t>(given.labels);
+  if (undistortion_) {
+    frame.color = undistortion_->color(frame.color);
+    if (frame.has_labels()) frame.labels = undistortion_->labels(frame.labels);
+  }
+  frame.clean_depth = clean_depth(frame.depth, intrinsics_, cleaning_);
+  return frame;
+}
+
+} // namespace kinora::ingest

@@ -1,0 +1,334 @@
+#include "ingest/segmentation/frame_labelling.h"
+
+#include "core/parallel.h"
+#include "ingest/images/grab_cut.h"
+#include "ingest/images/optical_flow.h"
+#include "ingest/images/picture_change.h"
+#include "ingest/segmentation/flat_faces.h"
+
+namespace kinora::ingest {
+namespace {
+
+constexpr std::uint8_t kPerson = 1;
+constexpr int kSharpened = 4; ///< pixels to both sides of a border
+constexpr std::size_t kRowsPerChunk = 16;
+constexpr float kImpossible = -100;
+constexpr float kLeastScore = 0.3F;
+constexpr float kOfLast = 2.5F;  ///< score of a pixel whose neighbourhood had the label before
+constexpr float kOfFace = 2;     ///< … that lies on a flat face
+constexpr float kOfRest = 1.5F;  ///< … where the thing lay
+constexpr double kAtRest = 0.02; ///< metres
+constexpr float kSameDepth = 0.06F;
+constexpr float kAlike = 0.8F;      ///< mean log ratio at which a lost thing is found again by colour alone
+constexpr double kLeastBody = 0.02; ///< square metres: less is no person, unless it hangs on one
+constexpr double kNearBody = 0.15;  ///< metres
+constexpr double kReachOfBody = 0.4;
+constexpr double kLikeThing = 0.35;  ///< overlap of the colours of a face and of the thing it belongs to
+constexpr double kBesideFace = 0.03; ///< metres
+constexpr int kFaceRim = 6;          ///< pixels around a face that may be the thing's other sides
+constexpr int kOtherColor = 20;      ///< of 255
+
+} // namespace
+
+enum class FaceArea : std::uint8_t { kElsewhere, kBeside, kOn };
+
+namespace {
+
+template <class Body> void for_rows(int height, const Body& body) {
+  parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
+    for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) body(v);
+  });
+}
+
+/// The label that most of the labelled neighbours within `radius` have; 0 if fewer than a third are labelled.
+std::uint8_t label_around(const LabelImage& labels, int u, int v, int radius) {
+  int counts[256] = {};
+  int seen = 0;
+  for (int y = std::max(0, v - radius); y <= std::min(labels.height() - 1, v + radius); ++y) {
+    for (int x = std::max(0, u - radius); x <= std::min(labels.width() - 1, u + radius); ++x) {
+      ++counts[labels.at(x, y)];
+      ++seen;
+    }
+  }
+  if (3 * (seen - counts[0]) < seen) return 0;
+  return static_cast<std::uint8_t>(std::max_element(counts + 1, counts + 256) - counts);
+}
+
+/// The flat faces that look like a thing.
+Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view, const Mask& faces) {
+  const SurfaceComponents pieces = surface_components(view.depth, faces, view.intrinsics);
+  std::vector<ColorCounts> counts(pieces.list.size());
+  std::vector<ColorModel> colors;
+  for (std::size_t i = 0; i < faces.pixel_count(); ++i)
+    if (pieces.map.data()[i] >= 0)
+      counts[static_cast<std::size_t>(pieces.map.data()[i])].add(&view.color.data()[3 * i]);
+  int best = -1;
+  double best_score = 0;
+  for (std::size_t n = 0; n < counts.size(); ++n) {
+    colors.push_back(counts[n].model());
+    const double overlap = colors[n].overlap(thing.color);
+    const double score = overlap * std::min(pieces.list[n].area, thing.area);
+    if (overlap < kLikeThing || score <= best_score) continue;
+    best_score = score;
+    best = static_cast<int>(n);
+  }
+  Image<FaceArea> result(faces.width(), faces.height());
+  if (best < 0) return result;
+  const SurfaceComponent& main = pieces.list[static_cast<std::size_t>(best)];
+  for (int v = 0; v < faces.height(); ++v) {
+    for (int u = 0; u < faces.width(); ++u) {
+      const std::int32_t number = pieces.map.at(u, v);
+      if (number < 0) continue;
+      const SurfaceComponent& piece = pieces.list[static_cast<std::size_t>(number)];
+      const bool beside = colors[static_cast<std::size_t>(number)].overlap(thing.color) > kLikeThing &&
+                          piece.box.exteriorDistance(main.box) < kBesideFace;
+      if (number != best && !beside) continue;
+      for (int y = std::max(0, v - kFaceRim); y <= std::min(faces.height() - 1, v + kFaceRim); ++y)
+        for (int x = std::max(0, u - kFaceRim); x <= std::min(faces.width() - 1, u + kFaceRim); ++x)
+          if (result.at(x, y) == FaceArea::kElsewhere) result.at(x, y) = FaceArea::kBeside;
+      result.at(u, v) = FaceArea::kOn;
+    }
+  }
+  return result;
+}
+
+/// Pieces of the foreground before which the background's texture is seen.
+void drop_what_looks_still(const SegmentationView& view, const BackgroundLook& background, Mask& foreground) {
+  const SurfaceComponents parts = surface_components(view.depth, foreground, view.intrinsics);
+  std::vector<PictureChange> pictures(parts.list.size());
+  const auto for_each = [&](const auto& use) {
+    for (int v = 0; v < foreground.height(); ++v)
+      for (int u = 0; u < foreground.width(); ++u)
+        if (const std::int32_t number = parts.map.at(u, v); number >= 0)
+          use(u, v, pictures[static_cast<std::size_t>(number)]);
+  };
+  for_each([&](int u, int v, PictureChange& picture) {
+    if (!has_texture(view.color, u, v)) return;
+    const auto change = background.color_difference(u, v, view.color.pixel(u, v));
+    picture.add(!change || *change > kColorChange);
+  });
+  for_each([&](int u, int v, const PictureChange& picture) {
+    if (picture.denies()) foreground.at(u, v) = 0;
+  });
+}
+
+/// Whether the surface at a pixel is where the thing last lay.
+bool lies_at_rest(const HandledThing& thing, const SegmentationView& view, int u, int v) {
+  const Eigen::Vector3d point = view.camera_to_world * view.intrinsics.unproject(u, v, view.depth.at(u, v));
+  for (std::size_t i = thing.rests.size(); i-- > 0;) {
+    const RestingPlace& rest = thing.rests[i];
+    const auto seen = seen_point(rest.camera.intrinsics, rest.camera.camera_to_world.inverse() * point);
+    if (!seen || !(rest.depth.at(seen->u, seen->v) > 0)) continue;
+    return std::abs(rest.depth.at(seen->u, seen->v) - seen->z) < kAtRest;
+  }
+  return false;
+}
+
+} // namespace
+
+FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples)
+    : background_(std::move(background)), things_(std::move(things)), samples_(samples),
+      lost_(things_.things.size(), true) {}
+
+void FrameLabelling::label(Frame& frame) {
+  const int factor = segmentation_factor(frame.depth.width());
+  const SegmentationView view = segmentation_view(frame, factor);
+  const BackgroundLook background(*background_, view);
+  Mask foreground = foreground_mask(view, background);
+  if (samples_ < kFewSamples) drop_what_looks_still(view, background, foreground);
+  carry_last_labels(view);
+  LabelImage labels = label_things(view, foreground);
+  label_persons(view, foreground, labels);
+  last_labels_ = labels;
+  last_depth_ = view.depth;
+  last_color_ = view.color;
+  fill_unmeasured(view, background, labels);
+  frame.labels = at_full_size(frame, factor, view, background, labels);
+  sharpen_borders(frame.color, kSharpened, frame.labels);
+}
+
+void FrameLabelling::mark_foreground(Frame& frame) const {
+  const int factor = segmentation_factor(frame.depth.width());
+  const SegmentationView view = segmentation_view(frame, factor);
+  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view));
+  frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
+  for_rows(frame.labels.height(), [&](int v) {
+    const int y = std::min(v / factor, foreground.height() - 1);
+    for (int u = 0; u < frame.labels.width(); ++u)
+      frame.labels.at(u, v) = foreground.at(std::min(u / factor, foreground.width() - 1), y);
+  });
+}
+
+/// What is known of the last frame moves with the picture.
+void FrameLabelling::carry_last_labels(const SegmentationView& view) {
+  if (last_labels_.empty() || things_.things.empty()) return;
+  const Image<float> flow = optical_flow(view.color, last_color_);
+  last_labels_ = carried(last_labels_, flow);
+  last_depth_ = carried(last_depth_, flow);
+}
+
+/// How much likelier each foreground pixel is the thing than the rest, by colour around it, by where the thing was and
+/// by shape.
+void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
+                                 const Image<FaceArea>& faces, Scores& scores) const {
+  const HandledThing& model = things_.things[thing];
+  const int width = view.depth.width();
+  const int height = view.depth.height();
+  Image<float> ratio(width, height);
+  for (std::size_t i = 0; i < ratio.pixel_count(); ++i)
+    if (foreground.data()[i] != 0)
+      ratio.data()[i] =
+          std::clamp(model.color.log_ratio(things_.others, &view.color.data()[3 * i]) + (model.flat ? 0 : model.prior),
+                     -3.0F, 3.0F);
+  const auto label = static_cast<std::uint8_t>(thing + 2);
+  for_rows(height, [&](int v) {
+    for (int u = 0; u < width; ++u) {
+      scores.at(u, v) = kImpossible;
+      if (foreground.at(u, v) == 0) continue;
+      const float z = view.depth.at(u, v);
+      float color = 0;
+      float around = 0, before = 0;
+      for (int y = std::max(0, v - 2); y <= std::min(height - 1, v + 2); ++y) {
+        for (int x = std::max(0, u - 2); x <= std::min(width - 1, u + 2); ++x) {
+          if (foreground.at(x, y) == 0 || std::abs(view.depth.at(x, y) - z) > kSameDepth) continue;
+          color += ratio.at(x, y);
+          ++around;
+          if (!last_labels_.empty() && last_labels_.at(x, y) == label &&
+              std::abs(last_depth_.at(x, y) - z) < kSameDepth)
+            ++before;
+        }
+      }
+      color /= around;
+      float support = 0;
+      bool possible = lost_[thing] && color > kAlike;
+      if (before > 0) {
+        support += kOfLast * (before / around - 0.3F);
+        possible = true;
+      } else if (!lost_[thing]) {
+        support -= 0.5F;
+      }
+      if (model.flat) {
+        possible = faces.at(u, v) != FaceArea::kElsewhere;
+        if (faces.at(u, v) == FaceArea::kOn) support += kOfFace;
+      }
+      if (lies_at_rest(model, view, u, v)) {
+        support += kOfRest;
+        possible = true;
+      }
+      if (possible) scores.at(u, v) = color + support;
+    }
+  });
+}
+
+LabelImage FrameLabelling::label_things(const SegmentationView& view, const Mask& foreground) {
+  LabelImage labels(view.depth.width(), view.depth.height());
+  if (things_.things.empty()) return labels;
+  const bool any_flat = std::any_of(things_.things.begin(), things_.things.end(), [](const auto& t) { return t.flat; });
+  const Mask faces =
+      any_flat ? flat_faces(view.depth, foreground, view.intrinsics) : Mask(view.depth.width(), view.depth.height());
+  Scores best(view.depth.width(), view.depth.height(), 1, kLeastScore);
+  Scores scores(view.depth.width(), view.depth.height());
+  for (std::size_t thing = 0; thing < things_.things.size(); ++thing) {
+    const HandledThing& model = things_.things[thing];
+    score_thing(thing, view, foreground, model.flat ? faces_of(model, view, faces) : Image<FaceArea>(), scores);
+    for (std::size_t i = 0; i < best.pixel_count(); ++i) {
+      if (scores.data()[i] <= best.data()[i]) continue;
+      best.data()[i] = scores.data()[i];
+      labels.data()[i] = static_cast<std::uint8_t>(thing + 2);
+    }
+  }
+  clean_things(view, labels);
+  return labels;
+}
+
+/// Of each thing stay the largest piece and those not much smaller; a thing of which little is left is lost.
+void FrameLabelling::clean_things(const SegmentationView& view, LabelImage& labels) {
+  for (std::size_t thing = 0; thing < things_.things.size(); ++thing) {
+    const auto label = static_cast<std::uint8_t>(thing + 2);
+    Mask mask(labels.width(), labels.height());
+    for (std::size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] = labels.data()[i] == label ? 1 : 0;
+    const SurfaceComponents pieces = surface_components(view.depth, mask, view.intrinsics);
+    const int largest = pieces.largest();
+    double area = 0;
+    for (const SurfaceComponent& piece : pieces.list) area = std::max(area, piece.area);
+    lost_[thing] = largest < 0 || area < 0.15 * things_.things[thing].area;
+    for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
+      if (mask.data()[i] == 0) continue;
+      const SurfaceComponent& piece = pieces.list[static_cast<std::size_t>(pieces.map.data()[i])];
+      if (lost_[thing] || piece.area < 0.2 * area) labels.data()[i] = 0;
+    }
+  }
+}
+
+/// Foreground that is no thing is a person if there is enough of it, or if it is close to one.
+void FrameLabelling::label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const {
+  Mask rest = foreground;
+  for (std::size_t i = 0; i < rest.pixel_count(); ++i)
+    if (labels.data()[i] != 0) rest.data()[i] = 0;
+  const SurfaceComponents parts = surface_components(view.depth, rest, view.intrinsics);
+  const int largest = parts.largest();
+  if (largest < 0) return;
+  const SurfaceComponent& body = parts.list[static_cast<std::size_t>(largest)];
+  if (body.area < kLeastBody) return;
+  std::vector<bool> person(parts.list.size());
+  for (std::size_t n = 0; n < parts.list.size(); ++n) {
+    const SurfaceComponent& part = parts.list[n];
+    const bool near = part.box.exteriorDistance(body.box) < kNearBody && part.area > 0.05 * kLeastBody;
+    // Of a pair of frames little is known: what is far from the body may be furniture.
+    const bool large =
+        part.area >= kLeastBody && (samples_ >= kFewSamples || part.box.exteriorDistance(body.box) < kReachOfBody);
+    person[n] = near || large;
+  }
+  for (std::size_t i = 0; i < rest.pixel_count(); ++i)
+    if (parts.map.data()[i] >= 0 && person[static_cast<std::size_t>(parts.map.data()[i])]) labels.data()[i] = kPerson;
+}
+
+/// Pixels without depth beside a labelled one follow it where they do not look like the background.
+void FrameLabelling::fill_unmeasured(const SegmentationView& view, const BackgroundLook& background,
+                                     LabelImage& labels) {
+  for (int round = 0; round < 3; ++round) {
+    const LabelImage before = labels;
+    for_rows(labels.height(), [&](int v) {
+      for (int u = 0; u < labels.width(); ++u) {
+        if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
+        const auto change = background.color_difference(u, v, view.color.pixel(u, v));
+        if (!change || *change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
+      }
+    });
+  }
+}
+
+LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const SegmentationView& view,
+                                        const BackgroundLook& background, const LabelImage& small) {
+  if (factor == 1) return small;
+  const Intrinsics& intrinsics = frame.camera.intrinsics;
+  LabelImage labels(intrinsics.width, intrinsics.height);
+  for_rows(labels.height(), [&](int v) {
+    for (int u = 0; u < labels.width(); ++u) {
+      const int x = std::min(u / factor, small.width() - 1);
+      const int y = std::min(v / factor, small.height() - 1);
+      const float z = frame.depth.at(u, v);
+      if (z <= 0) {
+        const auto change = background.color_difference(x, y, frame.color.pixel(u, v));
+        std::uint8_t label = small.at(x, y);
+        if (label == 0) label = label_around(small, x, y, 1);
+        if (!change ? small.at(x, y) != 0 : *change > kOtherColor) labels.at(u, v) = label;
+        continue;
+      }
+      if (background.ground_of(intrinsics.unproject(u, v, z)) != Ground::kForeground) continue;
+      float nearest = std::numeric_limits<float>::infinity();
+      for (int j = std::max(0, y - 1); j <= std::min(small.height() - 1, y + 1); ++j) {
+        for (int i = std::max(0, x - 1); i <= std::min(small.width() - 1, x + 1); ++i) {
+          if (view.depth.at(i, j) <= 0) continue;
+          const float off = std::abs(view.depth.at(i, j) - z) + (i == x && j == y ? 0.0F : 0.01F);
+          if (off >= nearest) continue;
+          nearest = off;
+          labels.at(u, v) = small.at(i, j);
+        }
+      }
+    }
+  });
+  return labels;
+}
+
+} // namespace kinora::ingest

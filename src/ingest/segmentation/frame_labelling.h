@@ -1,0 +1,47 @@
+// The second pass: labels one frame after another with what the first pass learned.
+#pragma once
+
+#include <memory>
+
+#include "ingest/segmentation/handled_things.h"
+
+namespace kinora::ingest {
+
+/// How a pixel lies to the flat faces that look like a thing.
+enum class FaceArea : std::uint8_t;
+
+/// Keeps the labels of the last frame, which are the prior of the next. Not thread-safe.
+class FrameLabelling {
+public:
+  /// `samples`: how many frames the background was made from.
+  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples);
+
+  /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
+  void label(Frame& frame);
+  /// Only what is in front of the background, as label 1 in whole pixels of the view; as if the frame came alone.
+  void mark_foreground(Frame& frame) const;
+
+private:
+  void carry_last_labels(const SegmentationView& view);
+
+  using Scores = Image<float>;
+
+  void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
+                   const Image<FaceArea>& faces, Scores& scores) const;
+  LabelImage label_things(const SegmentationView& view, const Mask& foreground);
+  void clean_things(const SegmentationView& view, LabelImage& labels);
+  void label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const;
+  static void fill_unmeasured(const SegmentationView& view, const BackgroundLook& background, LabelImage& labels);
+  static LabelImage at_full_size(const Frame& frame, int factor, const SegmentationView& view,
+                                 const BackgroundLook& background, const LabelImage& small);
+
+  std::unique_ptr<BackgroundMap> background_;
+  SceneThings things_;
+  std::size_t samples_;
+  std::vector<bool> lost_; ///< by thing: not seen in the last frame
+  LabelImage last_labels_;
+  DepthImage last_depth_;
+  ColorImage last_color_;
+};
+
+} // namespace kinora::ingest

@@ -1,0 +1,180 @@
+#include "clip/payloads/field_codec.h"
+
+#include <gtest/gtest.h>
+
+#include "clip/payloads/touched_entries.h"
+#include "clip/sample_clip.h"
+#include "container/little_endian.h"
+#include "core/error.h"
+
+namespace kinora::clip {
+namespace {
+
+using fields::Field;
+using fields::FieldConfig;
+using testing::random_field;
+
+constexpr const char* kPlace = "a.mkv: byte 5";
+
+Field decode(const Bytes& payload) {
+  AllocationBudget budget(payload.size());
+  return decode_field(payload, kPlace, budget);
+}
+
+void expect_corrupt(const Bytes& payload) {
+  try {
+    decode(payload);
+    FAIL() << "decoded without an error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCorruptInput);
+    EXPECT_EQ(std::string(error.what()).rfind(kPlace, 0), 0U) << error.what();
+  }
+}
+
+TEST(FieldCodec, KeepsConfigurationAndOccupancyExactly) {
+  const Field field = random_field(1);
+  const Field back = decode(encode_field(field));
+  EXPECT_EQ(back.config.box.origin, field.config.box.origin);
+  EXPECT_EQ(back.config.box.side, field.config.box.side);
+  EXPECT_EQ(back.config.levels, field.config.levels);
+  EXPECT_EQ(back.config.log2_table_size, field.config.log2_table_size);
+  EXPECT_EQ(back.config.coarsest_resolution, field.config.coarsest_resolution);
+  EXPECT_EQ(back.config.finest_resolution, field.config.finest_resolution);
+  EXPECT_EQ(back.config.occupancy_resolution, field.config.occupancy_resolution);
+  EXPECT_EQ(back.occupancy.words(), field.occupancy.words());
+}
+
+TEST(FieldCodec, KeepsTouchedParametersWithinTwoPercentAndForgetsTheOthers) {
+  const Field field = random_field(2);
+  const Field back = decode(encode_field(field));
+  const auto levels = fields::grid_levels(field.config);
+  const auto touched = touched_entries(field.config, field.occupancy);
+  std::vector<bool> is_touched(field.table.size() / FieldConfig::kFeatures);
+  double error = 0;
+  double power = 0;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    for (const std::uint32_t entry : touched[l]) is_touched[levels[l].offset + entry] = true;
+  }
+  for (std::size_t i = 0; i < field.table.size(); ++i) {
+    if (!is_touched[i / FieldConfig::kFeatures]) {
+      EXPECT_EQ(back.table[i], 0);
+      continue;
+    }
+    error += std::pow(back.table[i] - field.table[i], 2);
+    power += std::pow(field.table[i], 2);
+  }
+  EXPECT_GT(power, 0);
+  EXPECT_LT(std::sqrt(error / power), 0.02);
+  for (std::size_t i = 0; i < field.density_net.size(); ++i) {
+    EXPECT_NEAR(back.density_net[i], field.density_net[i], std::abs(field.density_net[i]) * 0x1p-11 + 1e-7);
+  }
+  for (std::size_t i = 0; i < field.color_net.size(); ++i) {
+    EXPECT_NEAR(back.color_net[i], field.color_net[i], std::abs(field.color_net[i]) * 0x1p-11 + 1e-7);
+  }
+}
+
+TEST(FieldCodec, EncodesWhatItDecodedToTheSameBytes) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const Bytes payload = encode_field(random_field(seed));
+    EXPECT_EQ(encode_field(decode(payload)), payload) << seed;
+    EXPECT_EQ(encode_field(quantised(random_field(seed))), payload) << seed;
+  }
+}
+
+TEST(FieldCodec, KeepsGeometryAndSharpness) {
+  EXPECT_EQ(decode(encode_field(random_field(2))).config.geometry, fields::Geometry::kDensity);
+  const Field field = random_field(3);
+  const Field back = decode(encode_field(field));
+  EXPECT_EQ(back.config.geometry, fields::Geometry::kSignedDistance);
+  EXPECT_NEAR(back.sharpness, field.sharpness, field.sharpness * 0x1p-11);
+}
+
+TEST(FieldCodec, RejectsASharpnessOutsideItsLimits) {
+  Bytes payload = encode_field(random_field(1));
+  for (const int high_byte : {0x4A, 0xCA, 0x7C, 0x7E}) { // 12, −12, infinity, not a number
+    payload[14] = std::byte{0};
+    payload[15] = static_cast<std::byte>(high_byte);
+    expect_corrupt(payload);
+  }
+}
+
+TEST(FieldCodec, StoresAnEmptyFieldInAFewKilobytes) {
+  const Field field(testing::small_config());
+  const Bytes payload = encode_field(field);
+  EXPECT_LT(payload.size(), 1000U);
+  EXPECT_EQ(decode(payload).table, field.table);
+}
+
+TEST(FieldCodec, RejectsPayloadsCutAnywhere) {
+  const Bytes payload = encode_field(random_field(3));
+  for (std::size_t size = 0; size < payload.size(); size += 1 + size / 50) {
+    expect_corrupt(Bytes(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(size)));
+  }
+}
+
+TEST(FieldCodec, RejectsBytesBehindTheEnd) {
+  Bytes payload = encode_field(random_field(3));
+  payload.push_back(std::byte{0});
+  expect_corrupt(payload);
+}
+
+TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
+  const Bytes good = encode_field(random_field(4));
+  const auto with = [&good](std::size_t at, std::initializer_list<int> values) {
+    Bytes bad = good;
+    std::size_t i = at;
+    for (const int v : values) bad[i++] = static_cast<std::byte>(v);
+    return bad;
+  };
+  expect_corrupt(with(0, {1}));           // version
+  expect_corrupt(with(0, {5}));           // version
+  expect_corrupt(with(1, {0}));           // levels
+  expect_corrupt(with(1, {255}));         // levels
+  expect_corrupt(with(2, {31}));          // table size
+  expect_corrupt(with(3, {4}));           // features
+  expect_corrupt(with(4, {0, 0}));        // coarsest resolution
+  expect_corrupt(with(6, {255, 255}));    // finest resolution
+  expect_corrupt(with(8, {0, 128}));      // occupancy resolution
+  expect_corrupt(with(10, {32}));         // hidden width
+  expect_corrupt(with(23, {0x7F, 0xF8})); // a box that is not a number
+  expect_corrupt(with(46, {0xF8, 0x7F})); // a side that is not a number
+  expect_corrupt(with(56, {200}));        // resolution of a level
+  expect_corrupt(with(58, {127}));        // exponent of a level
+}
+
+// The announced size of the occupancy must be that of its resolution: a bomb is refused before it is unpacked.
+TEST(FieldCodec, RefusesCompressedDataThatAnnouncesAnotherSize) {
+  const Bytes bomb = compress(Bytes(100'000'000));
+  EXPECT_THROW(decompress(bomb, 1000, kPlace), Error);
+  EXPECT_THROW(decompress(bomb, 100'000'001, kPlace), Error);
+  EXPECT_THROW(decompress({}, 0, kPlace), Error);
+}
+
+TEST(FieldCodec, RefusesToAllocateMoreThanTheBudget) {
+  FieldConfig config = testing::small_config();
+  config.log2_table_size = 20;
+  config.finest_resolution = 8192;
+  config.coarsest_resolution = 128;
+  config.levels = 8;
+  const Bytes payload = encode_field(Field(config));
+  EXPECT_LT(payload.size(), 1000U);
+  expect_corrupt(payload);
+}
+
+TEST(FieldCodec, RefusesToStoreWhatIsNotFinite) {
+  Field field = random_field(6);
+  field.color_net[3] = std::nanf("");
+  EXPECT_THROW(encode_field(field), Error);
+  field = random_field(6);
+  for (float& v : field.table) v = INFINITY;
+  EXPECT_THROW(encode_field(field), Error);
+}
+
+TEST(FieldCodec, RefusesToStoreParametersThatDoNotFitTheConfiguration) {
+  Field field = random_field(7);
+  field.table.pop_back();
+  EXPECT_THROW(encode_field(field), Error);
+}
+
+} // namespace
+} // namespace kinora::clip

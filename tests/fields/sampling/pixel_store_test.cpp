@@ -1,0 +1,55 @@
+// What is remembered of a pixel's depth: measured, guessed from its neighbours, or not known.
+#include <gtest/gtest.h>
+
+#include "fields/sampling/pixel_store.h"
+
+namespace kinora::fields {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHole = 10; // columns from here on have no clean depth
+constexpr int kFar = 30;  // from here on not even beside them
+
+/// A wall, of which the left part alone is measured.
+ingest::Frame wall() {
+  ingest::Frame frame;
+  frame.camera.intrinsics = {kWidth, 3, 30, 30, 20, 1};
+  frame.color = ColorImage(kWidth, 3, 3);
+  frame.depth = DepthImage(kWidth, 3);
+  for (int v = 0; v < 3; ++v) {
+    for (int u = 0; u < kHole; ++u) frame.depth.at(u, v) = 2;
+  }
+  frame.clean_depth = frame.depth;
+  return frame;
+}
+
+StoredPixel stored(const ingest::Frame& frame, int u) {
+  PixelStore store(1000, 1);
+  store.add(frame, 0);
+  return store.pixels()[static_cast<std::size_t>(kWidth + u)]; // all are kept, row by row
+}
+
+TEST(StoredDepth, IsMeasuredWhereTheFrameHasCleanDepth) {
+  const StoredDepth depth = stored(wall(), kHole - 1).depth;
+  EXPECT_TRUE(depth.is_measured() && depth.is_known() && !depth.is_guessed());
+  EXPECT_EQ(depth.metres(), 2);
+}
+
+TEST(StoredDepth, IsGuessedBesideCleanDepthOfTheSameLabel) {
+  ingest::Frame frame = wall();
+  EXPECT_TRUE(stored(frame, kHole).depth.is_guessed());
+  EXPECT_EQ(stored(frame, kHole).depth.metres(), 2);
+  frame.labels = LabelImage(kWidth, 3);
+  for (int v = 0; v < 3; ++v) frame.labels.at(kHole, v) = 1;
+  EXPECT_FALSE(stored(frame, kHole).depth.is_known()) << "nothing of its own label is near";
+  EXPECT_TRUE(stored(frame, kHole + 1).depth.is_guessed());
+}
+
+TEST(StoredDepth, IsUnknownFarFromAllCleanDepth) {
+  const StoredDepth depth = stored(wall(), kFar).depth;
+  EXPECT_FALSE(depth.is_measured() || depth.is_guessed() || depth.is_known());
+  EXPECT_EQ(depth.metres(), 0);
+}
+
+} // namespace
+} // namespace kinora::fields

@@ -1,0 +1,138 @@
+// Pixels carried into the canonical space of a sheet that bends: where their rays are there, and what they say is
+// empty.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "core/parallel.h"
+#include "fields/sampling/ray_sampler.h"
+#include "fields/sampling/seen_space.h"
+#include "fields/sampling/surface_band.h"
+#include "fields/sampling/warped_pixels.h"
+#include "fields/scenes/bending_sheet.h"
+#include "fields/training/trainer.h"
+
+namespace kinora::fields {
+namespace {
+
+Eigen::Vector3d canonical_point(const FieldBox& box, const FieldRay& ray, double depth) {
+  const std::array<float, 3> p = point_at(ray, static_cast<float>(depth));
+  return box.origin + box.side * Eigen::Vector3f(p.data()).cast<double>();
+}
+
+const StoredFrame& frame_of(const PixelStore& store, std::size_t pixel) {
+  for (const StoredFrame& frame : store.frames()) {
+    if (pixel < frame.end) return frame;
+  }
+  return store.frames().back();
+}
+
+/// Where the camera has the pixel at a depth.
+Eigen::Vector3d world_point(const PixelStore& store, std::size_t pixel, double depth) {
+  const StoredPixel& p = store.pixels()[pixel];
+  const Camera& camera = frame_of(store, pixel).camera;
+  return camera.camera_to_world * camera.intrinsics.unproject(p.u, p.v, depth);
+}
+
+/// A sheet, its field's box, and the space about its surface.
+struct Sheet {
+  Performance performance;
+  FieldConfig config;
+  Occupancy occupancy;
+
+  Sheet() {
+    config = choose_field_config({performance.store, 1, performance.motion});
+    occupancy = RaySampler({performance.store, 1, performance.motion}, config, {}).occupancy();
+  }
+  SeenSpace space() const {
+    return see_occupied_space({performance.store, 1, performance.motion}, config, occupancy, 0.05F);
+  }
+};
+
+TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
+  const Sheet sheet;
+  const PixelStore& store = sheet.performance.store;
+  const auto own = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
+  std::size_t measured = 0;
+  for (const StoredPixel& pixel : store.pixels()) measured += pixel.label == 1 && pixel.depth.is_known() ? 1 : 0;
+  EXPECT_EQ(own.size(), measured);
+  for (std::size_t i = 0; i < own.size(); i += 37) {
+    const StoredPixel& pixel = store.pixels()[own[i].pixel];
+    const motion::Warp warp = sheet.performance.motion.warp(frame_of(store, own[i].pixel).frame);
+    const float depth = pixel.depth.metres();
+    const double band = surface_band(sheet.config, depth);
+    for (const double behind : {-band, -0.5 * band, 0.0, band}) {
+      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i].ray, depth + behind);
+      const auto& bend = own[i].bends[behind > 0 ? 1 : 0];
+      place += behind * behind * sheet.config.box.side * Eigen::Vector3f(bend.data()).cast<double>();
+      const auto world = warp.to_world(place);
+      ASSERT_TRUE(world);
+      EXPECT_LT((*world - world_point(store, own[i].pixel, depth + behind)).norm(), 5e-4);
+    }
+  }
+}
+
+TEST(WarpedPixels, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
+  const Sheet sheet;
+  const PixelStore& store = sheet.performance.store;
+  const SeenSpace space = sheet.space();
+  ASSERT_GT(space.empty.size(), 1000U); // the wall is seen past the sheet's rim
+  for (std::size_t i = 0; i < space.empty.size(); i += 17) {
+    const SeenPiece& piece = space.empty[i];
+    const StoredPixel& pixel = store.pixels()[piece.pixel];
+    EXPECT_LT(piece.piece.begin, piece.piece.end);
+    EXPECT_LE(piece.piece.end, pixel.label == 1 ? pixel.depth.metres() : empty_until(pixel));
+    const double middle = 0.5 * (static_cast<double>(piece.piece.begin) + static_cast<double>(piece.piece.end));
+    const auto world = sheet.performance.motion.warp(frame_of(store, piece.pixel).frame)
+                           .to_world(canonical_point(sheet.config.box, piece.ray, middle));
+    ASSERT_TRUE(world);
+    EXPECT_LT((*world - world_point(store, piece.pixel, middle)).norm(), 2e-3);
+  }
+}
+
+TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
+  const Sheet sheet;
+  // One of the views, in which the sensor sees nothing of the sheet.
+  const ingest::Frame truth = sheet_frame(4, curvature_at(4));
+  ingest::Frame blind = truth;
+  std::size_t sheet_pixels = 0;
+  for (std::size_t i = 0; i < blind.labels.pixel_count(); ++i) {
+    if (blind.labels.data()[i] != 1) continue;
+    ++sheet_pixels;
+    blind.depth.data()[i] = blind.clean_depth.data()[i] = 0;
+  }
+  PixelStore store(1'000'000, 1);
+  store.add(blind, 4);
+  const SeenSpace space =
+      see_occupied_space({store, 1, sheet.performance.motion}, sheet.config, sheet.occupancy, 0.05F);
+  EXPECT_GT(space.unmeasured.size(), sheet_pixels * 9 / 10);
+  for (const SeenPiece& found : space.unmeasured) {
+    const StoredPixel& pixel = store.pixels()[found.pixel];
+    EXPECT_EQ(pixel.label, 1);
+    const float depth = truth.depth.at(pixel.u, pixel.v);
+    EXPECT_GT(found.piece.begin, depth - 0.1F);
+    EXPECT_LT(found.piece.begin, depth + 0.05F);
+    EXPECT_GT(found.piece.end, found.piece.begin);
+  }
+}
+
+TEST(WarpedPixels, AreTheSameForAnyNumberOfThreads) {
+  const Sheet sheet;
+  const auto bytes_equal = [](const auto& a, const auto& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
+  };
+  set_thread_count(1);
+  const auto own = warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config);
+  const SeenSpace space = sheet.space();
+  for (const int threads : {2, 7}) {
+    set_thread_count(threads);
+    EXPECT_TRUE(
+        bytes_equal(own, warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config)));
+    EXPECT_TRUE(bytes_equal(space.empty, sheet.space().empty));
+  }
+  set_thread_count(0);
+}
+
+} // namespace
+} // namespace kinora::fields
