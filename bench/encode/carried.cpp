@@ -1,4 +1,4 @@
-// Prepares a still camera's capture as if a hand had held the camera (carried_capture.h), without its masks: prints how
+// Prepares a still camera's capture as if a hand had held the camera (moving_capture.h), without its masks: prints how
 // far off the camera is that was found, and the overlap of the labels with the masks; every tenth frame, tinted by
 // label, goes into FOLDER:
 //   bench_carried CAPTURE [DEGREES [FOLDER]]     (default: 5 degrees to either side; 0: the camera is left still)
@@ -8,10 +8,10 @@
 #include <ctime>
 #include <filesystem>
 
-#include "carried_capture.h"
 #include "encode/capture_report.h"
 #include "host/plugin_table.h"
 #include "label_pictures.h"
+#include "moving_capture.h"
 
 namespace {
 
@@ -47,7 +47,7 @@ void run(const char* path, double degrees, const std::filesystem::path& folder) 
   const bool told = std::getenv("KINORA_BENCH_POSES") != nullptr;
   encode::CaptureRequest request;
   request.open = [&](const ingest::CaptureOptions& how, Progress& to) {
-    return std::make_unique<bench::CarriedCapture>(ingest::Capture::open(plugins, path, how, to), degrees, told);
+    return std::make_unique<bench::MovingCapture>(ingest::Capture::open(plugins, path, how, to), degrees, told);
   };
   request.options.use_masks = false;
   const double start = processor_seconds();

@@ -89,18 +89,18 @@ ingest::Frame view(double azimuth, double elevation, int index, const AnalyticSc
   return frame;
 }
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kRotation = 2 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180;
 
 } // namespace
 
 ingest::Frame AnalyticScene::trained_view(int index) const {
   const double along = (index + 0.5) / kTrainedViews;
-  return view(kTurn * 4 * along, (10 + 55 * along) * kDegree, index, *this);
+  return view(kRotation * 4 * along, (10 + 55 * along) * kDegree, index, *this);
 }
 
 ingest::Frame AnalyticScene::held_out_view(int index) const {
-  return view(kTurn * (index + 0.37) / kHeldOutViews, (20 + 15 * index) * kDegree, kTrainedViews + index, {});
+  return view(kRotation * (index + 0.37) / kHeldOutViews, (20 + 15 * index) * kDegree, kTrainedViews + index, {});
 }
 
 } // namespace kinora::bench

@@ -16,7 +16,7 @@ namespace kinora::bench {
 class BruteForce {
 public:
   using Point = std::array<float, 3>;
-  static constexpr int kMostNodes = 1023;
+  static constexpr int kMaxNodes = 1023;
 
   BruteForce(const motion::DeformationGraph& graph, const motion::Warp& warp);
 

@@ -23,7 +23,7 @@ struct Nearest {
 
 Nearest find_nearest(const std::vector<motion::PositionRow>& positions, const Vec3& at) {
   constexpr float kAnywhere = 3e38F;
-  NearestNodes<BruteForce::kMostNodes> numbers(kAnywhere);
+  NearestNodes<BruteForce::kMaxNodes> numbers(kAnywhere);
   for (std::size_t n = 0; n < positions.size(); ++n) {
     const motion::PositionRow& p = positions[n];
     const Vec3 offset = sub(at, {constant(p[0]), constant(p[1]), constant(p[2])});
@@ -43,7 +43,7 @@ Blend blend(const Nodes& nodes, Nearest nearest, bool less_the_first_without) {
   F& last = nearest.squared[kMaxNodes];
   last = hn::Min(last, constant(nodes.squared_influence_radius));
   const NodeWeights weights = weigh(nearest.squared, nodes.inverse_squared_weight_radius);
-  return Blend(weighed_sum(
+  return Blend(weighted_sum(
       [&](std::size_t k)
           HWY_ATTR { return less_the_first_without ? hn::Max(weights.values[k], zero()) : weights.falloffs[k]; },
       [&](std::size_t k) HWY_ATTR { return gather_transforms(nodes.transforms.data(), nearest.node[k]); }));
@@ -83,16 +83,16 @@ void exactly(const Nodes& nodes, const BruteForce::Point* world, std::size_t cou
   constexpr int kSteps = 12;
   for_lanes(world, count, canonical, [&](const Vec3& at) HWY_ATTR {
     const F nothing = hn::NaN(Floats());
-    Vec3 place = blend(nodes, find_nearest(nodes.live, at), false).inverse_apply(at);
-    Mask settled = hn::Ne(zero(), zero());
+    Vec3 position = blend(nodes, find_nearest(nodes.live, at), false).inverse_apply(at);
+    Mask converged = hn::Ne(zero(), zero());
     for (int step = 0; step < kSteps; ++step) {
-      const Blend here = blend(nodes, find_nearest(nodes.canonical, place), true);
-      const Vec3 miss = sub(at, here.apply(place));
-      settled = hn::Or(settled, hn::Lt(dot(miss, miss), constant(kTolerance * kTolerance)));
-      if (hn::AllTrue(Floats(), settled)) break;
-      place = choose(settled, place, add(place, here.inverse_rotate(miss)));
+      const Blend here = blend(nodes, find_nearest(nodes.canonical, position), true);
+      const Vec3 residual = sub(at, here.apply(position));
+      converged = hn::Or(converged, hn::Lt(dot(residual, residual), constant(kTolerance * kTolerance)));
+      if (hn::AllTrue(Floats(), converged)) break;
+      position = choose(converged, position, add(position, here.inverse_rotate(residual)));
     }
-    return choose(settled, place, {nothing, nothing, nothing});
+    return choose(converged, position, {nothing, nothing, nothing});
   });
 }
 
@@ -108,7 +108,7 @@ HWY_EXPORT(exactly);
 BruteForce::BruteForce(const motion::DeformationGraph& graph, const motion::Warp& warp)
     : canonical_origin_(graph.nodes().front()), world_origin_(warp.node_positions().front()) {
   // The last number of the keys stands for no node; those that are weighed are always found.
-  if (graph.nodes().size() > kMostNodes || graph.nodes().size() < motion::Influence::kMost + 1) {
+  if (graph.nodes().size() > kMaxNodes || graph.nodes().size() < motion::Influence::kMax + 1) {
     throw Error(ErrorCode::kFailure, "the graph has too many nodes for this bench, or too few");
   }
   nodes_.canonical = motion::position_rows(graph.nodes(), canonical_origin_);

@@ -36,7 +36,7 @@ struct Instant {
 };
 
 /// Of all samples of all rays; nothing where none is found.
-using Places = std::vector<std::optional<Eigen::Vector3d>>;
+using Positions = std::vector<std::optional<Eigen::Vector3d>>;
 
 /// Not thread-safe.
 class CanonicalSearch {
@@ -45,7 +45,7 @@ public:
   /// Once for each frame. The instant must outlive what is found in it.
   virtual void prepare(const Instant& instant) = 0;
   /// Appends the canonical places of the samples in the instant that was prepared last.
-  virtual void find(const std::vector<SearchRay>& rays, Places& places) = 0;
+  virtual void find(const std::vector<SearchRay>& rays, Positions& positions) = 0;
 };
 
 } // namespace kinora::bench

@@ -2,7 +2,7 @@
 // speed. Prints one line of CSV per training; lines with # are for people:
 //   bench_fields [threads=1] [million_rays=2] [noise=0,0.005] [bias=0] [shift=0] [rays_per_step=4096]
 //                [surface_samples=0] [free_samples=0] [exact_depth=-1] [levels=0] [log2_table_size=0]
-//                [largest_log2_table_size=17] [geometry=density] [warm_million_rays=0] [warm_rate=1] [target=avx2]
+//                [max_log2_table_size=17] [geometry=density] [warm_million_rays=0] [warm_rate=1] [target=avx2]
 // Every value but the last may be a list; all combinations are run. target: trains and draws with these instructions
 // (bench/instruction_set.h) instead of the best that there are. noise, bias: standard deviation and offset of
 // depth, of the scene's size; shift: pixels that depth lies beside colour. 0 levels, samples or table size, and
@@ -18,7 +18,7 @@
 #include "core/metrics.h"
 #include "core/parallel.h"
 #include "fields/calibration.h"
-#include "fields/planning/view_agreement.h"
+#include "fields/planning/view_consistency.h"
 #include "fields/rendering/renderer.h"
 #include "fields/scenes/analytic_scene.h"
 #include "fields/training/trainer.h"
@@ -33,7 +33,7 @@ using namespace kinora;
 using bench::Knobs;
 using bench::Setting;
 
-void train_and_judge(const Setting& setting) {
+void train_and_evaluate(const Setting& setting) {
   const auto whole = [&](const char* name) { return static_cast<int>(setting.at(name)); };
   set_thread_count(whole("threads"));
   const bench::AnalyticScene scene{setting.at("noise"), setting.at("bias"), whole("shift")};
@@ -52,9 +52,9 @@ void train_and_judge(const Setting& setting) {
   fields::TrainerConfig trainer;
   trainer.rays = static_cast<std::size_t>(setting.at("million_rays") * 1e6);
   trainer.rays_per_step = whole("rays_per_step");
-  trainer.largest_log2_table_size = whole("largest_log2_table_size");
-  const fields::ViewAgreement agreement = fields::agreement_of_views({store, 1, motion});
-  fields::adapt_to(agreement, {}, trainer);
+  trainer.max_log2_table_size = whole("largest_log2_table_size");
+  const fields::ViewConsistency consistency = fields::measure_view_consistency({store, 1, motion});
+  fields::adapt_to(consistency, {}, trainer);
   if (whole("surface_samples") > 0) trainer.sampling.surface_samples = whole("surface_samples");
   if (whole("free_samples") > 0) trainer.sampling.free_samples = whole("free_samples");
   if (whole("exact_depth") >= 0) trainer.exact_depth = whole("exact_depth") > 0;
@@ -97,11 +97,11 @@ void train_and_judge(const Setting& setting) {
               rays / report.seconds / whole("threads") / 1e6, static_cast<double>(report.samples) / rays,
               psnr / bench::AnalyticScene::kHeldOutViews, 1000 * static_cast<double>(*middle),
               drawing / bench::AnalyticScene::kHeldOutViews);
-  for (const fields::GrowthTrial& trial : report.growth) {
+  for (const fields::TableGrowthTrial& trial : report.table_growth) {
     std::printf("# after %zu rays: tables of 2^%d full to %.2f; colour error held apart %.5f, with twice the entries "
                 "%.5f: %s; %zu rays\n",
                 trial.begin, trial.log2_table_size, trial.table_fill, trial.error, trial.grown_error,
-                trial.kept ? "kept" : "not kept", trial.price);
+                trial.kept ? "kept" : "not kept", trial.discarded_rays);
   }
   std::fflush(stdout);
 }
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
     for (const auto& [name, values] : knobs) std::printf("%s,", name.c_str());
     std::printf("hidden,color_hidden,seconds,cpu_seconds,million_rays_per_second_and_core,samples_per_ray,held_out_db,"
                 "depth_mm,drawing_ms\n");
-    bench::run_all(knobs, train_and_judge);
+    bench::run_all(knobs, train_and_evaluate);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_fields: %s\n", error.what());
     return 1;

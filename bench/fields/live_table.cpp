@@ -48,32 +48,32 @@ void LiveTable::prepare(const Instant& instant) {
         canonical_.push_back({p.x(), p.y(), p.z()});
       }
     }
-    carried_.resize(canonical_.size());
+    warped_.resize(canonical_.size());
   }
-  bulk.to_world(canonical_, carried_.data());
+  bulk.to_world(canonical_, warped_.data());
   slots_.assign(2 * std::bit_ceil(canonical_.size()), {{}, -1});
-  for (std::size_t i = 0; i < carried_.size(); ++i) {
-    const std::array<float, 3>& live = carried_[i].point;
+  for (std::size_t i = 0; i < warped_.size(); ++i) {
+    const std::array<float, 3>& live = warped_[i].point;
     if (!std::isfinite(live[0])) continue; // no node moves it
     const Voxel voxel = voxel_of(live);
     slots_[slot_of(voxel)] = {voxel, static_cast<std::int32_t>(i)};
   }
 }
 
-void LiveTable::find(const std::vector<SearchRay>& rays, Places& places) {
+void LiveTable::find(const std::vector<SearchRay>& rays, Positions& positions) {
   for (const SearchRay& ray : rays) {
     for (const double t : ray.behind) {
       const Eigen::Vector3f point = (ray.at(t) - world_origin_).cast<float>();
       const std::int32_t number = slots_[slot_of(voxel_of({point.x(), point.y(), point.z()}))].number;
       if (number < 0) {
-        places.emplace_back();
+        positions.emplace_back();
         continue;
       }
       const auto voxel = static_cast<std::size_t>(number);
-      const auto& there = carried_[voxel];
+      const auto& there = warped_[voxel];
       const Eigen::Vector3f back =
           Eigen::Quaternionf(there.rotation.data()).conjugate() * (point - Eigen::Vector3f(there.point.data()));
-      places.emplace_back((Eigen::Vector3f(canonical_[voxel].data()) + back).cast<double>() + canonical_origin_);
+      positions.emplace_back((Eigen::Vector3f(canonical_[voxel].data()) + back).cast<double>() + canonical_origin_);
     }
   }
 }

@@ -18,7 +18,7 @@ public:
   LiveTable(const fields::FieldConfig& config, const fields::Occupancy& occupancy);
 
   void prepare(const Instant& instant) override;
-  void find(const std::vector<SearchRay>& rays, Places& places) override;
+  void find(const std::vector<SearchRay>& rays, Positions& positions) override;
 
 private:
   using Voxel = std::array<std::int16_t, 3>; ///< of the live frame
@@ -29,7 +29,7 @@ private:
   const fields::Occupancy* occupancy_;
   float voxels_per_metre_;
   std::vector<std::array<float, 3>> canonical_; // middles of the band's voxels
-  std::vector<motion::BulkWarp::Carried> carried_;
+  std::vector<motion::BulkWarp::WarpedPoint> warped_;
   // A hash table with open addressing; its size is a power of two.
   struct Slot {
     Voxel voxel;

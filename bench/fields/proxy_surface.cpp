@@ -47,16 +47,16 @@ void ProxySurface::prepare(const Instant& instant) {
   }
 }
 
-void ProxySurface::find(const std::vector<SearchRay>& rays, Places& places) {
+void ProxySurface::find(const std::vector<SearchRay>& rays, Positions& positions) {
   const auto n = rays.size() * kSamples;
   points_.resize(n);
-  places_.resize(n);
+  positions_.resize(n);
   std::vector<bool> found(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const SearchRay& ray = rays[i];
     const int number = ray.v * camera_.intrinsics.width + ray.u;
     const auto pixel = static_cast<std::size_t>(number);
-    const Eigen::Vector3f way = camera_.intrinsics.unproject(ray.u, ray.v, 1.0).cast<float>();
+    const Eigen::Vector3f view_vector = camera_.intrinsics.unproject(ray.u, ray.v, 1.0).cast<float>();
     const auto surface = static_cast<float>(ray.depth);
     // The last entry before the surface.
     const fields::Entry* entry = nullptr;
@@ -64,19 +64,21 @@ void ProxySurface::find(const std::vector<SearchRay>& rays, Places& places) {
       entry = &entries_[k];
     }
     found[i] = entry != nullptr && surface - entry->depth < kShell * view_->lattice_step();
-    fields::LayerView::Place place{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), fields::kNoTurn};
-    if (found[i]) place = view_->place_of(*entry, *bins_, way);
+    fields::ProjectedLayer::EntryPoint entry_point{Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(),
+                                                   fields::kNoRotation};
+    if (found[i]) entry_point = view_->entry_point(*entry, *bins_, view_vector);
     for (std::size_t s = 0; s < kSamples; ++s) {
       const float depth = surface + static_cast<float>(ray.behind[s]);
-      points_.set(kSamples * i + s, depth * way);
-      const Eigen::Vector3f at = found[i] ? place.at + (depth / entry->depth - 1) * place.way : place.at;
-      places_.set(kSamples * i + s, at);
+      points_.set(kSamples * i + s, depth * view_vector);
+      const Eigen::Vector3f at =
+          found[i] ? entry_point.at + (depth / entry->depth - 1) * entry_point.view_vector : entry_point.at;
+      positions_.set(kSamples * i + s, at);
     }
   }
-  if (corrected_) view_->refine(n, points_, places_);
-  const fields::BrickHull& hull = field_->derived().hull;
+  if (corrected_) view_->refine(n, points_, positions_);
+  const fields::ProxyMesh& proxy_mesh = field_->derived().proxy_mesh;
   for (std::size_t k = 0; k < n; ++k) {
-    places.push_back(found[k / kSamples] ? std::optional(hull.to_canonical(places_.at(k))) : std::nullopt);
+    positions.push_back(found[k / kSamples] ? std::optional(proxy_mesh.to_canonical(positions_.at(k))) : std::nullopt);
   }
 }
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "fields/canonical_search.h"
-#include "fields/rendering/layer_view.h"
+#include "fields/rendering/projected_layer.h"
 
 namespace kinora::bench {
 
@@ -17,18 +17,18 @@ public:
   ProxySurface(const fields::DrawableField& field, bool corrected);
 
   void prepare(const Instant& instant) override;
-  void find(const std::vector<SearchRay>& rays, Places& places) override;
+  void find(const std::vector<SearchRay>& rays, Positions& positions) override;
 
 private:
   const fields::DrawableField* field_;
   bool corrected_;
   Camera camera_;
   fields::PosedField posed_;
-  std::optional<fields::LayerView> view_;
+  std::optional<fields::ProjectedLayer> view_;
   std::optional<fields::TriangleBins> bins_;
   std::vector<fields::Entry> entries_; // of all pixels, nearest first
   std::vector<std::uint32_t> begin_;   // per pixel, into entries_; one more at the end
-  fields::kernels::PointLanes points_, places_;
+  fields::kernels::PointLanes points_, positions_;
 };
 
 } // namespace kinora::bench

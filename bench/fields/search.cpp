@@ -40,16 +40,16 @@ double thread_seconds() {
 /// The sample points of a step that looks at one frame.
 std::vector<SearchRay> rays_of(const fields::PixelStore& pixels, const fields::StoredFrame& frame, int label,
                                const fields::FieldConfig& config) {
-  std::vector<std::size_t> own;
+  std::vector<std::size_t> foreground;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
-    if (pixels.pixels()[i].label == label && pixels.pixels()[i].depth.is_measured()) own.push_back(i);
+    if (pixels.pixels()[i].label == label && pixels.pixels()[i].depth.is_measured()) foreground.push_back(i);
   }
   std::vector<SearchRay> rays;
-  if (own.empty()) return rays;
+  if (foreground.empty()) return rays;
   Random random(static_cast<std::uint64_t>(frame.frame));
   // As training draws them: neighbours after each other.
   for (std::size_t k = 0; k < kRays; ++k) {
-    const fields::StoredPixel& pixel = pixels.pixels()[own[k * own.size() / kRays]];
+    const fields::StoredPixel& pixel = pixels.pixels()[foreground[k * foreground.size() / kRays]];
     const SE3& camera = frame.camera.camera_to_world;
     SearchRay ray{};
     ray.u = pixel.u;
@@ -71,8 +71,8 @@ std::optional<Vector3d> converge(const motion::Warp& warp, const Vector3d& world
   for (int step = 0; step < 50; ++step) {
     const auto there = warp.to_world(canonical);
     if (!there) return std::nullopt;
-    const Vector3d miss = world - *there;
-    if (miss.norm() < 1e-8) return canonical;
+    const Vector3d residual = world - *there;
+    if (residual.norm() < 1e-8) return canonical;
     constexpr double kProbe = 1e-5;
     Eigen::Matrix3d derivative;
     for (int a = 0; a < 3; ++a) {
@@ -81,37 +81,37 @@ std::optional<Vector3d> converge(const motion::Warp& warp, const Vector3d& world
       if (!above || !below) return std::nullopt;
       derivative.col(a) = (*above - *below) / (2 * kProbe);
     }
-    const Vector3d by = derivative.inverse() * miss;
+    const Vector3d by = derivative.inverse() * residual;
     canonical += by * std::min(1.0, 0.01 / by.norm());
   }
   return std::nullopt;
 }
 
 /// Followed along each ray from its surface, where Warp::to_canonical says which part of the surface it is.
-Places exact_places(const Instant& instant, const std::vector<SearchRay>& rays) {
-  constexpr int kPieces = 4;
-  Places places;
+Positions exact_positions(const Instant& instant, const std::vector<SearchRay>& rays) {
+  constexpr int kSteps = 4;
+  Positions positions;
   for (const SearchRay& ray : rays) {
     const auto surface = instant.warp.to_canonical(ray.surface);
     for (const double t : ray.behind) {
-      std::optional<Vector3d> place = surface;
-      for (int k = 0; place && k <= kPieces; ++k) {
-        place = converge(instant.warp, ray.at(t * k / kPieces), *place);
+      std::optional<Vector3d> position = surface;
+      for (int k = 0; position && k <= kSteps; ++k) {
+        position = converge(instant.warp, ray.at(t * k / kSteps), *position);
       }
-      places.push_back(place);
+      positions.push_back(position);
     }
   }
-  return places;
+  return positions;
 }
 
 /// Every node looked at for every sample.
 class AllNodes : public CanonicalSearch {
 public:
-  enum class Way { kByLiveNodes, kExactly };
-  explicit AllNodes(Way way) : way_(way) {}
+  enum class Method { kByLiveNodes, kExactly };
+  explicit AllNodes(Method view_vector) : method_(view_vector) {}
 
   void prepare(const Instant& instant) override { nodes_.emplace(instant.table->graph(), instant.warp); }
-  void find(const std::vector<SearchRay>& rays, Places& places) override {
+  void find(const std::vector<SearchRay>& rays, Positions& positions) override {
     world_.clear();
     for (const SearchRay& ray : rays) {
       for (const double t : ray.behind) {
@@ -120,19 +120,19 @@ public:
       }
     }
     canonical_.resize(world_.size());
-    if (way_ == Way::kExactly) {
+    if (method_ == Method::kExactly) {
       nodes_->exactly(world_, canonical_.data());
     } else {
       nodes_->by_live_nodes(world_, canonical_.data());
     }
     for (const BruteForce::Point& point : canonical_) {
-      const Vector3d place = Eigen::Vector3f(point.data()).cast<double>() + nodes_->canonical_origin();
-      places.push_back(place.allFinite() ? std::optional(place) : std::nullopt);
+      const Vector3d position = Eigen::Vector3f(point.data()).cast<double>() + nodes_->canonical_origin();
+      positions.push_back(position.allFinite() ? std::optional(position) : std::nullopt);
     }
   }
 
 private:
-  Way way_;
+  Method method_;
   std::optional<BruteForce> nodes_;
   std::vector<BruteForce::Point> world_, canonical_;
 };
@@ -141,13 +141,13 @@ private:
 class RigidRay : public CanonicalSearch {
 public:
   void prepare(const Instant& instant) override { warp_ = &instant.warp; }
-  void find(const std::vector<SearchRay>& rays, Places& places) override {
+  void find(const std::vector<SearchRay>& rays, Positions& positions) override {
     for (const SearchRay& ray : rays) {
       const auto surface = warp_->to_canonical(ray.surface);
       const Vector3d direction =
           surface ? Vector3d(warp_->at(*surface)->linear().transpose() * ray.direction) : Vector3d::Zero();
       for (const double t : ray.behind) {
-        places.push_back(surface ? std::optional<Vector3d>(*surface + t * direction) : std::nullopt);
+        positions.push_back(surface ? std::optional<Vector3d>(*surface + t * direction) : std::nullopt);
       }
     }
   }
@@ -157,10 +157,10 @@ private:
 };
 
 /// What training does: half a parabola on either side of the surface, sixteen rays at a time.
-class BentRay : public CanonicalSearch {
+class ParabolicRay : public CanonicalSearch {
 public:
   void prepare(const Instant& instant) override { bulk_.emplace(instant.table, instant.warp); }
-  void find(const std::vector<SearchRay>& rays, Places& places) override {
+  void find(const std::vector<SearchRay>& rays, Positions& positions) override {
     world_.clear();
     for (const SearchRay& ray : rays) {
       const Eigen::Vector3f p = (ray.surface - bulk_->world_origin()).cast<float>();
@@ -175,9 +175,9 @@ public:
       const Vector3d direction = vector(back_[i].direction);
       for (const double t : rays[i].behind) {
         if (!surface.allFinite()) {
-          places.emplace_back();
+          positions.emplace_back();
         } else {
-          places.emplace_back(surface + t * direction + t * t * vector(back_[i].bends[t > 0 ? 1 : 0]));
+          positions.emplace_back(surface + t * direction + t * t * vector(back_[i].curvatures[t > 0 ? 1 : 0]));
         }
       }
     }
@@ -207,13 +207,13 @@ double median(std::vector<double> values) {
 }
 
 Measured measure(const std::vector<Instant>& instants, const std::vector<std::vector<SearchRay>>& steps,
-                 const std::vector<Places>& exact, CanonicalSearch& search) {
+                 const std::vector<Positions>& exact, CanonicalSearch& search) {
   constexpr int kRuns = 5;
   Measured measured;
   std::vector<double> preparing;
   std::vector<double> finding;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    Places found; // memory is there from the first, unmeasured time on
+    Positions found; // memory is there from the first, unmeasured time on
     double shortest_preparing = 1e9;
     double shortest_finding = 1e9;
     for (int run = 0; run <= kRuns; ++run) {
@@ -246,10 +246,10 @@ void compare_searches(const fields::PixelStore& pixels, const clip::Layer& layer
   const double table_seconds = thread_seconds() - begin;
   begin = thread_seconds();
   const fields::DrawableField drawable(layer.field, layer.motion.graph().get());
-  const double hull_seconds = thread_seconds() - begin;
+  const double proxy_mesh_seconds = thread_seconds() - begin;
   std::vector<Instant> instants;
   std::vector<std::vector<SearchRay>> steps;
-  std::vector<Places> exact;
+  std::vector<Positions> exact;
   constexpr std::size_t kFrames = 8;
   for (std::size_t k = 0; k < kFrames; ++k) {
     const fields::StoredFrame& frame = pixels.frames()[k * (pixels.frames().size() - 1) / (kFrames - 1)];
@@ -257,13 +257,13 @@ void compare_searches(const fields::PixelStore& pixels, const clip::Layer& layer
     if (rays.empty()) continue;
     instants.push_back({layer.motion.warp(frame.frame), table, frame.camera});
     steps.push_back(std::move(rays));
-    exact.push_back(exact_places(instants.back(), steps.back()));
+    exact.push_back(exact_positions(instants.back(), steps.back()));
   }
   std::printf("# %zu nodes; a step: %zu rays of one frame, %d samples each; median of %zu frames; what is faster is a "
               "frame with its step\n"
               "# once for a graph: the influence table in %.1f ms, the proxy's mesh in %.1f ms\n",
               layer.motion.graph()->nodes().size(), kRays, kSamples, steps.size(), 1000 * table_seconds,
-              1000 * hull_seconds);
+              1000 * proxy_mesh_seconds);
   std::printf("search,ms_per_frame,ms_per_step,faster_than_live_nodes,faster_than_all_nodes,median_mm,p99_mm,"
               "missing_share\n");
   const auto report = [&](const char* name, CanonicalSearch&& search, const Measured* live, const Measured* all) {
@@ -277,23 +277,23 @@ void compare_searches(const fields::PixelStore& pixels, const clip::Layer& layer
     std::fflush(stdout);
     return m;
   };
-  const Measured all = report("nodes of all", AllNodes(AllNodes::Way::kExactly), nullptr, nullptr);
-  const Measured live = report("live nodes of all", AllNodes(AllNodes::Way::kByLiveNodes), nullptr, &all);
+  const Measured all = report("nodes of all", AllNodes(AllNodes::Method::kExactly), nullptr, nullptr);
+  const Measured live = report("live nodes of all", AllNodes(AllNodes::Method::kByLiveNodes), nullptr, &all);
   report("proxy surface", ProxySurface(drawable, false), &live, &all);
   report("corrected proxy", ProxySurface(drawable, true), &live, &all);
   report("rigid ray", RigidRay(), &live, &all);
   report("live table", LiveTable(config, layer.field.occupancy), &live, &all);
-  report("bent ray", BentRay(), &live, &all);
+  report("bent ray", ParabolicRay(), &live, &all);
 }
 
 void train(const fields::PixelStore& pixels, const clip::Layer& layer, const fields::FieldConfig& config,
            double rays_per_pixel) {
-  const auto own = std::count_if(pixels.pixels().begin(), pixels.pixels().end(), [&](const fields::StoredPixel& p) {
-    return p.label == layer.label && p.depth.is_known();
-  });
+  const auto foreground =
+      std::count_if(pixels.pixels().begin(), pixels.pixels().end(),
+                    [&](const fields::StoredPixel& p) { return p.label == layer.label && p.depth.is_known(); });
   fields::TrainerConfig trainer;
-  constexpr double kOwnShare = 0.75; // of the rays; the others tell of emptiness
-  trainer.rays = static_cast<std::size_t>(rays_per_pixel * static_cast<double>(own) / kOwnShare);
+  constexpr double kForegroundShare = 0.75; // of the rays; the others tell of emptiness
+  trainer.rays = static_cast<std::size_t>(rays_per_pixel * static_cast<double>(foreground) / kForegroundShare);
   Progress progress;
   fields::TrainingReport report;
   const double begin = thread_seconds();

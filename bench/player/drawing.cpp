@@ -14,8 +14,8 @@
 #include "core/parallel.h"
 #include "fields/calibration.h"
 #include "instruction_set.h"
-#include "player/camera_path.h"
 #include "player/player.h"
+#include "player/view_path.h"
 #include "stopwatch.h"
 
 using namespace kinora;

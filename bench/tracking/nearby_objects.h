@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "tracking/rigid/interaction.h"
+#include "tracking/rigid/contact.h"
 #include "tracking/rigid/rigid_tracker.h"
 
 namespace kinora::bench {

@@ -20,10 +20,10 @@ public:
         later_(tracking::log_luminance(later.color, 0, 0, camera_.width, camera_.height)),
         found_(camera_.width, camera_.height, 1, std::numeric_limits<float>::quiet_NaN()) {}
 
-  /// Pixel (u, v) of the earlier frame is at `place` (metres, in the camera) in the later one.
-  void add(int u, int v, const Eigen::Vector3d& place) {
-    if (!(place.z() > 0)) return;
-    const Eigen::Vector2d pixel = camera_.project(place);
+  /// Pixel (u, v) of the earlier frame is at `position` (metres, in the camera) in the later one.
+  void add(int u, int v, const Eigen::Vector3d& position) {
+    if (!(position.z() > 0)) return;
+    const Eigen::Vector2d pixel = camera_.project(position);
     const double x = std::round(pixel.x());
     const double y = std::round(pixel.y());
     if (!(x >= 0 && y >= 0 && x < camera_.width && y < camera_.height)) return;

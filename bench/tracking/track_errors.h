@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "evaluate/true_tracks.h"
+#include "evaluate/ground_truth_tracks.h"
 #include "follow_label.h"
 #include "ingest/frame/frame.h"
 #include "motion/motion.h"
@@ -47,17 +47,17 @@ inline Comparison compare_tracks(const evaluate::TrueTracks& tracks, const motio
   Comparison all;
   std::vector<Comparison> by_frame(frames.size());
   for (const auto& track_of_id : tracks) {
-    const auto& places = track_of_id.second;
+    const auto& positions = track_of_id.second;
     const auto first = std::find_if(frames.begin(), frames.end(), [&](int frame) {
-      const auto found = places.find(frame);
-      return found != places.end() && found->second.visible;
+      const auto found = positions.find(frame);
+      return found != positions.end() && found->second.visible;
     });
     if (first == frames.end()) continue;
     const auto start = static_cast<std::size_t>(first - frames.begin());
-    const auto track = motion::track_point(motion, frames.size(), start, places.at(*first).point);
+    const auto track = motion::track_point(motion, frames.size(), start, positions.at(*first).point);
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      const auto truth = places.find(frames[i]);
-      if (truth == places.end()) continue;
+      const auto truth = positions.find(frames[i]);
+      if (truth == positions.end()) continue;
       (truth->second.visible ? all.visible : all.hidden).add(track[i], truth->second.point);
       (truth->second.visible ? by_frame[i].visible : by_frame[i].hidden).add(track[i], truth->second.point);
     }

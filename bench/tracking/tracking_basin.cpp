@@ -27,7 +27,7 @@ using namespace kinora;
 using namespace kinora::tracking;
 
 constexpr std::size_t kPoints = 2000;
-constexpr std::size_t kLeastPoints = 5;
+constexpr std::size_t kMinPoints = 5;
 constexpr double kConverged = 10; // millimetres, mean
 constexpr double kFound = 30;     // likewise
 constexpr double kLargestShift = 30;
@@ -39,7 +39,7 @@ DeformingTrackerConfig config_of(Setting setting) {
   if (setting != kFull) {
     config.use_searches = false;
     config.binding.body.tracker.use_searches = false;
-    config.in_view.solver.silhouette_share = 0;
+    config.in_view.solver.silhouette_weight = 0;
   }
   config.binding.use_body = setting != kGraph;
   return config;
@@ -77,7 +77,7 @@ void follow(const testing::PersonScene& scene, std::vector<ingest::Frame> frames
     std::printf("# %s %g, trial %d, %s: %s mm of %zu points\n", std::string(scene.name).c_str(), size,
                 static_cast<int>(camera.seed), kSettingNames[setting], last.text().c_str(), last.values.size());
   }
-  if (last.values.size() < kLeastPoints) return;
+  if (last.values.size() < kMinPoints) return;
   append(errors(testing::kJumpFrame), outcome.first);
   append(last, outcome.last);
   if (last.mean() < kConverged) ++outcome.converged;

@@ -20,11 +20,11 @@
 #include "host/plugin_table.h"
 #include "ingest/capture/capture.h"
 #include "nearby_objects.h"
-#include "tracking/body/body_sizes.h"
 #include "tracking/body/body_tracker.h"
+#include "tracking/body/shape_from_mesh.h"
 #include "tracking/body/simulated_detector.h"
 #include "tracking/body/true_joints.h"
-#include "tracking/view/layer_view.h"
+#include "tracking/view/deforming_view.h"
 
 namespace {
 
@@ -113,15 +113,15 @@ constexpr std::array<const char*, kinora::ingest::kDetectedJoints> kDetectable =
 
 void simulate_detector(const std::map<std::string, Eigen::Vector3d>& truth, int label, double swaps,
                        ingest::Frame& frame) {
-  tracking::testing::JointPlaces places;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (const auto found = truth.find(kDetectable[i]); found != truth.end()) places[i] = found->second;
+  tracking::testing::JointPositions positions;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (const auto found = truth.find(kDetectable[i]); found != truth.end()) positions[i] = found->second;
   }
   tracking::testing::DetectorErrors errors;
   errors.swaps = swaps;
   errors.knows_hidden = std::getenv("KINORA_BENCH_SEEN_ONLY") == nullptr;
-  frame.people.push_back({label, tracking::testing::detect_joints(places, frame.camera.intrinsics, frame.depth, errors,
-                                                                  static_cast<std::uint64_t>(frame.index))});
+  frame.people.push_back({label, tracking::testing::detect_joints(positions, frame.camera.intrinsics, frame.depth,
+                                                                  errors, static_cast<std::uint64_t>(frame.index))});
 }
 
 void run(const std::string& folder, int label) {
@@ -147,7 +147,7 @@ void run(const std::string& folder, int label) {
     if (swaps != nullptr && found != truth.end()) {
       simulate_detector(found->second, label, std::atof(swaps), *frame);
     }
-    const tracking::ObjectView view = tracking::view_layer(*frame, label);
+    const tracking::LayerView view = tracking::view_layer(*frame, label);
     std::vector<tracking::NearbyObject> nearby;
     if (std::getenv("KINORA_BENCH_ALONE") == nullptr) nearby = objects.follow(*frame);
     const auto start = std::chrono::steady_clock::now();
@@ -159,7 +159,7 @@ void run(const std::string& folder, int label) {
     empty += result.free_space_share;
     if (result.health != motion::Health::kTracked) ++not_tracked;
     if (!tracker.started()) continue;
-    const tracking::Bones bones = tracking::place_bones(tracker.state().pose, tracker.state().shape);
+    const tracking::Bones bones = tracking::forward_kinematics(tracker.state().pose, tracker.state().shape);
     if (std::getenv("KINORA_BENCH_FRAMES") != nullptr) {
       std::printf("health,%d,%s,%.3f,%.3f", frame->index, std::string(motion::name_of(result.health)).c_str(),
                   result.explained, result.free_space_share);

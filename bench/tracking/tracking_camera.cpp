@@ -49,20 +49,20 @@ void compare(const std::vector<SE3>& estimate, const std::vector<SE3>& truth) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   std::vector<double> first;
   std::vector<double> steps;
-  std::vector<double> turns;
+  std::vector<double> rotations;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const SE3 to_first = truth.front() * estimate.front().inverse() * estimate[i];
     first.push_back(1e3 * (to_first.translation() - truth[i].translation()).norm());
     if (i == 0) continue;
     const SE3 step = (truth[i - 1].inverse() * truth[i]).inverse() * (estimate[i - 1].inverse() * estimate[i]);
     steps.push_back(1e3 * step.translation().norm());
-    turns.push_back(kDegrees * rotation_angle(step));
+    rotations.push_back(kDegrees * rotation_angle(step));
   }
   const std::vector<double> aligned = aligned_errors(estimate, truth);
   std::printf("trajectory error: %.2f mm aligned, worst %.2f mm; %.2f mm from the first frame, worst %.2f mm\n",
               rms(aligned), at_fraction(aligned, 1), rms(first), at_fraction(first, 1));
   std::printf("from frame to frame: %.2f mm, worst %.2f mm; %.3f degrees, worst %.3f degrees\n", rms(steps),
-              at_fraction(steps, 1), rms(turns), at_fraction(turns, 1));
+              at_fraction(steps, 1), rms(rotations), at_fraction(rotations, 1));
 }
 
 void run(const std::string& folder, int labels) {
@@ -92,7 +92,7 @@ void run(const std::string& folder, int labels) {
       std::printf("frame %d: %s, %.1f mm off, share %.2f, texture %.2f, %d weak, %.1f ms\n", frame.index,
                   std::string(motion::name_of(result.health)).c_str(),
                   1e3 * (expected.translation() - result.camera_to_world.translation()).norm(),
-                  result.quality.inlier_share(), result.quality.texture_correlation, result.weak_directions,
+                  result.quality.inlier_share(), result.quality.texture_correlation, result.degenerate_directions,
                   milliseconds.back());
     }
   }

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "core/image_codec.h"
-#include "evaluate/true_tracks.h"
+#include "evaluate/ground_truth_tracks.h"
 #include "host/plugin_table.h"
 #include "ingest/capture/capture.h"
 #include "knobs.h"
@@ -120,11 +120,11 @@ tracking::DeformingTrackerConfig config_of(const Setting& knobs) {
   config.in_view.solver.iterations = {whole("coarse"), whole("middle"), whole("fine")};
   config.in_view.solver.rigid_iterations = whole("rigid");
   config.in_view.solver.pcg_iterations = whole("pcg");
-  config.in_view.solver.worthwhile = knobs.at("worthwhile");
+  config.in_view.solver.min_decrease = knobs.at("worthwhile");
   config.in_view.solver.rigidity = knobs.at("rigidity");
   config.in_view.solver.prior_sigma = knobs.at("prior");
-  config.in_view.solver.photometric_share = knobs.at("texture");
-  config.in_view.solver.silhouette_share = knobs.at("silhouette");
+  config.in_view.solver.photometric_weight = knobs.at("texture");
+  config.in_view.solver.silhouette_weight = knobs.at("silhouette");
   return config;
 }
 
@@ -196,15 +196,15 @@ int main(int argc, char** argv) {
                      {"voxel", {defaults.model.voxel_size}},
                      {"fuse_interval", {static_cast<double>(defaults.model.fuse_interval)}},
                      {"coarse", {static_cast<double>(alignment.iterations[0])}},
-                     {"worthwhile", {alignment.worthwhile}},
+                     {"worthwhile", {alignment.min_decrease}},
                      {"middle", {static_cast<double>(alignment.iterations[1])}},
                      {"fine", {static_cast<double>(alignment.iterations[2])}},
                      {"rigid", {static_cast<double>(alignment.rigid_iterations)}},
                      {"pcg", {static_cast<double>(alignment.pcg_iterations)}},
                      {"rigidity", {alignment.rigidity}},
                      {"prior", {alignment.prior_sigma}},
-                     {"texture", {alignment.photometric_share}},
-                     {"silhouette", {alignment.silhouette_share}},
+                     {"texture", {alignment.photometric_weight}},
+                     {"silhouette", {alignment.silhouette_weight}},
                      {"body", {1}},
                      {"interaction", {1}},
                      {"settle", {1}},

@@ -40,19 +40,19 @@ void follow(const LoopScene& scene, std::uint64_t seed) {
   const std::vector<SE3> path = tracker.path();
   double squares = 0;
   double worst = 0;
-  double worst_turn = 0;
+  double worst_rotation = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const SE3 off = (scene.truth.front().inverse() * scene.truth[i]).inverse() * path[i];
     squares += off.translation().squaredNorm();
     worst = std::max(worst, off.translation().norm());
-    worst_turn = std::max(worst_turn, kDegrees * rotation_angle(off));
+    worst_rotation = std::max(worst_rotation, kDegrees * rotation_angle(off));
   }
   const SE3 last = (scene.truth.front().inverse() * scene.truth.back()).inverse() * path.back();
   std::printf("%-16s %llu: %zu of %zu tracked, %zu key frames, %zu loops; %.0f mm, worst %.0f mm, %.1f degrees; at the "
               "end %.0f mm, %.1f degrees; median %.1f ms, longest %.1f ms\n",
               scene.name.c_str(), static_cast<unsigned long long>(seed), static_cast<std::size_t>(tracked),
               scene.size(), tracker.keyframe_count(), tracker.loop_count(),
-              1e3 * std::sqrt(squares / static_cast<double>(path.size())), 1e3 * worst, worst_turn,
+              1e3 * std::sqrt(squares / static_cast<double>(path.size())), 1e3 * worst, worst_rotation,
               1e3 * last.translation().norm(), kDegrees * rotation_angle(last), at_fraction(milliseconds, 0.5),
               at_fraction(milliseconds, 1));
 }
@@ -62,8 +62,8 @@ void follow(const LoopScene& scene, std::uint64_t seed) {
 int main(int argc, char** argv) {
   const auto seeds = static_cast<std::uint64_t>(argc > 1 ? std::atoi(argv[1]) : 3);
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    follow(tracking::testing::turn_around(seed), seed);
-    follow(tracking::testing::turn_with_hard_stretches(seed), seed);
+    follow(tracking::testing::rotate_around(seed), seed);
+    follow(tracking::testing::rotate_with_hard_stretches(seed), seed);
     follow(tracking::testing::covered_on_the_way(seed), seed);
     follow(tracking::testing::alike_place(seed, 1), seed);
   }

@@ -80,8 +80,9 @@ void run(const std::string& folder, int label) {
     errors.add(frame.index, result.pose);
   }
   std::printf("frames %zu, not tracked %d\n", milliseconds.size(), not_tracked);
-  if (const auto bend = tracker.bend()) {
-    std::printf("it bends, from frame %zu on, by up to %.1f mm\n", bend->first_frame, 1e3 * bend->metres);
+  if (const auto non_rigidity = tracker.non_rigidity()) {
+    std::printf("it bends, from frame %zu on, by up to %.1f mm\n", non_rigidity->first_frame,
+                1e3 * non_rigidity->metres);
   }
   if (errors.translation.count > 0) {
     std::printf("translation at the centroid: mean %.2f mm, worst %.2f mm\n", errors.translation.mean(),

@@ -26,9 +26,9 @@ constexpr std::size_t kPoints = 600;
 bench::Errors joint_errors(const testing::PersonScene& scene, const LayerBody& body) {
   bench::Errors errors;
   const auto paths = body.joint_paths();
-  for (std::size_t frame = 0; paths && frame < paths->places.size(); ++frame) {
+  for (std::size_t frame = 0; paths && frame < paths->positions.size(); ++frame) {
     const Bones& truth = scene.at(static_cast<double>(frame)).body().body().bones;
-    for (std::size_t j = 0; j < truth.size(); ++j) errors.add(paths->places[frame][j], truth[j].translation());
+    for (std::size_t j = 0; j < truth.size(); ++j) errors.add(paths->positions[frame][j], truth[j].translation());
   }
   return errors;
 }
@@ -43,7 +43,7 @@ void follow(const bench::Setting& knobs) {
   camera.seed = static_cast<std::uint64_t>(knobs.at("seed"));
   DeformingTrackerConfig config;
   config.binding.use_body = knobs.at("body") != 0;
-  config.in_view.solver.worthwhile = knobs.at("worthwhile");
+  config.in_view.solver.min_decrease = knobs.at("worthwhile");
   std::size_t stage = 0;
   for (const char* name : {"coarse", "middle", "fine"}) {
     config.in_view.solver.iterations[stage++] = static_cast<int>(knobs.at(name));
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
                      {"coarse", {static_cast<double>(steps[0])}},
                      {"middle", {static_cast<double>(steps[1])}},
                      {"fine", {static_cast<double>(steps[2])}},
-                     {"worthwhile", {DeformingAlignmentConfig().worthwhile}}};
+                     {"worthwhile", {DeformingAlignmentConfig().min_decrease}}};
   for (const testing::PersonScene& scene : testing::person_scenes()) {
     knobs["scene"].push_back(static_cast<double>(names.size()));
     names.emplace_back(scene.name);

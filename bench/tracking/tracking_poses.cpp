@@ -33,8 +33,8 @@ std::vector<LimbPoses> read_poses(const std::string& path) {
   }
 }
 
-BodyState posed(const LimbPoses& limbs, double turned) {
-  BodyState state = testing::standing(turned);
+BodyState posed(const LimbPoses& limbs, double rotation) {
+  BodyState state = testing::standing(rotation);
   for (const Limb limb : kEveryLimb) {
     const LimbChain& chain = chain_of(limb);
     state.pose.angles.segment<3>(joints()[chain.ball].first_angle) = limbs[limb].head<3>();
@@ -76,7 +76,7 @@ void follow(const std::vector<LimbPoses>& poses, const bench::Setting& knobs) {
     testing::BodyScene scene;
     scene.seed = i;
     if (knobs.at("cover") != 0) scene.cover = cover_of(i);
-    const ObjectView view = view_object(testing::render_body(truth, scene), 1);
+    const LayerView view = view_label(testing::render_body(truth, scene), 1);
     const auto result = tracker.track(view, SE3::Identity(), static_cast<double>(i) / 30);
     for (const Limb limb : {kLeftArm, kRightArm}) {
       const double error = 1e3 * testing::joint_distance(tracker.state(), truth, chain_of(limb).end);

@@ -54,7 +54,7 @@ struct Followed {
     const bench::Stopwatch watch;
     const RigidTrackingResult result = tracker.track(frame);
     processor.push_back(watch.processor_milliseconds());
-    most_pixels = std::max(most_pixels, pixels);
+    max_pixels = std::max(max_pixels, pixels);
     const SE3 now = thing->pose(frame.index);
     if (!first && result.pose.health == Health::kTracked) first = before = before_found = now;
     if (!first) return;
@@ -62,7 +62,7 @@ struct Followed {
     const double distance = 1e3 * (found.translation() - now.translation()).norm();
     const double rotation = kDegrees * rotation_angle(found.inverse() * now);
     const double tilt = kDegrees * std::acos(std::clamp(found.linear().col(1).dot(now.linear().col(1)), -1.0, 1.0));
-    const double turn =
+    const double axial_rotation =
         kDegrees * rotation_angle((before_found.inverse() * found).inverse() * (before.inverse() * now));
     before_found = found;
     before = now;
@@ -72,25 +72,25 @@ struct Followed {
           "# frame %d label %d: %s, %.0f pixels, %.2f mm, %.2f degrees, axis %.2f, turn %.2f; weak %d, inliers %.2f, "
           "correlation %.2f, explained %.2f, outside %.2f, %.1f ms\n",
           frame.index, thing->label, std::string(name_of(result.pose.health)).c_str(), pixels, distance, rotation, tilt,
-          turn, result.weak_directions, quality.inlier_share(), quality.texture_correlation, quality.explained_share,
-          quality.free_space_share(), processor.back());
+          axial_rotation, result.degenerate_directions, quality.inlier_share(), quality.texture_correlation,
+          quality.explained_share, quality.free_space_share(), processor.back());
     }
-    if (pixels < 0.2 * most_pixels) return;
+    if (pixels < 0.2 * max_pixels) return;
     ++seen;
     not_tracked += result.pose.health == Health::kTracked ? 0 : 1;
     distances.values.push_back(distance);
     rotations.values.push_back(rotation);
     tilts.values.push_back(tilt);
-    turns.values.push_back(turn);
+    axial_rotations.values.push_back(axial_rotation);
   }
 
   const testing::MovingThing* thing;
   RigidTracker tracker;
   std::optional<SE3> first;
   SE3 before, before_found; ///< thing to world in the frame before: true and found
-  Errors distances, rotations, tilts, turns;
+  Errors distances, rotations, tilts, axial_rotations;
   std::vector<double> processor;
-  double most_pixels = 0;
+  double max_pixels = 0;
   int seen = 0;
   int not_tracked = 0;
 };
@@ -132,7 +132,7 @@ void follow(const testing::ThingScene& scene, const bench::Setting& knobs, const
   for (const Followed& one : followed) {
     std::printf("%s,%d,%s,%s,%s,%s,%d,%d,%.1f,%.1f\n", std::string(scene.name).c_str(), one.thing->label,
                 one.distances.text().c_str(), one.rotations.text().c_str(), one.tilts.text().c_str(),
-                one.turns.text().c_str(), one.seen, one.not_tracked, bench::at_fraction(one.processor, 0.5),
+                one.axial_rotations.text().c_str(), one.seen, one.not_tracked, bench::at_fraction(one.processor, 0.5),
                 bench::at_fraction(one.processor, 0.95));
   }
   std::fflush(stdout);

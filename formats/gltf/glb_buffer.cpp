@@ -78,7 +78,7 @@ void GlbBuffer::describe(nlohmann::json& gltf) const {
 }
 
 std::vector<std::byte> glb_file(const nlohmann::json& gltf, std::span<const std::byte> binary,
-                                const std::string& place) {
+                                const std::string& location) {
   const std::string text = gltf.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::vector<std::byte> json;
   append(json, std::as_bytes(std::span(text)));
@@ -87,7 +87,8 @@ std::vector<std::byte> glb_file(const nlohmann::json& gltf, std::span<const std:
   pad(data, std::byte{0});
   const std::size_t total = 12 + 8 + json.size() + 8 + data.size();
   if (total > 0xFFFFFFFFU)
-    throw Error(ErrorCode::kFailure, place + ": a GLB file holds at most 4 GiB; take fewer frames or fewer triangles");
+    throw Error(ErrorCode::kFailure,
+                location + ": a GLB file holds at most 4 GiB; take fewer frames or fewer triangles");
   std::vector<std::byte> file;
   file.reserve(total);
   append_number(file, kMagic);

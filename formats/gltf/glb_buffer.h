@@ -56,9 +56,9 @@ private:
   nlohmann::json accessors_ = nlohmann::json::array();
 };
 
-/// The file: header, JSON chunk, binary chunk. Throws Error(kFailure), naming `place`, if it is longer than the 4 GiB
-/// that the format can state.
+/// The file: header, JSON chunk, binary chunk. Throws Error(kFailure), naming `location`, if it is longer than the 4
+/// GiB that the format can state.
 std::vector<std::byte> glb_file(const nlohmann::json& gltf, std::span<const std::byte> binary,
-                                const std::string& place);
+                                const std::string& location);
 
 } // namespace kinora::formats

@@ -43,24 +43,24 @@ void GlbWriter::add(const KinoraMesh& mesh) {
   if (const std::string fault = fault_of(mesh); !fault.empty())
     refuse(std::string("the mesh ") + (mesh.name != nullptr ? mesh.name : "without a name") +
            " cannot be written: " + fault);
-  Placed placed{mesh.name, static_cast<int>(meshes_.size()), mesh.joint_indices != nullptr, {}, {}, {}};
-  if (placed.skinned) placed.inverse_bind = columns_of(mesh.inverse_bind, mesh.joint_count);
-  placed.tracks.resize(mesh.joint_count);
+  MeshInstance instance{mesh.name, static_cast<int>(meshes_.size()), mesh.joint_indices != nullptr, {}, {}, {}};
+  if (instance.skinned) instance.inverse_bind = columns_of(mesh.inverse_bind, mesh.joint_count);
+  instance.tracks.resize(mesh.joint_count);
   meshes_.push_back(add_mesh(buffer_, mesh));
-  placed_.push_back(std::move(placed));
+  instances_.push_back(std::move(instance));
 }
 
 void GlbWriter::pose(const KinoraMeshPose& pose) {
   posed_ = true;
-  if (pose.mesh >= placed_.size()) refuse("a pose is for a mesh that is not there");
-  Placed& placed = placed_[pose.mesh];
-  if (pose.joint_count != placed.tracks.size() || pose.joint_count == 0)
-    refuse("a pose has not as many joints as its mesh " + placed.name);
+  if (pose.mesh >= instances_.size()) refuse("a pose is for a mesh that is not there");
+  MeshInstance& instance = instances_[pose.mesh];
+  if (pose.joint_count != instance.tracks.size() || pose.joint_count == 0)
+    refuse("a pose has not as many joints as its mesh " + instance.name);
   const auto time = static_cast<float>(pose.time);
-  if (!(time >= 0) || (!placed.times.empty() && !(time > placed.times.back())))
-    refuse("the times of the poses of " + placed.name + " are negative or do not increase");
-  placed.times.push_back(time);
-  for (std::size_t j = 0; j < pose.joint_count; ++j) placed.tracks[j].add(pose.joints[j]);
+  if (!(time >= 0) || (!instance.times.empty() && !(time > instance.times.back())))
+    refuse("the times of the poses of " + instance.name + " are negative or do not increase");
+  instance.times.push_back(time);
+  for (std::size_t j = 0; j < pose.joint_count; ++j) instance.tracks[j].add(pose.joints[j]);
 }
 
 int GlbWriter::times_accessor(const std::vector<float>& times) {
@@ -69,55 +69,57 @@ int GlbWriter::times_accessor(const std::vector<float>& times) {
   return entry->second;
 }
 
-void GlbWriter::animate(const Placed& placed, int first_node, Json& animation) {
+void GlbWriter::animate(const MeshInstance& instance, int first_node, Json& animation) {
   const auto channel = [&](std::size_t joint, const char* path, const std::vector<float>& values,
                            const GlbElements& elements) {
     const int output = buffer_.add(std::span<const float>(values), elements, GlbTarget::kNone);
     animation["channels"].push_back({{"sampler", animation["samplers"].size()},
                                      {"target", {{"node", first_node + static_cast<int>(joint)}, {"path", path}}}});
     animation["samplers"].push_back(
-        {{"input", times_accessor(placed.times)},
+        {{"input", times_accessor(instance.times)},
          {"output", output},
          {"interpolation", settings_.interpolation == Interpolation::kStep ? "STEP" : "LINEAR"}});
   };
-  for (std::size_t j = 0; j < placed.tracks.size(); ++j) {
-    const JointTrack& track = placed.tracks[j];
-    if (track.turns()) channel(j, "rotation", track.rotations(), kGlbQuaternions);
+  for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
+    const JointTrack& track = instance.tracks[j];
+    if (track.rotates()) channel(j, "rotation", track.rotations(), kGlbQuaternions);
     if (track.moves()) channel(j, "translation", track.translations(), kGlbVectors);
   }
 }
 
-Json GlbWriter::skin_of(Placed& placed, Json& nodes, Json& root_children) {
+Json GlbWriter::skin_of(MeshInstance& instance, Json& nodes, Json& root_children) {
   Json joints = Json::array();
-  for (std::size_t j = 0; j < placed.tracks.size(); ++j) {
+  for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
     joints.push_back(nodes.size());
     root_children.push_back(nodes.size());
-    nodes.push_back(joint_node(placed.name + " joint " + std::to_string(j), placed.tracks[j]));
+    nodes.push_back(joint_node(instance.name + " joint " + std::to_string(j), instance.tracks[j]));
   }
-  const int bind = buffer_.add(std::span<const float>(placed.inverse_bind), kGlbMatrices, GlbTarget::kNone);
-  return {{"name", placed.name}, {"joints", std::move(joints)}, {"inverseBindMatrices", bind}};
+  const int bind = buffer_.add(std::span<const float>(instance.inverse_bind), kGlbMatrices, GlbTarget::kNone);
+  return {{"name", instance.name}, {"joints", std::move(joints)}, {"inverseBindMatrices", bind}};
 }
 
 void GlbWriter::finish() {
-  if (placed_.empty()) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
+  if (instances_.empty()) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
   Json nodes = Json::array({{{"name", "kinora"}, {"rotation", kHalfTurnAboutX}}});
   Json root_children = Json::array();
   Json scene_nodes = Json::array({kRootNode});
   Json skins = Json::array();
   Json animation = {{"name", "clip"}, {"channels", Json::array()}, {"samplers", Json::array()}};
-  for (Placed& placed : placed_) {
-    if (!placed.tracks.empty() && placed.times.empty()) refuse("the mesh " + placed.name + " has joints and no pose");
+  for (MeshInstance& instance : instances_) {
+    if (!instance.tracks.empty() && instance.times.empty())
+      refuse("the mesh " + instance.name + " has joints and no pose");
     const auto first_node = static_cast<int>(nodes.size());
-    animate(placed, first_node, animation);
-    if (placed.skinned) {
+    animate(instance, first_node, animation);
+    if (instance.skinned) {
       // Only the joints place a skinned mesh: its own node stands beside the root, where nothing could be mistaken.
-      skins.push_back(skin_of(placed, nodes, root_children));
+      skins.push_back(skin_of(instance, nodes, root_children));
       scene_nodes.push_back(nodes.size());
-      nodes.push_back({{"name", placed.name}, {"mesh", placed.mesh}, {"skin", skins.size() - 1}});
+      nodes.push_back({{"name", instance.name}, {"mesh", instance.mesh}, {"skin", skins.size() - 1}});
     } else {
       root_children.push_back(first_node);
-      nodes.push_back(placed.tracks.empty() ? Json{{"name", placed.name}} : joint_node(placed.name, placed.tracks[0]));
-      nodes.back()["mesh"] = placed.mesh;
+      nodes.push_back(instance.tracks.empty() ? Json{{"name", instance.name}}
+                                              : joint_node(instance.name, instance.tracks[0]));
+      nodes.back()["mesh"] = instance.mesh;
     }
   }
   if (!root_children.empty()) nodes[kRootNode]["children"] = root_children;

@@ -38,7 +38,7 @@ public:
   void finish();
 
 private:
-  struct Placed {
+  struct MeshInstance {
     std::string name;
     int mesh; ///< number in the file
     bool skinned;
@@ -47,8 +47,8 @@ private:
     std::vector<JointTrack> tracks; ///< one per joint
   };
 
-  nlohmann::json skin_of(Placed& placed, nlohmann::json& nodes, nlohmann::json& root_children);
-  void animate(const Placed& placed, int first_node, nlohmann::json& animation);
+  nlohmann::json skin_of(MeshInstance& instance, nlohmann::json& nodes, nlohmann::json& root_children);
+  void animate(const MeshInstance& instance, int first_node, nlohmann::json& animation);
   int times_accessor(const std::vector<float>& times);
   [[noreturn]] void refuse(const std::string& what) const;
 
@@ -56,7 +56,7 @@ private:
   GlbSettings settings_;
   GlbBuffer buffer_;
   nlohmann::json meshes_ = nlohmann::json::array();
-  std::vector<Placed> placed_;
+  std::vector<MeshInstance> instances_;
   std::map<std::vector<float>, int> times_; ///< accessors: meshes normally share their times
   bool posed_ = false;
 };

@@ -21,7 +21,7 @@ void JointTrack::add(const KinoraJoint& joint) {
   std::array<float, 3> translation{};
   for (std::size_t i = 0; i < 3; ++i) translation[i] = static_cast<float>(joint.translation[i]);
   if (!rotations_.empty()) {
-    turns_ = turns_ || !std::equal(xyzw.begin(), xyzw.end(), rotations_.begin());
+    rotates_ = rotates_ || !std::equal(xyzw.begin(), xyzw.end(), rotations_.begin());
     moves_ = moves_ || !std::equal(translation.begin(), translation.end(), translations_.begin());
   }
   rotations_.insert(rotations_.end(), xyzw.begin(), xyzw.end());

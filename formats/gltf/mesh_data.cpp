@@ -9,7 +9,7 @@ namespace {
 
 using RowMajorMatrix = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
 
-constexpr std::size_t kMostJoints = 65536;
+constexpr std::size_t kMaxJoints = 65536;
 
 bool all_finite(const float* values, std::size_t count) {
   return std::all_of(values, values + count, [](float v) { return std::isfinite(v); });
@@ -75,7 +75,7 @@ std::string fault_of(const KinoraMesh& mesh) {
   for (std::size_t i = 0; i < 3 * mesh.face_count; ++i)
     if (mesh.faces[i] >= mesh.vertex_count) return "a face names a vertex that is not there";
   if (mesh.joint_count == 0) return {};
-  if (mesh.joint_count > kMostJoints || mesh.inverse_bind == nullptr ||
+  if (mesh.joint_count > kMaxJoints || mesh.inverse_bind == nullptr ||
       !all_finite(mesh.inverse_bind, 16 * mesh.joint_count))
     return "its joints are too many, or without finite bind matrices";
   if ((mesh.joint_indices == nullptr) != (mesh.joint_weights == nullptr) ||
@@ -85,9 +85,9 @@ std::string fault_of(const KinoraMesh& mesh) {
 }
 
 nlohmann::json add_mesh(GlbBuffer& buffer, const KinoraMesh& mesh) {
-  const bool carried = mesh.joint_count == 1 && mesh.joint_indices == nullptr;
-  const Eigen::Affine3f bind(carried ? RowMajorMatrix(Eigen::Map<const RowMajorMatrix>(mesh.inverse_bind))
-                                     : RowMajorMatrix::Identity());
+  const bool is_rigid = mesh.joint_count == 1 && mesh.joint_indices == nullptr;
+  const Eigen::Affine3f bind(is_rigid ? RowMajorMatrix(Eigen::Map<const RowMajorMatrix>(mesh.inverse_bind))
+                                      : RowMajorMatrix::Identity());
   std::vector<float> positions(3 * mesh.vertex_count);
   std::vector<float> normals;
   for (std::size_t v = 0; v < mesh.vertex_count; ++v)

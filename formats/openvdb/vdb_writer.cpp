@@ -49,7 +49,7 @@ void settle_identifier(std::string& file) {
 
 /// The volume's transform with y and z of the world and of the voxels' numbers turned round: where it only scales and
 /// shifts, it stays so.
-openvdb::math::Transform::Ptr turned_transform(const KinoraVolume& volume, const std::string& place) {
+openvdb::math::Transform::Ptr rotated_transform(const KinoraVolume& volume, const std::string& location) {
   openvdb::Mat4d matrix; // OpenVDB's vectors are rows
   for (int r = 0; r < 4; ++r) {
     for (int c = 0; c < 4; ++c) {
@@ -58,7 +58,7 @@ openvdb::math::Transform::Ptr turned_transform(const KinoraVolume& volume, const
     }
   }
   if (!(std::abs(matrix.det()) > 0) || !std::isfinite(matrix.det()))
-    throw Error(ErrorCode::kUsage, place + ": the transform of the volume has no inverse");
+    throw Error(ErrorCode::kUsage, location + ": the transform of the volume has no inverse");
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
@@ -82,7 +82,7 @@ typename Grid::Ptr grid_of(const char* name, const KinoraVolume& volume, const o
 
 /// Readers interpolate between voxels. Each unset voxel beside set ones takes the mean of those, so that colour does
 /// not fade to black where density does.
-void spread_by_a_voxel(const KinoraVolume& volume, openvdb::Vec3SGrid& colors) {
+void dilate_colors(const KinoraVolume& volume, openvdb::Vec3SGrid& colors) {
   const auto sums = openvdb::Vec3SGrid::create();
   const auto counts = openvdb::FloatGrid::create();
   {
@@ -114,23 +114,23 @@ const KinoraVolumeChannel* channel_of(const KinoraVolume& volume, std::string_vi
   return nullptr;
 }
 
-openvdb::GridCPtrVec grids_of(const KinoraVolume& volume, bool half_floats, const std::string& place) {
-  const auto transform = turned_transform(volume, place);
-  const float most = half_floats ? kLargestHalf : std::numeric_limits<float>::max();
+openvdb::GridCPtrVec grids_of(const KinoraVolume& volume, bool half_floats, const std::string& location) {
+  const auto transform = rotated_transform(volume, location);
+  const float limit = half_floats ? kLargestHalf : std::numeric_limits<float>::max();
   openvdb::GridCPtrVec grids;
   // An empty volume has no values to point to.
   const KinoraVolumeChannel* density = channel_of(volume, "density", 1);
   if (density == nullptr && volume.voxel_count > 0)
-    throw Error(ErrorCode::kUsage, place + ": the volume has no channel \"density\"");
+    throw Error(ErrorCode::kUsage, location + ": the volume has no channel \"density\"");
   grids.push_back(grid_of<openvdb::FloatGrid>("density", volume, *transform, half_floats,
-                                              [&](std::size_t i) { return std::min(density->values[i], most); }));
+                                              [&](std::size_t i) { return std::min(density->values[i], limit); }));
   const KinoraVolumeChannel* color = channel_of(volume, "color", 3);
   if (color == nullptr && volume.voxel_count > 0) return grids;
   auto colors = grid_of<openvdb::Vec3SGrid>("Cd", volume, *transform, half_floats, [&](std::size_t i) {
     const float* c = color->values + 3 * i;
     return openvdb::Vec3s(c[0], c[1], c[2]);
   });
-  spread_by_a_voxel(volume, *colors);
+  dilate_colors(volume, *colors);
   colors->addStatsMetadata();
   colors->setVectorType(openvdb::VEC_INVARIANT); // not turned with the volume
   grids.push_back(colors);

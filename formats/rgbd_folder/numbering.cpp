@@ -36,9 +36,9 @@ NumberedFiles number_images(const fs::path& folder, std::vector<std::string>& wa
     if (!is_image_name(path)) continue;
     const std::optional<std::int64_t> number = number_in_name(path.stem().string());
     if (!number) continue;
-    const auto [place, fresh] = files.emplace(*number, path);
-    if (!fresh)
-      warnings.push_back(path.string() + ": left out, for " + place->second.filename().string() +
+    const auto [entry, is_new] = files.emplace(*number, path);
+    if (!is_new)
+      warnings.push_back(path.string() + ": left out, for " + entry->second.filename().string() +
                          " has the same number");
   }
   return files;

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "bake/surface.h"
+#include "bake/mesh_extraction.h"
 #include "core/parallel.h"
 
 namespace kinora::bake {
@@ -48,10 +48,10 @@ struct LiveSurface {
 };
 
 LiveSurface live_surface(const clip::Layer& layer, int frame, const Progress& progress) {
-  SurfaceOptions options;
-  options.smallest_part = 0.002;
+  MeshExtractionOptions options;
+  options.min_component_share = 0.002;
   LiveSurface surface;
-  const auto mesh = bake_surface(layer, options, progress);
+  const auto mesh = extract_mesh(layer, options, progress);
   if (!mesh) return surface;
   const motion::Warp warp = layer.motion.warp(frame);
   for (const Eigen::Vector3f& p : mesh->positions) {
@@ -81,9 +81,9 @@ nearest_layers(const clip::Clip& clip, int frame, std::span<const Eigen::Vector3
     const LiveSurface surface = live_surface(clip.layers[l], frame, progress);
     parallel_for(points.size(), 4, [&](const Chunk& chunk) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-        const double own = surface.squared_distance(points[i], distance[i]);
-        if (!(own < distance[i])) continue;
-        distance[i] = own;
+        const double candidate = surface.squared_distance(points[i], distance[i]);
+        if (!(candidate < distance[i])) continue;
+        distance[i] = candidate;
         nearest[i] = l;
       }
     });

@@ -86,10 +86,10 @@ std::vector<SE3> Skinning::joints_at(int frame) const {
 }
 
 Skinning::Difference Skinning::blending_difference(const host::Mesh& mesh, std::span<const int> frames) const {
-  constexpr std::size_t kMostVertices = 3000;
+  constexpr std::size_t kMaxVertices = 3000;
   Difference difference;
   if (motion_.kind() != motion::MotionKind::kDeforming) return difference;
-  const std::size_t stride = std::max<std::size_t>(1, mesh.positions.size() / kMostVertices);
+  const std::size_t stride = std::max<std::size_t>(1, mesh.positions.size() / kMaxVertices);
   std::size_t count = 0;
   for (const int frame : frames) {
     const motion::Warp warp = motion_.warp(frame);

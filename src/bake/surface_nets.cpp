@@ -9,22 +9,24 @@
 namespace kinora::bake {
 namespace {
 
-constexpr float kMost = 2; ///< of the values below: how steep density is matters little, where it passes the level much
+constexpr float kMaxExtrapolation =
+    2; ///< of the values below: how steep density is matters little, where it passes the level much
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-/// Works through the grid slice by slice. Values are log(density / level), cut to ±kMost; positive inside.
+/// Works through the grid slice by slice. Values are log(density / level), cut to ±kMaxExtrapolation; positive inside.
 class NetBuilder {
 public:
   NetBuilder(const FieldSampler& sampler, double level, int resolution)
       : sampler_(sampler), level_(static_cast<float>(level)), n_(resolution),
-        step_(sampler.field().config.box.side / resolution), below_(points_per_slice(), -kMost),
-        above_(points_per_slice(), -kMost), cells_before_(cells_per_layer(), kNone), cells_(cells_per_layer(), kNone) {}
+        step_(sampler.field().config.box.side / resolution), below_(points_per_slice(), -kMaxExtrapolation),
+        above_(points_per_slice(), -kMaxExtrapolation), cells_before_(cells_per_layer(), kNone),
+        cells_(cells_per_layer(), kNone) {}
 
   Triangles run(const Progress& progress) {
     for (int z = 0; z < n_; ++z) {
       progress.check();
       sample_slice(z + 1, above_);
-      place_vertices(z);
+      position_vertices(z);
       join_slice(z);
       join_layer();
       below_.swap(above_);
@@ -48,7 +50,7 @@ private:
 
   // Points on the box's faces count as outside, so that the surface is closed.
   void sample_slice(int z, std::vector<float>& values) {
-    std::fill(values.begin(), values.end(), -kMost);
+    std::fill(values.begin(), values.end(), -kMaxExtrapolation);
     if (z == n_) return;
     wanted_.clear();
     points_.clear();
@@ -65,13 +67,13 @@ private:
       sampler_.evaluate(std::span(points_).subspan(chunk.begin, chunk.end - chunk.begin), samples);
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
         const float value = std::log(samples.density[i - chunk.begin] / level_);
-        values[wanted_[i]] = std::clamp(value, -kMost, kMost);
+        values[wanted_[i]] = std::clamp(value, -kMaxExtrapolation, kMaxExtrapolation);
       }
     });
   }
 
   // A vertex in each cell between the two slices whose corners are not all on one side.
-  void place_vertices(int z) {
+  void position_vertices(int z) {
     std::fill(cells_.begin(), cells_.end(), kNone);
     for (int y = 0; y < n_; ++y) {
       for (int x = 0; x < n_; ++x) {
@@ -161,9 +163,9 @@ private:
 };
 
 /// Union-find over vertices.
-class Parts {
+class DisjointSets {
 public:
-  explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
@@ -200,20 +202,24 @@ void keep_vertices(Triangles& triangles, const std::vector<std::uint8_t>& keep) 
   }
 }
 
-void remove_stray_parts(Triangles& triangles, double share) {
+void remove_small_components(Triangles& triangles, double share) {
   const std::size_t count = triangles.positions.size();
-  Parts parts(count);
+  DisjointSets components(count);
   for (const auto& face : triangles.faces) {
-    parts.join(face[0], face[1]);
-    parts.join(face[0], face[2]);
+    components.join(face[0], face[1]);
+    components.join(face[0], face[2]);
   }
   std::vector<std::size_t> faces(count, 0);
-  std::size_t most = 0;
-  for (const auto& face : triangles.faces) most = std::max(most, ++faces[parts.find(face[0])]);
+  std::size_t largest_component = 0;
+  for (const auto& face : triangles.faces)
+    largest_component = std::max(largest_component, ++faces[components.find(face[0])]);
   std::vector<std::uint8_t> keep(count, 0);
   for (std::size_t v = 0; v < count; ++v) {
-    const std::size_t own = faces[parts.find(static_cast<std::uint32_t>(v))];
-    keep[v] = own > 0 && static_cast<double>(own) >= share * static_cast<double>(most) ? 1 : 0;
+    const std::size_t component_faces = faces[components.find(static_cast<std::uint32_t>(v))];
+    keep[v] =
+        component_faces > 0 && static_cast<double>(component_faces) >= share * static_cast<double>(largest_component)
+            ? 1
+            : 0;
   }
   keep_vertices(triangles, keep);
 }

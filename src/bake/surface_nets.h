@@ -28,7 +28,7 @@ Triangles surface_nets(const FieldSampler& sampler, double level, int resolution
 void keep_vertices(Triangles& triangles, const std::vector<std::uint8_t>& keep);
 
 /// Leaves out connected parts with less than `share` of the faces of the largest one.
-void remove_stray_parts(Triangles& triangles, double share);
+void remove_small_components(Triangles& triangles, double share);
 
 /// Per vertex, the mean of the normals of its faces, weighted by their areas; unit length.
 std::vector<Eigen::Vector3d> vertex_normals(const Triangles& triangles);

@@ -7,13 +7,13 @@
 #include "bake/voxel_key.h"
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 
 namespace kinora::bake {
 namespace {
 
-constexpr float kBlack = 1e-4F; ///< share of light that nobody sees: voxels are no denser than for that
-constexpr std::size_t kMostVoxels = 200'000'000; ///< of a frame, before empty ones are left out
+constexpr float kBlack = 1e-4F;                 ///< share of light that nobody sees: voxels are no denser than for that
+constexpr std::size_t kMaxVoxels = 200'000'000; ///< of a frame, before empty ones are left out
 
 std::vector<Eigen::Vector3d> occupied_centres(const fields::Field& field) {
   const int n = field.occupancy.resolution();
@@ -73,7 +73,7 @@ std::vector<VoxelKey> candidate_voxels(const fields::Field& field, const motion:
   });
   std::size_t total = 0;
   for (const auto& keys : found) total += keys.size();
-  if (total > kMostVoxels)
+  if (total > kMaxVoxels)
     throw Error(ErrorCode::kFailure, "the scene has too many voxels of this size; make them larger (-O voxel=...)");
   std::vector<VoxelKey> all;
   all.reserve(total);
@@ -87,7 +87,7 @@ class VoxelSampler {
 public:
   VoxelSampler(const FieldSampler& field, const motion::Warp& warp, const VolumeOptions& options)
       : field_(field), warp_(warp), voxel_(options.voxel),
-        least_density_(static_cast<float>(-std::log(1 - options.opacity) / options.voxel)),
+        min_density_(static_cast<float>(-std::log(1 - options.opacity) / options.voxel)),
         per_axis_(options.voxel > 1.5 * field.field().config.cell_size() ? 2 : 1),
         world_to_canonical_(warp.rigid().inverse()) {}
 
@@ -96,27 +96,27 @@ public:
     const std::size_t per_voxel = per_axis * per_axis * per_axis;
     std::vector<VoxelKey> live;
     std::vector<Eigen::Vector3d> points;
-    std::vector<fields::Turn> turns;
+    std::vector<fields::Rotation> rotations;
     for (const VoxelKey key : keys) {
-      if (add_points(key, points, turns)) live.push_back(key);
+      if (add_points(key, points, rotations)) live.push_back(key);
     }
     FieldSamples samples;
     field_.evaluate(points, samples);
     std::vector<std::array<float, FieldSamples::kFeatures>> features;
     for (std::size_t i = 0; i < live.size(); ++i) {
-      float through = 0; // mean share of light that passes
+      float transmittance = 0; // mean share of light that passes
       float weight = 0;
       std::array<float, FieldSamples::kFeatures> mean{};
       for (std::size_t k = i * per_voxel; k < (i + 1) * per_voxel; ++k) {
         const float opacity = 1 - std::exp(-samples.density[k] * static_cast<float>(voxel_));
-        through += (1 - opacity) / static_cast<float>(per_voxel);
+        transmittance += (1 - opacity) / static_cast<float>(per_voxel);
         weight += opacity;
         for (std::size_t f = 0; f < mean.size(); ++f) mean[f] += opacity * samples.features[k][f];
       }
-      const float density = -std::log(std::max(through, kBlack)) / static_cast<float>(voxel_);
-      if (density < least_density_) continue;
+      const float density = -std::log(std::max(transmittance, kBlack)) / static_cast<float>(voxel_);
+      if (density < min_density_) continue;
       for (float& f : mean) f /= std::max(weight, 1e-6F);
-      fields::turn_vectors(turns[i], mean.data());
+      fields::rotate_vectors(rotations[i], mean.data());
       out.keys.push_back(live[i]);
       out.density.push_back(density);
       features.push_back(mean);
@@ -126,7 +126,7 @@ public:
 
 private:
   // The sample points of a voxel, in canonical space, and the layer's turn there; false if none may be occupied.
-  bool add_points(VoxelKey key, std::vector<Eigen::Vector3d>& points, std::vector<fields::Turn>& turns) const {
+  bool add_points(VoxelKey key, std::vector<Eigen::Vector3d>& points, std::vector<fields::Rotation>& rotations) const {
     const auto voxel = voxel_of(key);
     const Eigen::Vector3d world = voxel_ * Eigen::Vector3d(voxel[0], voxel[1], voxel[2]);
     Eigen::Vector3d canonical;
@@ -143,13 +143,13 @@ private:
     const std::size_t before = points.size();
     bool any = false;
     for (int k = 0; k < per_axis_ * per_axis_ * per_axis_; ++k) {
-      const Eigen::Vector3i place(k % per_axis_, k / per_axis_ % per_axis_, k / per_axis_ / per_axis_);
-      const Eigen::Vector3d offset = (place.cast<double>().array() + 0.5) / per_axis_ - 0.5;
+      const Eigen::Vector3i subvoxel(k % per_axis_, k / per_axis_ % per_axis_, k / per_axis_ / per_axis_);
+      const Eigen::Vector3d offset = (subvoxel.cast<double>().array() + 0.5) / per_axis_ - 0.5;
       points.emplace_back(canonical + to_canonical * (voxel_ * offset));
       any = any || field_.occupied(points.back());
     }
     if (any) {
-      turns.push_back(fields::turn_of(to_canonical.transpose()));
+      rotations.push_back(fields::rotation_of(to_canonical.transpose()));
     } else {
       points.resize(before);
     }
@@ -159,7 +159,7 @@ private:
   const FieldSampler& field_;
   const motion::Warp& warp_;
   double voxel_;
-  float least_density_;
+  float min_density_;
   int per_axis_;
   SE3 world_to_canonical_;
 };

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/surface.h"
+#include "bake/mesh_extraction.h"
 #include "bake/volume.h"
 #include "cli/context.h"
 #include "clip/layer_choice.h"
@@ -21,7 +21,7 @@ struct Conversion {
   std::filesystem::path output;
   std::vector<int> frames; ///< of the clip, increasing
   clip::LayerChoice layers;
-  bake::SurfaceOptions surface;
+  bake::MeshExtractionOptions surface;
   bake::VolumeOptions volume;
   host::Options format_options;
   bool strict = false; ///< what cannot be carried over is an error instead of a warning

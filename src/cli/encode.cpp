@@ -15,7 +15,7 @@
 #include "encode/pipeline.h"
 #include "evaluate/evaluate.h"
 #include "ingest/files/body_mesh.h"
-#include "tracking/body/body_sizes.h"
+#include "tracking/body/shape_from_mesh.h"
 
 namespace kinora::cli {
 namespace {
@@ -102,9 +102,9 @@ std::size_t bytes_of_layer(const std::string& name, const clip::ByteAccount& acc
 
 void add_quality(Json& report, Json evaluation) {
   for (Json& layer : report["layers"]) {
-    for (const Json& judged : evaluation["layers"]) {
-      if (judged["name"] != layer["name"]) continue;
-      layer["quality"] = judged;
+    for (const Json& evaluated : evaluation["layers"]) {
+      if (evaluated["name"] != layer["name"]) continue;
+      layer["quality"] = evaluated;
       layer["quality"].erase("name");
     }
   }

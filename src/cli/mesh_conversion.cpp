@@ -18,9 +18,9 @@ struct BakedLayer {
 
 /// A few frames over the whole, to compare the two ways of blending at.
 std::vector<int> some_of(const std::vector<int>& frames) {
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMax = 8;
   std::vector<int> chosen;
-  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kMost);
+  const std::size_t stride = std::max<std::size_t>(1, frames.size() / kMax);
   for (std::size_t i = 0; i < frames.size(); i += stride) chosen.push_back(frames[i]);
   return chosen;
 }
@@ -54,7 +54,7 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
   context.progress.stage("surfaces", conversion.layers.size());
   for (std::size_t i = 0; i < conversion.layers.size(); ++i) {
     const clip::Layer& layer = conversion.clip->layers[conversion.layers[i]];
-    auto mesh = bake::bake_surface(layer, conversion.surface, context.progress);
+    auto mesh = bake::extract_mesh(layer, conversion.surface, context.progress);
     context.progress.advance(i + 1, layer.name);
     if (!mesh) {
       report_loss(conversion, layer.name + ": it has no surface and is left out", context);

@@ -45,7 +45,7 @@ Json nodes_json(const motion::Motion& motion, std::size_t frame) {
 Json joints_json(const motion::JointPaths& joints, std::size_t frame) {
   Json result = Json::array();
   for (std::size_t j = 0; j < joints.names.size(); ++j) {
-    const Eigen::Vector3d& p = joints.places[frame][j];
+    const Eigen::Vector3d& p = joints.positions[frame][j];
     result.push_back({{"name", joints.names[j]}, {"position", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}});
   }
   return result;

@@ -49,14 +49,14 @@ public:
   void write(const host::Picture& picture) { writer_.write(picture); }
   void finish() { writer_.finish(); }
 
-  /// Moves every file to where `place` says. Throws Error(kUnwritableOutput).
-  void move_files(const std::function<fs::path(const fs::path& inside)>& place) {
+  /// Moves every file to where `destination` says. Throws Error(kUnwritableOutput).
+  void move_files(const std::function<fs::path(const fs::path& inside)>& destination) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
       if (entry.is_regular_file()) files.push_back(entry.path());
     }
     for (const fs::path& file : files) {
-      const fs::path target = place(file.lexically_relative(folder_));
+      const fs::path target = destination(file.lexically_relative(folder_));
       std::error_code error;
       if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
       fs::rename(file, target, error);

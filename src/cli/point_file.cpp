@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::string_view kHeader = "id,x,y,z";
 
-[[noreturn]] void refuse(const std::string& place, std::size_t line, const std::string& why) {
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}, line {}: {}", place, line, why));
+[[noreturn]] void refuse(const std::string& location, std::size_t line, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}, line {}: {}", location, line, why));
 }
 
 std::vector<std::string_view> cells_of(std::string_view line) {
@@ -29,13 +29,14 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   }
 }
 
-NamedPoint point_of(std::string_view line, const std::string& place, std::size_t number) {
+NamedPoint point_of(std::string_view line, const std::string& location, std::size_t number) {
   const std::vector<std::string_view> cells = cells_of(line);
   if (cells.size() != 4) {
-    refuse(place, number, fmt::format("{} values instead of the four of {}", line.empty() ? 0 : cells.size(), kHeader));
+    refuse(location, number,
+           fmt::format("{} values instead of the four of {}", line.empty() ? 0 : cells.size(), kHeader));
   }
   if (cells[0].empty() || cells[0].find('"') != std::string_view::npos) {
-    refuse(place, number, "the id is empty or holds quotes");
+    refuse(location, number, "the id is empty or holds quotes");
   }
   NamedPoint point{std::string(cells[0]), {}};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -43,7 +44,7 @@ NamedPoint point_of(std::string_view line, const std::string& place, std::size_t
     const std::string_view cell = cells[a + 1];
     const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
     if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) {
-      refuse(place, number, fmt::format("\"{}\" is no number of metres", cell));
+      refuse(location, number, fmt::format("\"{}\" is no number of metres", cell));
     }
     point.position[static_cast<Eigen::Index>(a)] = value;
   }
@@ -52,7 +53,7 @@ NamedPoint point_of(std::string_view line, const std::string& place, std::size_t
 
 } // namespace
 
-std::vector<NamedPoint> parse_points(std::string_view text, const std::string& place) {
+std::vector<NamedPoint> parse_points(std::string_view text, const std::string& location) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3); // spreadsheets write a byte-order mark
   std::vector<NamedPoint> points;
   std::set<std::string> ids;
@@ -62,14 +63,14 @@ std::vector<NamedPoint> parse_points(std::string_view text, const std::string& p
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.ends_with('\r')) line.remove_suffix(1);
     if (number == 1) {
-      if (line != kHeader) refuse(place, 1, fmt::format("the first line must be {}", kHeader));
+      if (line != kHeader) refuse(location, 1, fmt::format("the first line must be {}", kHeader));
       continue;
     }
-    points.push_back(point_of(line, place, number));
+    points.push_back(point_of(line, location, number));
     if (!ids.insert(points.back().id).second)
-      refuse(place, number, fmt::format("the id {} came before", points.back().id));
+      refuse(location, number, fmt::format("the id {} came before", points.back().id));
   }
-  if (points.empty()) refuse(place, 2, "there is no point");
+  if (points.empty()) refuse(location, 2, "there is no point");
   return points;
 }
 

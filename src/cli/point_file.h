@@ -19,6 +19,6 @@ struct NamedPoint {
 std::vector<NamedPoint> read_points(const std::filesystem::path& path);
 
 /// `text` is what the file holds. For tests, and for read_points.
-std::vector<NamedPoint> parse_points(std::string_view text, const std::string& place);
+std::vector<NamedPoint> parse_points(std::string_view text, const std::string& location);
 
 } // namespace kinora::cli

@@ -34,10 +34,11 @@ Tracks track_all(const clip::Clip& clip, int frame, std::span<const Eigen::Vecto
   for (const auto& [layer, indices] : points_of) {
     // Without any surface there is nothing that could carry the point: it stays.
     const motion::Motion motion = layer ? clip.layers[*layer].motion : motion::Motion::still();
-    std::vector<Eigen::Vector3d> own;
-    for (const std::size_t i : indices) own.push_back(points[i]);
-    Tracks carried = motion::track_points(motion, clip.times.size(), static_cast<std::size_t>(frame), own);
-    for (std::size_t k = 0; k < indices.size(); ++k) tracks[indices[k]] = std::move(carried[k]);
+    std::vector<Eigen::Vector3d> layer_points;
+    for (const std::size_t i : indices) layer_points.push_back(points[i]);
+    Tracks layer_tracks =
+        motion::track_points(motion, clip.times.size(), static_cast<std::size_t>(frame), layer_points);
+    for (std::size_t k = 0; k < indices.size(); ++k) tracks[indices[k]] = std::move(layer_tracks[k]);
   }
   return tracks;
 }

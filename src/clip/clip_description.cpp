@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr int kDeepestNesting = 64;
-constexpr std::size_t kMostLayers = 255;
+constexpr std::size_t kMaxLayers = 255;
 constexpr std::size_t kLongestName = 255;
 
 Bytes text_of(const json& value, int indent) {
@@ -26,102 +26,102 @@ Bytes text_of(const json& value, int indent) {
   return {bytes.begin(), bytes.end()};
 }
 
-[[noreturn]] void corrupt(const std::string& place, const std::string& why) {
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+[[noreturn]] void corrupt(const std::string& location, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
 
-void check_version(const json& value, const std::string& place) {
-  if (!value.is_object()) corrupt(place, "is not a JSON object");
+void check_version(const json& value, const std::string& location) {
+  if (!value.is_object()) corrupt(location, "is not a JSON object");
   const auto version = value.find("version");
-  if (version == value.end() || !version->is_number_integer()) corrupt(place, "has no version");
+  if (version == value.end() || !version->is_number_integer()) corrupt(location, "has no version");
   if (*version != kVersion) {
     throw Error(ErrorCode::kNotRecognised,
-                fmt::format("{}: has version {}; this Kinora reads version {}, use a newer one", place, version->dump(),
-                            kVersion));
+                fmt::format("{}: has version {}; this Kinora reads version {}, use a newer one", location,
+                            version->dump(), kVersion));
   }
 }
 
-const json& member(const json& object, const char* name, const std::string& place) {
+const json& member(const json& object, const char* name, const std::string& location) {
   const auto found = object.find(name);
-  if (found == object.end()) corrupt(place, fmt::format("has no \"{}\"", name));
+  if (found == object.end()) corrupt(location, fmt::format("has no \"{}\"", name));
   return *found;
 }
 
-// An integer within the range of T, and at least `least`.
-template <class T> T integer(const json& value, T least, const char* name, const std::string& place) {
-  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<T>::max());
-  const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= kMost
-                                               : value.is_number_integer() && value.get<std::int64_t>() >= least;
-  if (!fits) corrupt(place, fmt::format("\"{}\" holds a number that is out of range", name));
+// An integer within the range of T, and at least `min_value`.
+template <class T> T integer(const json& value, T min_value, const char* name, const std::string& location) {
+  constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<T>::max());
+  const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= kMax
+                                               : value.is_number_integer() && value.get<std::int64_t>() >= min_value;
+  if (!fits) corrupt(location, fmt::format("\"{}\" holds a number that is out of range", name));
   const T result = value.get<T>();
-  if (result < least) corrupt(place, fmt::format("\"{}\" holds a number that is out of range", name));
+  if (result < min_value) corrupt(location, fmt::format("\"{}\" holds a number that is out of range", name));
   return result;
 }
 
-double number(const json& object, const char* name, const std::string& place) {
-  const json& value = member(object, name, place);
-  if (!value.is_number()) corrupt(place, fmt::format("\"{}\" is not a number", name));
+double number(const json& object, const char* name, const std::string& location) {
+  const json& value = member(object, name, location);
+  if (!value.is_number()) corrupt(location, fmt::format("\"{}\" is not a number", name));
   return value.get<double>();
 }
 
-const json& array(const json& object, const char* name, const std::string& place) {
-  const json& value = member(object, name, place);
-  if (!value.is_array()) corrupt(place, fmt::format("\"{}\" is not an array", name));
+const json& array(const json& object, const char* name, const std::string& location) {
+  const json& value = member(object, name, location);
+  if (!value.is_array()) corrupt(location, fmt::format("\"{}\" is not an array", name));
   return value;
 }
 
-std::uint16_t track(const json& object, const char* name, std::set<std::uint16_t>& taken, const std::string& place) {
-  const auto id = integer<std::uint16_t>(member(object, name, place), 1, name, place);
-  if (!taken.insert(id).second) corrupt(place, fmt::format("track {} is named twice", id));
+std::uint16_t track(const json& object, const char* name, std::set<std::uint16_t>& taken, const std::string& location) {
+  const auto id = integer<std::uint16_t>(member(object, name, location), 1, name, location);
+  if (!taken.insert(id).second) corrupt(location, fmt::format("track {} is named twice", id));
   return id;
 }
 
-LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken, const std::string& place) {
-  if (!object.is_object()) corrupt(place, "a layer is not an object");
+LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken, const std::string& location) {
+  if (!object.is_object()) corrupt(location, "a layer is not an object");
   LayerDescription layer;
-  const json& name = member(object, "name", place);
-  if (!name.is_string()) corrupt(place, "a layer's name is not a text");
+  const json& name = member(object, "name", location);
+  if (!name.is_string()) corrupt(location, "a layer's name is not a text");
   layer.name = name.get<std::string>();
-  if (layer.name.empty() || layer.name.size() > kLongestName) corrupt(place, "a layer's name is empty or too long");
-  layer.label = integer<int>(member(object, "label", place), 0, "label", place);
-  layer.field_track = track(object, "field_track", taken, place);
-  const json& kind = member(object, "kind", place);
+  if (layer.name.empty() || layer.name.size() > kLongestName) corrupt(location, "a layer's name is empty or too long");
+  layer.label = integer<int>(member(object, "label", location), 0, "label", location);
+  layer.field_track = track(object, "field_track", taken, location);
+  const json& kind = member(object, "kind", location);
   using motion::MotionKind;
   const std::array kinds{MotionKind::kStill, MotionKind::kRigid, MotionKind::kDeforming};
   const auto* const known =
       std::find_if(kinds.begin(), kinds.end(), [&kind](MotionKind k) { return kind == motion::name_of(k); });
   if (known == kinds.end()) {
-    corrupt(place, fmt::format("layer {} moves in a way that this Kinora does not know", layer.name));
+    corrupt(location, fmt::format("layer {} moves in a way that this Kinora does not know", layer.name));
   }
   layer.kind = *known;
-  if (layer.kind != MotionKind::kStill) layer.motion_track = track(object, "motion_track", taken, place);
-  if (object.contains("confidence_track")) layer.confidence_track = track(object, "confidence_track", taken, place);
+  if (layer.kind != MotionKind::kStill) layer.motion_track = track(object, "motion_track", taken, location);
+  if (object.contains("confidence_track")) layer.confidence_track = track(object, "confidence_track", taken, location);
   if (object.contains("joints_track")) {
     if (layer.kind != MotionKind::kDeforming)
-      corrupt(place, fmt::format("layer {} has joints, but does not deform", layer.name));
-    layer.joints_track = track(object, "joints_track", taken, place);
+      corrupt(location, fmt::format("layer {} has joints, but does not deform", layer.name));
+    layer.joints_track = track(object, "joints_track", taken, location);
   }
   return layer;
 }
 
-void parse_frames(const json& root, ClipDescription& clip, const std::string& place) {
-  for (const json& value : array(root, "times_ns", place)) {
-    const auto time = integer<std::int64_t>(value, 0, "times_ns", place);
-    if (!clip.times_ns.empty() && time <= clip.times_ns.back()) corrupt(place, "the frames' times do not increase");
+void parse_frames(const json& root, ClipDescription& clip, const std::string& location) {
+  for (const json& value : array(root, "times_ns", location)) {
+    const auto time = integer<std::int64_t>(value, 0, "times_ns", location);
+    if (!clip.times_ns.empty() && time <= clip.times_ns.back()) corrupt(location, "the frames' times do not increase");
     clip.times_ns.push_back(time);
   }
-  if (clip.times_ns.empty()) corrupt(place, "the clip has no frame");
-  for (const json& value : array(root, "capture_frames", place)) {
-    clip.capture_frames.push_back(integer<int>(value, 0, "capture_frames", place));
+  if (clip.times_ns.empty()) corrupt(location, "the clip has no frame");
+  for (const json& value : array(root, "capture_frames", location)) {
+    clip.capture_frames.push_back(integer<int>(value, 0, "capture_frames", location));
   }
   if (clip.capture_frames.size() != clip.times_ns.size()) {
-    corrupt(place,
+    corrupt(location,
             fmt::format("{} frames have {} numbers in the capture", clip.times_ns.size(), clip.capture_frames.size()));
   }
   clip.held_out.assign(clip.times_ns.size(), false);
-  for (const json& value : array(root, "held_out", place)) {
-    const auto frame = integer<std::uint32_t>(value, 0, "held_out", place);
-    if (frame >= clip.held_out.size()) corrupt(place, "a frame was held out that the clip does not have");
+  for (const json& value : array(root, "held_out", location)) {
+    const auto frame = integer<std::uint32_t>(value, 0, "held_out", location);
+    if (frame >= clip.held_out.size()) corrupt(location, "a frame was held out that the clip does not have");
     clip.held_out[frame] = true;
   }
 }
@@ -166,54 +166,54 @@ Bytes to_json(const Intrinsics& intrinsics) {
 
 Bytes to_json(const json& metadata) { return text_of(metadata, 1); }
 
-ClipDescription parse_clip_description(std::span<const std::byte> text, const std::string& place) {
-  const json root = parse_json(text, place);
-  check_version(root, place);
+ClipDescription parse_clip_description(std::span<const std::byte> text, const std::string& location) {
+  const json root = parse_json(text, location);
+  check_version(root, location);
   ClipDescription clip;
-  parse_frames(root, clip, place);
+  parse_frames(root, clip, location);
   std::set<std::uint16_t> taken;
-  const json& camera = member(root, "camera", place);
-  if (!camera.is_object()) corrupt(place, "\"camera\" is not an object");
-  clip.camera_track = track(camera, "track", taken, place);
-  const json& moves = member(camera, "moves", place);
-  if (!moves.is_boolean()) corrupt(place, "\"moves\" is neither true nor false");
+  const json& camera = member(root, "camera", location);
+  if (!camera.is_object()) corrupt(location, "\"camera\" is not an object");
+  clip.camera_track = track(camera, "track", taken, location);
+  const json& moves = member(camera, "moves", location);
+  if (!moves.is_boolean()) corrupt(location, "\"moves\" is neither true nor false");
   clip.camera_moves = moves.get<bool>();
   std::set<std::string> names;
-  for (const json& object : array(root, "layers", place)) {
-    clip.layers.push_back(parse_layer(object, taken, place));
+  for (const json& object : array(root, "layers", location)) {
+    clip.layers.push_back(parse_layer(object, taken, location));
     if (!names.insert(clip.layers.back().name).second) {
-      corrupt(place, fmt::format("two layers are named {}", clip.layers.back().name));
+      corrupt(location, fmt::format("two layers are named {}", clip.layers.back().name));
     }
-    if (clip.layers.size() > kMostLayers) corrupt(place, "there are more than 255 layers");
+    if (clip.layers.size() > kMaxLayers) corrupt(location, "there are more than 255 layers");
   }
   return clip;
 }
 
-Intrinsics parse_intrinsics(std::span<const std::byte> text, const std::string& place) {
-  const json root = parse_json(text, place);
-  check_version(root, place);
+Intrinsics parse_intrinsics(std::span<const std::byte> text, const std::string& location) {
+  const json root = parse_json(text, location);
+  check_version(root, location);
   Intrinsics intrinsics;
-  intrinsics.width = integer<int>(member(root, "width", place), 1, "width", place);
-  intrinsics.height = integer<int>(member(root, "height", place), 1, "height", place);
-  intrinsics.fx = number(root, "fx", place);
-  intrinsics.fy = number(root, "fy", place);
-  intrinsics.cx = number(root, "cx", place);
-  intrinsics.cy = number(root, "cy", place);
-  intrinsics.validate(place);
+  intrinsics.width = integer<int>(member(root, "width", location), 1, "width", location);
+  intrinsics.height = integer<int>(member(root, "height", location), 1, "height", location);
+  intrinsics.fx = number(root, "fx", location);
+  intrinsics.fy = number(root, "fy", location);
+  intrinsics.cx = number(root, "cx", location);
+  intrinsics.cy = number(root, "cy", location);
+  intrinsics.validate(location);
   return intrinsics;
 }
 
-json parse_json(std::span<const std::byte> text, const std::string& place) {
+json parse_json(std::span<const std::byte> text, const std::string& location) {
   // Nested deeper, a text could exhaust the stack of whoever walks through it.
-  const auto refuse_depth = [&place](int depth, json::parse_event_t /*event*/, json& /*parsed*/) {
-    if (depth > kDeepestNesting) corrupt(place, "is nested too deeply");
+  const auto refuse_depth = [&location](int depth, json::parse_event_t /*event*/, json& /*parsed*/) {
+    if (depth > kDeepestNesting) corrupt(location, "is nested too deeply");
     return true;
   };
   const auto* const first = reinterpret_cast<const char*>(text.data());
   try {
     return json::parse(first, first + text.size(), refuse_depth);
   } catch (const json::exception& error) {
-    corrupt(place, fmt::format("is not JSON ({})", error.what()));
+    corrupt(location, fmt::format("is not JSON ({})", error.what()));
   }
 }
 

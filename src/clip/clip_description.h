@@ -45,10 +45,10 @@ Bytes to_json(const Intrinsics& intrinsics);
 /// Invalid UTF-8 becomes the replacement character.
 Bytes to_json(const nlohmann::json& metadata);
 
-/// All three are safe for untrusted input and throw Error(kCorruptInput) naming `place`, or kNotRecognised if the file
-/// was made by a newer Kinora.
-ClipDescription parse_clip_description(std::span<const std::byte> text, const std::string& place);
-Intrinsics parse_intrinsics(std::span<const std::byte> text, const std::string& place);
-nlohmann::json parse_json(std::span<const std::byte> text, const std::string& place);
+/// All three are safe for untrusted input and throw Error(kCorruptInput) naming `location`, or kNotRecognised if the
+/// file was made by a newer Kinora.
+ClipDescription parse_clip_description(std::span<const std::byte> text, const std::string& location);
+Intrinsics parse_intrinsics(std::span<const std::byte> text, const std::string& location);
+nlohmann::json parse_json(std::span<const std::byte> text, const std::string& location);
 
 } // namespace kinora::clip

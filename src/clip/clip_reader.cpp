@@ -157,31 +157,31 @@ private:
     const auto found = destinations_.find(payload.track);
     if (found == destinations_.end()) return; // of a later Kinora, beside what this one knows
     Destination& destination = found->second;
-    const std::string place = fmt::format("{}: byte {}", reader_.name(), payload.offset);
+    const std::string location = fmt::format("{}: byte {}", reader_.name(), payload.offset);
     const auto at = std::lower_bound(description_.times_ns.begin(), description_.times_ns.end(), payload.time_ns);
     const auto frame = static_cast<std::size_t>(at - description_.times_ns.begin());
     if (at == description_.times_ns.end() || *at != payload.time_ns || frame >= destination.seen.size()) {
       throw Error(ErrorCode::kCorruptInput,
-                  fmt::format("{}: a payload at {} ns is of no frame", place, payload.time_ns));
+                  fmt::format("{}: a payload at {} ns is of no frame", location, payload.time_ns));
     }
     if (destination.seen[frame]) {
-      throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes twice", place, frame));
+      throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes twice", location, frame));
     }
     destination.seen[frame] = true;
     if (destination.codec == kFieldCodec) {
-      clip_.layers[destination.layer].field = decode_field(payload.bytes, place, budget_);
+      clip_.layers[destination.layer].field = decode_field(payload.bytes, location, budget_);
     } else if (destination.codec == kConfidenceCodec) {
       destination.confidence = payload.bytes;
     } else if (destination.codec == kJointsCodec) {
-      clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), place, budget_);
+      clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), location, budget_);
     } else if (destination.decoder) {
       if (frame != destination.deformations.size()) {
-        throw Error(ErrorCode::kCorruptInput,
-                    fmt::format("{}: frame {} comes before frame {}", place, frame, destination.deformations.size()));
+        throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes before frame {}", location, frame,
+                                                          destination.deformations.size()));
       }
-      destination.deformations.push_back(destination.decoder->decode(payload.bytes, payload.key, place));
+      destination.deformations.push_back(destination.decoder->decode(payload.bytes, payload.key, location));
     } else {
-      destination.poses[frame] = decode_pose(payload.bytes, place);
+      destination.poses[frame] = decode_pose(payload.bytes, location);
     }
   }
 

@@ -66,7 +66,7 @@ void check(const Clip& clip) {
       refuse(fmt::format("layer {} moves in {} of {} frames", layer.name, moved, frames));
     }
     if (layer.joints &&
-        (layer.motion.kind() != motion::MotionKind::kDeforming || layer.joints->places.size() != frames)) {
+        (layer.motion.kind() != motion::MotionKind::kDeforming || layer.joints->positions.size() != frames)) {
       refuse(fmt::format("the joints of layer {} are not of its motion", layer.name));
     }
     if (layer.confidence &&
@@ -206,7 +206,7 @@ void check_memory(const Clip& clip, const std::vector<Payload>& payloads) {
 motion::JointPaths stored_joints(const motion::JointPaths& joints) {
   const Bytes bytes = encode_joints(joints);
   AllocationBudget budget(bytes.size());
-  return decode_joints(bytes, joints.places.size(), "joints", budget);
+  return decode_joints(bytes, joints.positions.size(), "joints", budget);
 }
 
 motion::Motion stored_motion(const Layer& layer) {

@@ -31,8 +31,8 @@ void store_checksum(Bytes& bytes, std::size_t hole) {
   for (std::size_t i = 0; i < 4; ++i) bytes[hole + i] = static_cast<std::byte>(crc >> (8 * i) & 0xFF);
 }
 
-[[noreturn]] void corrupt(const std::string& place, const std::string& why) {
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+[[noreturn]] void corrupt(const std::string& location, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
 
 } // namespace
@@ -53,23 +53,23 @@ Bytes wrap_payload(std::uint16_t track, std::int64_t time_ns, bool key, std::spa
   return out;
 }
 
-Payload unwrap_payload(std::uint16_t track, std::span<const std::byte> block, const std::string& place) {
-  if (block.size() < kEnvelopeBytes) corrupt(place, fmt::format("a payload of {} bytes is too short", block.size()));
+Payload unwrap_payload(std::uint16_t track, std::span<const std::byte> block, const std::string& location) {
+  if (block.size() < kEnvelopeBytes) corrupt(location, fmt::format("a payload of {} bytes is too short", block.size()));
   if (checksum_around(block, kChecksumAt) != get<std::uint32_t>(block, kChecksumAt)) {
-    corrupt(place, "a payload does not match its checksum; the file is damaged, fetch it again");
+    corrupt(location, "a payload does not match its checksum; the file is damaged, fetch it again");
   }
   const auto version = get<std::uint8_t>(block, 0);
   if (version != kEnvelopeVersion) {
-    corrupt(place, fmt::format("a payload has envelope version {}, which this Kinora does not know", version));
+    corrupt(location, fmt::format("a payload has envelope version {}, which this Kinora does not know", version));
   }
   Payload payload;
   payload.track = get<std::uint16_t>(block, 2);
   payload.key = (get<std::uint8_t>(block, 1) & kKeyFlag) != 0;
   payload.time_ns = get<std::int64_t>(block, 8);
   if (payload.track != track) {
-    corrupt(place, fmt::format("a payload of track {} lies in track {}", payload.track, track));
+    corrupt(location, fmt::format("a payload of track {} lies in track {}", payload.track, track));
   }
-  if (payload.time_ns < 0) corrupt(place, fmt::format("a payload has the negative time {} ns", payload.time_ns));
+  if (payload.time_ns < 0) corrupt(location, fmt::format("a payload has the negative time {} ns", payload.time_ns));
   payload.bytes.assign(block.begin() + kEnvelopeBytes, block.end());
   return payload;
 }
@@ -85,17 +85,17 @@ Bytes wrap_private(const Track& track) {
   return out;
 }
 
-void unwrap_private(std::span<const std::byte> codec_private, Track& track, const std::string& place) {
+void unwrap_private(std::span<const std::byte> codec_private, Track& track, const std::string& location) {
   if (codec_private.size() < kPrivateHeaderBytes ||
       !std::equal(kPrivateMagic.begin(), kPrivateMagic.end(), codec_private.begin())) {
-    corrupt(place, "the private data of a track does not begin with KNRA");
+    corrupt(location, "the private data of a track does not begin with KNRA");
   }
   if (checksum_around(codec_private, kPrivateChecksumAt) != get<std::uint32_t>(codec_private, kPrivateChecksumAt)) {
-    corrupt(place, "the private data of a track does not match its checksum; the file is damaged, fetch it again");
+    corrupt(location, "the private data of a track does not match its checksum; the file is damaged, fetch it again");
   }
   const auto version = get<std::uint8_t>(codec_private, 4);
   if (version != kEnvelopeVersion) {
-    corrupt(place, fmt::format("a track has private data of version {}, which this Kinora does not know", version));
+    corrupt(location, fmt::format("a track has private data of version {}, which this Kinora does not know", version));
   }
   track.id = get<std::uint16_t>(codec_private, 6);
   track.private_data.assign(codec_private.begin() + kPrivateHeaderBytes, codec_private.end());

@@ -33,7 +33,7 @@ Reader::Reader(std::unique_ptr<ByteSource> source) : source_(std::move(source)) 
   scan_segment();
   std::set<std::uint16_t> track_ids;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!places_.emplace(tracks_[i].number, i).second) {
+    if (!track_indices_.emplace(tracks_[i].number, i).second) {
       throw_corrupt(*source_, segment_.start, fmt::format("two tracks have the number {}", tracks_[i].number));
     }
     if (tracks_[i].ours && !track_ids.insert(tracks_[i].track.id).second) {
@@ -53,10 +53,10 @@ void Reader::read_ebml_head() {
   if (head.unknown_size) throw_corrupt(*source_, 0, "the EBML header has no size");
   std::string doc_type;
   for_each_child(*source_, head, [&](const Element& child) {
-    const auto limit = [&](std::uint64_t most, const char* what) {
+    const auto limit = [&](std::uint64_t max_value, const char* what) {
       const std::uint64_t value = read_uint(*source_, child);
-      if (value > most)
-        not_recognised(*source_, fmt::format("its {} is {}; this Kinora reads up to {}", what, value, most));
+      if (value > max_value)
+        not_recognised(*source_, fmt::format("its {} is {}; this Kinora reads up to {}", what, value, max_value));
     };
     if (child.id == ids::kDocType) doc_type = read_text(*source_, child);
     if (child.id == ids::kEbmlReadVersion) limit(1, "EBML version");
@@ -192,12 +192,12 @@ bool Reader::take_group(const Element& group, Payload& payload) {
 bool Reader::take_block(const Element& block, const Element& whole, Payload& payload) {
   const VariableInteger number = read_variable_integer(*source_, block.body, block.end);
   const std::uint64_t rest = block.body_size() - static_cast<std::uint64_t>(number.length);
-  const auto place = places_.find(number.value);
-  if (place == places_.end()) {
+  const auto index = track_indices_.find(number.value);
+  if (index == track_indices_.end()) {
     throw_corrupt(*source_, block.start,
                   fmt::format("a block of track {}, which the file does not list", number.value));
   }
-  const StoredTrack& track = tracks_[place->second];
+  const StoredTrack& track = tracks_[index->second];
   if (!track.ours) return false;
   if (rest < kBlockTimeAndFlags) throw_corrupt(*source_, block.start, "a block without time and flags");
   const std::uint64_t frame = block.end - rest + kBlockTimeAndFlags;

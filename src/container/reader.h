@@ -70,7 +70,7 @@ private:
   Element segment_; // ends with the file if that is shorter
   bool truncated_ = false;
   std::vector<StoredTrack> tracks_;
-  std::map<std::uint64_t, std::size_t> places_; // of Matroska's track numbers in tracks_
+  std::map<std::uint64_t, std::size_t> track_indices_; // of Matroska's track numbers in tracks_
   std::vector<StoredAttachment> attachments_;
   Tags tags_;
   std::uint64_t position_ = 0;    // of the next element to look at

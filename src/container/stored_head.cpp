@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kHeaderStripping = 3; // ContentCompAlgo, RFC 9559 section 5.1.4.1.31.6
 
-std::string place(const ByteSource& source, const Element& element) {
+std::string location(const ByteSource& source, const Element& element) {
   return fmt::format("{}: byte {}", source.name(), element.start);
 }
 
@@ -73,7 +73,7 @@ StoredTrack parse_track(ByteSource& source, const Element& entry) {
   stored.ours = stored.track.codec.starts_with(kCodecPrefix);
   if (!stored.ours) return stored;
   if (codec_private.id == 0) throw_corrupt(source, entry.start, "a Kinora track without private data");
-  unwrap_private(read_bytes(source, codec_private), stored.track, place(source, codec_private));
+  unwrap_private(read_bytes(source, codec_private), stored.track, location(source, codec_private));
   if (encodings.id != 0) stored.stripped_prefix = parse_stripped_prefix(source, encodings);
   return stored;
 }

@@ -73,14 +73,14 @@ class Writer::Impl {
 public:
   Impl(const std::filesystem::path& path, const FileHead& head) : sink_(path), duration_ns_(head.duration_ns) {
     check_head(head);
-    for (std::size_t i = 0; i < head.tracks.size(); ++i) places_[head.tracks[i].id] = i;
+    for (std::size_t i = 0; i < head.tracks.size(); ++i) track_indices_[head.tracks[i].id] = i;
     digest_head(head);
     write_head(head);
   }
 
   void write(std::uint16_t track, std::int64_t time_ns, bool key, std::span<const std::byte> bytes) {
-    const auto place = places_.find(track);
-    if (place == places_.end()) misuse(fmt::format("there is no track {} to write to", track));
+    const auto index = track_indices_.find(track);
+    if (index == track_indices_.end()) misuse(fmt::format("there is no track {} to write to", track));
     if (time_ns < last_time_ns_)
       misuse(fmt::format("a payload at {} ns comes after one at {} ns", time_ns, last_time_ns_));
     if (bytes.size() > kLargestElement) misuse(fmt::format("a payload of track {} has 2 GB or more", track));
@@ -93,7 +93,7 @@ public:
     }
     last_time_ns_ = time_ns;
     pending_bytes_ += block.size();
-    pending_.push_back({place->second, time, key, std::move(block)});
+    pending_.push_back({index->second, time, key, std::move(block)});
   }
 
   void finish() {
@@ -261,7 +261,7 @@ private:
   FileSink sink_;
   KaxSegment segment_;
   KaxTracks tracks_;
-  std::map<std::uint16_t, std::size_t> places_;
+  std::map<std::uint16_t, std::size_t> track_indices_;
   std::vector<Pending> pending_;
   std::size_t pending_bytes_ = 0;
   std::vector<Cue> cues_;

@@ -12,8 +12,8 @@ namespace kinora {
 /// What has become of a step.
 struct StepOutcome {
   bool is_taken = false;
-  bool is_last = false; ///< no other is wanted, whether this one was taken or not
-  double gain = 1;      ///< what a step that was taken has saved, over what the linearised problem promised
+  bool is_last = false;  ///< no other is wanted, whether this one was taken or not
+  double gain_ratio = 1; ///< what a step that was taken has saved, over what the linearised problem promised
 };
 
 /// Damping by constant factors.
@@ -31,7 +31,7 @@ public:
 
   double value() const { return value_; }
   bool is_exhausted() const { return value_ > config_.max; }
-  void accept(double /*gain*/) { value_ = std::max(config_.min, value_ / config_.shrinkage); }
+  void accept(double /*gain_ratio*/) { value_ = std::max(config_.min, value_ / config_.shrinkage); }
   void refuse() { value_ = std::max(config_.min_after_refusal, config_.growth * value_); }
 
 private:
@@ -45,8 +45,8 @@ class NielsenDamping {
 public:
   double value() const { return value_; }
   bool is_exhausted() const { return false; }
-  void accept(double gain) {
-    const double factor = 1 - std::pow(2 * std::min(gain, 1.0) - 1, 3);
+  void accept(double gain_ratio) {
+    const double factor = 1 - std::pow(2 * std::min(gain_ratio, 1.0) - 1, 3);
     value_ = std::clamp(value_ * std::max(1.0 / 3, factor), kMin, kMax);
     growth_ = 2;
   }
@@ -70,7 +70,7 @@ bool damped_gauss_newton(Damping& damping, int attempts, const Attempt& attempt)
   for (int i = 0; i < attempts && !outcome.is_last && !damping.is_exhausted(); ++i) {
     outcome = attempt(damping.value());
     if (outcome.is_taken) {
-      damping.accept(outcome.gain);
+      damping.accept(outcome.gain_ratio);
     } else {
       damping.refuse();
     }

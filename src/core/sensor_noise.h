@@ -19,13 +19,13 @@ struct SensorNoise {
   /// flatter than at kMinCosine is not taken to be known any better for that.
   constexpr double sigma_across(double z, double cosine) const { return sigma(z) * std::max(kMinCosine, cosine); }
 
-  static constexpr double kLeast = 0.0012;  ///< metres, at …
-  static constexpr double kNearest = 0.4;   ///< metres
-  static constexpr double kGrowth = 0.0019; ///< metres, a metre beyond that
+  static constexpr double kMinSigma = 0.0012; ///< metres, at …
+  static constexpr double kNearest = 0.4;     ///< metres
+  static constexpr double kGrowth = 0.0019;   ///< metres, a metre beyond that
   static constexpr double kMinCosine = 0.3;
 
 private:
-  static constexpr double sensor_sigma(double z) { return kLeast + kGrowth * (z - kNearest) * (z - kNearest); }
+  static constexpr double sensor_sigma(double z) { return kMinSigma + kGrowth * (z - kNearest) * (z - kNearest); }
 };
 
 /// That of the sensor itself.

@@ -16,7 +16,7 @@ namespace kinora::vectors::HWY_NAMESPACE {
 HWY_INLINE F depth_sigma(F z) {
   const F beyond = hn::Sub(z, constant(static_cast<float>(SensorNoise::kNearest)));
   return hn::MulAdd(hn::Mul(constant(static_cast<float>(SensorNoise::kGrowth)), beyond), beyond,
-                    constant(static_cast<float>(SensorNoise::kLeast)));
+                    constant(static_cast<float>(SensorNoise::kMinSigma)));
 }
 
 /// SensorNoise::sigma_across

@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace kinora::vectors::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr std::size_t kMostLanes = 16;
-using Floats = hn::CappedTag<float, kMostLanes>;
+constexpr std::size_t kMaxLanes = 16;
+using Floats = hn::CappedTag<float, kMaxLanes>;
 using Ints = hn::RebindToSigned<Floats>;
 using F = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;

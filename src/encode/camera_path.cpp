@@ -16,9 +16,9 @@ std::size_t count_of(motion::Health health, const tracking::CameraTracker& track
       std::count_if(results.begin(), results.end(), [health](const auto& result) { return result.health == health; }));
 }
 
-class PlacedCapture final : public ingest::Capture {
+class PosedCapture final : public ingest::Capture {
 public:
-  PlacedCapture(std::unique_ptr<ingest::Capture> capture, std::shared_ptr<const CameraPath> path)
+  PosedCapture(std::unique_ptr<ingest::Capture> capture, std::shared_ptr<const CameraPath> path)
       : capture_(std::move(capture)), path_(std::move(path)), info_(capture_->info()) {
     info_.has_poses = true;
   }
@@ -72,10 +72,10 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
   return path;
 }
 
-std::unique_ptr<ingest::Capture> placed_capture(std::unique_ptr<ingest::Capture> capture,
-                                                std::shared_ptr<const CameraPath> path) {
+std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> capture,
+                                               std::shared_ptr<const CameraPath> path) {
   if (!path->moves()) return capture;
-  return std::make_unique<PlacedCapture>(std::move(capture), std::move(path));
+  return std::make_unique<PosedCapture>(std::move(capture), std::move(path));
 }
 
 } // namespace kinora::encode

@@ -40,7 +40,7 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
 
 /// The capture with the path's poses in its frames: it has poses then. The capture itself if the path does not move.
 /// A frame that the path does not know is Error(kCorruptInput): the capture changed between two readings.
-std::unique_ptr<ingest::Capture> placed_capture(std::unique_ptr<ingest::Capture> capture,
-                                                std::shared_ptr<const CameraPath> path);
+std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> capture,
+                                               std::shared_ptr<const CameraPath> path);
 
 } // namespace kinora::encode

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "ingest/calibration/explained_surface.h"
+#include "ingest/calibration/pose_consistency.h"
 #include "ingest/joints/joint_detector.h"
 #include "ingest/segmentation/mask_completion.h"
 #include "ingest/segmentation/network_segmenter.h"
@@ -28,12 +28,12 @@ private:
   Progress& to_;
 };
 
-constexpr int kMostRounds = 3;
-constexpr std::size_t kLeastOfPlanes = 800; ///< pixels of 19200
-constexpr double kSamePath = 0.01;          // metres, and radians
-constexpr double kLeastExplained = 0.7; // of what frames show; right paths have 0.78 to 0.95, wrong ones 0.64 to 0.78
+constexpr int kMaxRounds = 3;
+constexpr std::size_t kMinPlanePixels = 800; ///< pixels of 19200
+constexpr double kSamePath = 0.01;           // metres, and radians
+constexpr double kMinConsistency = 0.7; // of what frames show; right paths have 0.78 to 0.95, wrong ones 0.64 to 0.78
 
-double largest_change(const CameraPath& before, const CameraPath& after) {
+double max_change(const CameraPath& before, const CameraPath& after) {
   double largest = 0;
   for (const auto& [frame, pose] : before.camera_to_world) {
     const auto found = after.camera_to_world.find(frame);
@@ -54,7 +54,7 @@ struct Candidate {
 
 struct ScoredCandidate {
   Candidate candidate;
-  double explained; ///< share of what the frames show that keeps still if the camera was where the path says
+  double consistency; ///< share of what the frames show that keeps still if the camera was where the path says
 };
 
 /// Makes candidates from others, and looks at the capture as they have it.
@@ -89,9 +89,9 @@ public:
   }
 
   ScoredCandidate scored(Candidate candidate) const {
-    const double explained =
-        ingest::explained_surface(ingest::sample_views(opener(candidate, quiet_), candidate.options.frames, quiet_));
-    return {std::move(candidate), explained};
+    const double consistency = ingest::photometric_geometric_consistency(
+        ingest::sample_views(opener(candidate, quiet_), candidate.options.frames, quiet_));
+    return {std::move(candidate), consistency};
   }
 
   /// What a search for another colour camera finds; nothing is looked for where one is told.
@@ -105,7 +105,7 @@ private:
     return [this, candidate, &progress](const FrameRange& range) {
       ingest::CaptureOptions how = candidate.options;
       how.frames = range;
-      return placed_capture(request_.open(how, progress), candidate.camera);
+      return posed_capture(request_.open(how, progress), candidate.camera);
     };
   }
 
@@ -122,7 +122,7 @@ Candidate best_path(const Preparation& preparation, const Candidate& followed, P
   nothing_better->origin = CameraPath::Origin::kNothingBetter;
   const Candidate still{followed.options, nothing_better, followed.tracker};
   Candidate of_little = followed;
-  of_little.tracker.min_pixels = kLeastOfPlanes;
+  of_little.tracker.min_pixels = kMinPlanePixels;
   of_little.tracker.frames_to_move = 0;
   const Candidate by_planes =
       preparation.followed(of_little, preparation.labelled(of_little, ingest::make_plane_segmenter(), quiet));
@@ -130,34 +130,34 @@ Candidate best_path(const Preparation& preparation, const Candidate& followed, P
                                                   preparation.scored(by_planes)};
   // The first of those that explain most: what moves less.
   return std::max_element(candidates.begin(), candidates.end(),
-                          [](const auto& a, const auto& b) { return a.explained < b.explained; })
+                          [](const auto& a, const auto& b) { return a.consistency < b.consistency; })
       ->candidate;
 }
 
-void warn_of_doubt(double explained, Progress& progress) {
-  if (explained >= kLeastExplained) return;
+void warn_of_inconsistency(double consistency, Progress& progress) {
+  if (consistency >= kMinConsistency) return;
   progress.warn(fmt::format("where the camera was cannot be told for certain: along the path that was found only "
                             "{:.0f} % of what the frames show keeps still, and what was followed may be something "
                             "that moves; masks, or a pose for every frame, would tell",
-                            100 * explained));
+                            100 * consistency));
 }
 
 // What moves misleads who follows the camera, and a wrong path whoever tells what moves: by turns.
 Candidate followed_by_background(const Preparation& preparation, const Candidate& begin,
                                  const MakeSegmenter& make_segmenter, Progress& progress, Progress& quiet) {
   ScoredCandidate best = preparation.scored(begin);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Candidate& before = best.candidate;
     ScoredCandidate next =
         preparation.scored(preparation.followed(before, preparation.labelled(before, make_segmenter(), quiet)));
     const bool too_little_was_left =
-        next.candidate.camera->lost > before.camera->lost || next.explained < best.explained;
+        next.candidate.camera->lost > before.camera->lost || next.consistency < best.consistency;
     if (too_little_was_left) break;
-    const bool settled = largest_change(*before.camera, *next.candidate.camera) < kSamePath;
+    const bool settled = max_change(*before.camera, *next.candidate.camera) < kSamePath;
     best = std::move(next);
     if (settled) break;
   }
-  warn_of_doubt(best.explained, progress);
+  warn_of_inconsistency(best.consistency, progress);
   return best.candidate;
 }
 

@@ -32,11 +32,12 @@ struct PreparedCapture {
 };
 
 /// Reads the capture several times. Where it brings no poses its camera is followed; if it moves, also by wide
-/// planes alone, and the path along which most of what is seen keeps still is taken (ingest::explained_surface). Colour
-/// is then compared with depth, what moves is told from the background with these poses, and the camera is followed
-/// again without it until its path stays the same or explains less. A path that explains little is warned of. Labels
-/// come from the network if there is one, else from masks, else from motion, and joints from the detector. Same
-/// capture, same bits, for any number of threads. Throws what reading, segmenters, the network and the detector throw.
+/// planes alone, and the path along which most of what is seen keeps still is taken
+/// (ingest::photometric_geometric_consistency). Colour is then compared with depth, what moves is told from the
+/// background with these poses, and the camera is followed again without it until its path stays the same or explains
+/// less. A path that explains little is warned of. Labels come from the network if there is one, else from masks, else
+/// from motion, and joints from the detector. Same capture, same bits, for any number of threads. Throws what reading,
+/// segmenters, the network and the detector throw.
 PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progress);
 
 } // namespace kinora::encode

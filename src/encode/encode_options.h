@@ -7,16 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/frame_range.h"
-#include "encode/settings.h"
+#include "encode/presets.h"
 #include "tracking/body/body_prior.h"
 
 namespace kinora::encode {
-
-enum class Preset { kFast, kBalanced, kBest };
-
-/// "fast", "balanced" or "best"; throws Error(kUsage) for anything else.
-Preset parse_preset(const std::string& name);
-std::string name_of(Preset preset);
 
 struct EncodeOptions {
   Preset preset = Preset::kBalanced;

@@ -21,7 +21,7 @@ void add_to_timeline(const ingest::Frame& frame, bool held_out, clip::Clip& clip
 }
 
 void warn_of_unit(const ingest::Frame& frame, Progress& progress) {
-  if (const std::string doubt = ingest::doubt_about_unit(frame.depth); !doubt.empty()) progress.warn(doubt);
+  if (const std::string doubt = ingest::depth_unit_warning(frame.depth); !doubt.empty()) progress.warn(doubt);
 }
 
 TrackingSettings tracking_settings(const EncodeOptions& options) {

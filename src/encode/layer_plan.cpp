@@ -36,7 +36,7 @@ LayerPlan plan_layer(int label, const ingest::CaptureInfo& capture) {
     if (!found->second.kind.empty()) {
       kind = found->second.kind;
       source = fmt::format("labels.json says that label {} is {}", label, kind);
-      plan.is_told = found->second.why.empty();
+      plan.is_specified = found->second.why.empty();
     }
     if (!found->second.why.empty()) {
       source = fmt::format("{} ({})", kind, found->second.why);

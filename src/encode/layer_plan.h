@@ -12,8 +12,8 @@ struct LayerPlan {
   int label = 0;
   std::string name;
   motion::MotionKind motion = motion::MotionKind::kStill;
-  bool is_told = false; ///< the capture itself says which motion: what is seen does not change it
-  std::string why;      ///< one sentence for the report
+  bool is_specified = false; ///< the capture itself says which motion: what is seen does not change it
+  std::string why;           ///< one sentence for the report
 };
 
 /// The label's default (0 background, still; 1 person, deforming; 2 object, rigid; n > 2 object(n−1), rigid), unless

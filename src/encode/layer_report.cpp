@@ -58,24 +58,25 @@ Json body_json(const tracking::LayerBody& body) {
 
 Json motion_json(const TrackedLabel& label, const motion::Motion& motion) {
   Json out = {{"kind", motion::name_of(motion.kind())}};
-  if (label.bend) out["bends"] = {{"from_frame", label.bend->first_frame}, {"by_m", round4(label.bend->metres)}};
+  if (label.non_rigidity)
+    out["bends"] = {{"from_frame", label.non_rigidity->first_frame}, {"by_m", round4(label.non_rigidity->metres)}};
   if (motion.kind() == motion::MotionKind::kStill && label.poses.empty()) return out;
   std::map<std::string, int> health{{"tracked", 0}, {"held", 0}, {"lost", 0}};
-  const bool bends = motion.graph() != nullptr;
+  const bool deforms = motion.graph() != nullptr;
   for (const auto& deformation : motion.deformations()) ++health[std::string(motion::name_of(deformation.health))];
-  if (!bends) {
+  if (!deforms) {
     for (const auto& pose : label.poses) ++health[std::string(motion::name_of(pose.health))];
   }
   out["frames"] = health;
-  if (bends) {
+  if (deforms) {
     out["nodes"] = motion.graph()->nodes().size();
     out["node_spacing_m"] = round4(label.layer->node_spacing);
-    if (!label.bend) out["body"] = body_json(label.layer->body);
+    if (!label.non_rigidity) out["body"] = body_json(label.layer->body);
     return out;
   }
   out["relocalised"] = label.relocalised;
-  out["weak_directions_per_frame"] = round4(label.weak_directions / static_cast<double>(label.poses.size()));
-  out["largest_move_m"] = round4(label.largest_move());
+  out["weak_directions_per_frame"] = round4(label.degenerate_directions / static_cast<double>(label.poses.size()));
+  out["largest_move_m"] = round4(label.max_displacement());
   return out;
 }
 
@@ -86,9 +87,10 @@ Json refinement_json(const DraftReport& draft) {
           {"color_difference_after", round4(draft.refinement.color_after)}};
 }
 
-Json views_json(const fields::ViewAgreement& agreement) {
-  return {
-      {"looks", agreement.looks}, {"seen_through", round4(agreement.seen_through)}, {"noise", round4(agreement.noise)}};
+Json views_json(const fields::ViewConsistency& consistency) {
+  return {{"looks", consistency.observations},
+          {"seen_through", round4(consistency.free_space_violations)},
+          {"noise", round4(consistency.noise)}};
 }
 
 Json training_json(const fields::TrainingReport& training) {
@@ -101,7 +103,7 @@ Json training_json(const fields::TrainingReport& training) {
           {"final_loss", training.final_loss},
           {"restarts", training.restarts.size()},
           {"restarted_because", std::move(reasons)},
-          {"stray_cells", training.stray_cells}};
+          {"stray_cells", training.carved_cells}};
 }
 
 } // namespace
@@ -112,12 +114,12 @@ Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
               {"label", layer.label},
               {"why", outcome.why},
               {"pixels_seen", tracked.pixels},
-              {"views", views_json(outcome.agreement)},
+              {"views", views_json(outcome.consistency)},
               {"parameters", layer.field.parameter_count()},
               {"occupied_cells", layer.field.occupancy.count()},
               {"motion", motion_json(tracked, layer.motion)},
               {"field", config_json(layer.field.config)},
-              {"size", size_json(outcome.need, outcome.config, layer.field, outcome.training)},
+              {"size", size_json(outcome.requirements, outcome.config, layer.field, outcome.training)},
               {"geometry", geometry_json(outcome.geometry)},
               {"training", training_json(outcome.training)}};
   if (outcome.draft) out["refinement"] = refinement_json(*outcome.draft);

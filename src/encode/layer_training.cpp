@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "fields/training/confidence_of_views.h"
+#include "fields/training/view_confidence.h"
 
 namespace kinora::encode {
 namespace {
@@ -11,11 +11,11 @@ std::string reason_of(const TrackedLabel& label, const motion::Motion& motion) {
   if (label.plan.motion == motion::MotionKind::kRigid && motion.kind() == motion::MotionKind::kStill) {
     return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
   }
-  if (!label.bend) return label.plan.why;
+  if (!label.non_rigidity) return label.plan.why;
   return fmt::format("{}; it bends, from frame {} on by up to {:.1f} cm, and {}", label.plan.why,
-                     label.bend->first_frame, 100 * label.bend->metres,
-                     label.plan.is_told ? "is kept rigid all the same"
-                                        : "so the bending of a graph is tracked instead");
+                     label.non_rigidity->first_frame, 100 * label.non_rigidity->metres,
+                     label.plan.is_specified ? "is kept rigid all the same"
+                                             : "so the bending of a graph is tracked instead");
 }
 
 /// What a draft leaves behind.
@@ -32,7 +32,7 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
   const std::string& name = outcome.layer.name;
   fields::TrainerConfig shorter = outcome.trainer;
   shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
-  shorter.largest_log2_table_size = 0;
+  shorter.max_log2_table_size = 0;
   progress.stage("training a draft of " + name, shorter.rays);
   fields::Field field = times.measure(
       "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });
@@ -56,8 +56,8 @@ void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
 // Asks of the training what the layer's views can hold.
 void compare_views(const fields::LayerObservations& observations, const fields::TrainerConfig& usual,
                    LayerOutcome& outcome) {
-  outcome.agreement = fields::agreement_of_views(observations);
-  fields::adapt_to(outcome.agreement, usual, outcome.trainer);
+  outcome.consistency = fields::measure_view_consistency(observations);
+  fields::adapt_to(outcome.consistency, usual, outcome.trainer);
 }
 
 } // namespace
@@ -73,7 +73,7 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
   layer.label = tracked.plan.label;
   layer.joints = tracked.joints();
   outcome.why = reason_of(tracked, tracked_motion);
-  outcome.config = fields::choose_field_config(as_tracked, &outcome.need);
+  outcome.config = fields::choose_field_config(as_tracked, &outcome.requirements);
   const FieldSettings& settings = options.settings.fields;
   outcome.trainer = settings.trainer;
   if (outcome.trainer.rays == 0) outcome.trainer.rays = job.rays;
@@ -99,8 +99,8 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
     return fields::train_field(observations, outcome.config, outcome.trainer, progress, &outcome.training,
                                draft ? &draft->field : nullptr);
   });
-  layer.confidence = times.measure("confidence of " + layer.name,
-                                   [&] { return fields::confidence_of_views(observations, layer.field); });
+  layer.confidence =
+      times.measure("confidence of " + layer.name, [&] { return fields::view_confidence(observations, layer.field); });
   return outcome;
 }
 

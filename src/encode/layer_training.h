@@ -13,7 +13,7 @@
 #include "encode/stage_times.h"
 #include "encode/training_plan.h"
 #include "fields/planning/geometry_trial.h"
-#include "fields/planning/view_agreement.h"
+#include "fields/planning/view_consistency.h"
 #include "fields/training/trainer.h"
 
 namespace kinora::encode {
@@ -28,9 +28,9 @@ struct DraftReport {
 struct LayerOutcome {
   clip::Layer layer;
   std::string why; ///< it moves as it does; one sentence
-  fields::FieldNeed need;
+  fields::FieldRequirements requirements;
   fields::FieldConfig config; ///< that training began with
-  fields::ViewAgreement agreement;
+  fields::ViewConsistency consistency;
   fields::GeometryTrial geometry;
   std::optional<DraftReport> draft; ///< only of a layer that deforms
   fields::TrainerConfig trainer;    ///< of the training after the draft

@@ -9,11 +9,12 @@
 
 #include "core/parallel.h"
 #include "core/statistics.h"
-#include "fields/sampling/rim_pixels.h"
+#include "fields/sampling/contour_pixels.h"
 #include "fields/sampling/surface_band.h"
 #include "fields/training/ray_response.h"
 #include "motion/bulk_warp.h"
 #include "tracking/solver/deforming_problem.h"
+#include "tracking/solver/pcg.h"
 
 namespace kinora::encode {
 namespace {
@@ -22,22 +23,22 @@ using fields::RayResponse;
 using motion::BulkWarp;
 using motion::NodeStates;
 
-constexpr std::size_t kPixels = 4000;    // of a frame
-constexpr std::size_t kRimPixels = 3000; // besides, on either side of the rim
-constexpr std::size_t kFewest = 100;     // pixels with colour that a frame must have
+constexpr std::size_t kPixels = 4000;        // of a frame
+constexpr std::size_t kContourPixels = 3000; // besides, on either side of the rim
+constexpr std::size_t kMinPixels = 100;      // pixels with colour that a frame must have
 constexpr std::size_t kRaysPerChunk = 128;
 // Neighbouring pixels are not independent: what a row weighs.
 constexpr double kShare = 0.3;
 constexpr double kOpacitySigma = 0.3;
-constexpr double kLeastColorSigma = 0.01;
-constexpr double kMostDeviations = 3; // a residual costs no more than so many
+constexpr double kMinColorSigma = 0.01;
+constexpr double kMaxDeviations = 3; // a residual costs no more than so many
 
 /// A pixel and the depth about which its ray is looked at.
 struct Probe {
   std::uint32_t pixel;
   float depth;
-  bool own;
-  bool at_rim;
+  bool foreground;
+  bool on_contour;
 };
 
 std::array<float, 3> to_array(const Eigen::Vector3d& v) {
@@ -49,25 +50,25 @@ Eigen::Vector3d to_vector(const std::array<float, 3>& v) { return Eigen::Vector3
 
 std::vector<Probe> choose_probes(const fields::LayerObservations& layer, const fields::StoredFrame& frame,
                                  const fields::FieldConfig& config) {
-  std::vector<Probe> own;
+  std::vector<Probe> foreground;
   for (std::size_t i = frame.begin; i < frame.end; ++i) {
     const fields::StoredPixel& pixel = layer.pixels.pixels()[i];
     if (layer.is_foreground(pixel) && pixel.depth.is_known()) {
-      own.push_back({static_cast<std::uint32_t>(i), pixel.depth.metres(), true, false});
+      foreground.push_back({static_cast<std::uint32_t>(i), pixel.depth.metres(), true, false});
     }
   }
   std::vector<Probe> probes;
-  const auto spread = [&](std::size_t count, std::size_t most, const auto& probe_of) {
-    const std::size_t stride = (count + most - 1) / most;
+  const auto spread = [&](std::size_t count, std::size_t max_count, const auto& probe_of) {
+    const std::size_t stride = (count + max_count - 1) / max_count;
     for (std::size_t i = stride / 2; i < count; i += stride) probes.push_back(probe_of(i));
   };
-  const fields::RimPixels rim = fields::rim_pixels(layer, frame, config);
-  const auto of_rim = [](const fields::RimPixel& pixel, bool is_own) {
-    return Probe{pixel.pixel, pixel.depth, is_own, true};
+  const fields::ContourPixels contour = fields::contour_pixels(layer, frame, config);
+  const auto of_contour = [](const fields::ContourPixel& pixel, bool is_foreground) {
+    return Probe{pixel.pixel, pixel.depth, is_foreground, true};
   };
-  spread(own.size(), kPixels, [&](std::size_t i) { return own[i]; });
-  spread(rim.inside.size(), kRimPixels, [&](std::size_t i) { return of_rim(rim.inside[i], true); });
-  spread(rim.outside.size(), kRimPixels, [&](std::size_t i) { return of_rim(rim.outside[i], false); });
+  spread(foreground.size(), kPixels, [&](std::size_t i) { return foreground[i]; });
+  spread(contour.inside.size(), kContourPixels, [&](std::size_t i) { return of_contour(contour.inside[i], true); });
+  spread(contour.outside.size(), kContourPixels, [&](std::size_t i) { return of_contour(contour.outside[i], false); });
   return probes;
 }
 
@@ -76,26 +77,28 @@ class FrameView {
 public:
   FrameView(const fields::Field& field, const fields::LayerObservations& layer, const fields::StoredFrame& frame)
       : field_(field), levels_(fields::grid_levels(field.config)), pixels_(layer.pixels), frame_(frame),
-        probes_(choose_probes(layer, frame, field.config)), responses_(probes_.size()), places_(probes_.size()) {}
+        probes_(choose_probes(layer, frame, field.config)), responses_(probes_.size()), positions_(probes_.size()) {}
 
-  /// `by_place`: slopes, too.
-  void look(const BulkWarp& warp, bool by_place) {
-    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { look(warp, by_place, chunk); });
+  /// `jacobian`: slopes, too.
+  void evaluate(const BulkWarp& warp, bool jacobian) {
+    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { evaluate(warp, jacobian, chunk); });
   }
 
   std::size_t size() const { return probes_.size(); }
   /// Of the surface that the pixel shows, canonical, relative to the warp's origin; not a number if there is none.
-  const Eigen::Vector3d& place(std::size_t i) const { return places_[i]; }
-  const Eigen::Vector3d& slope(std::size_t i, std::size_t value) const { return responses_[i].by_place[value]; }
-  bool is_own(std::size_t i) const { return probes_[i].own; }
-  bool has_color(std::size_t i) const { return probes_[i].own && places_[i].allFinite() && responses_[i].is_opaque; }
+  const Eigen::Vector3d& position(std::size_t i) const { return positions_[i]; }
+  const Eigen::Vector3d& gradient(std::size_t i, std::size_t value) const { return responses_[i].jacobian[value]; }
+  bool is_foreground(std::size_t i) const { return probes_[i].foreground; }
+  bool has_color(std::size_t i) const {
+    return probes_[i].foreground && positions_[i].allFinite() && responses_[i].is_opaque;
+  }
 
   /// What the field shows less what the pixel does; nothing where one of them shows nothing.
   std::optional<double> residual(std::size_t i, std::size_t value) const {
     const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
     const RayResponse& response = responses_[i];
-    if (!places_[i].allFinite()) return std::nullopt;
-    if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].own ? 1.0 : 0.0);
+    if (!positions_[i].allFinite()) return std::nullopt;
+    if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].foreground ? 1.0 : 0.0);
     if (!has_color(i)) return std::nullopt;
     if (value == RayResponse::kDepth)
       return pixel.depth.is_measured() ? std::optional(response.value[value]) : std::nullopt;
@@ -107,15 +110,15 @@ public:
   std::optional<double> color_sigma() const {
     std::vector<double> sizes;
     for (std::size_t i = 0; i < size(); ++i) {
-      if (probes_[i].at_rim || !has_color(i)) continue;
+      if (probes_[i].on_contour || !has_color(i)) continue;
       for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
     }
-    if (sizes.size() < RayResponse::kColors * kFewest) return std::nullopt;
-    return std::max(kLeastColorSigma, kDeviationPerMedian * median(sizes));
+    if (sizes.size() < RayResponse::kColors * kMinPixels) return std::nullopt;
+    return std::max(kMinColorSigma, kDeviationPerMedian * median(sizes));
   }
 
 private:
-  void look(const BulkWarp& warp, bool by_place, const Chunk& chunk) {
+  void evaluate(const BulkWarp& warp, bool jacobian, const Chunk& chunk) {
     const SE3& to_world = frame_.camera.camera_to_world;
     const Eigen::Vector3d eye = to_world.translation() - warp.world_origin();
     std::vector<BulkWarp::Ray> rays;
@@ -132,15 +135,15 @@ private:
     for (std::size_t k = 0; k < rays.size(); ++k) {
       canonical.push_back({to_vector(back[k].point) + warp.canonical_origin(),
                            to_vector(back[k].direction),
-                           {to_vector(back[k].bends[0]), to_vector(back[k].bends[1])},
+                           {to_vector(back[k].curvatures[0]), to_vector(back[k].curvatures[1])},
                            static_cast<double>(rays[k].reach),
                            to_vector(rays[k].direction).norm(),
                            back[k].rotation});
     }
-    respond(field_, levels_, canonical, by_place, responses_.data() + chunk.begin);
+    respond(field_, levels_, canonical, jacobian, responses_.data() + chunk.begin);
     for (std::size_t k = 0; k < rays.size(); ++k) {
       const double depth = responses_[chunk.begin + k].value[RayResponse::kDepth];
-      places_[chunk.begin + k] = to_vector(back[k].point) + depth * canonical[k].direction;
+      positions_[chunk.begin + k] = to_vector(back[k].point) + depth * canonical[k].direction;
     }
   }
 
@@ -150,7 +153,7 @@ private:
   const fields::StoredFrame& frame_;
   std::vector<Probe> probes_;
   std::vector<RayResponse> responses_;
-  std::vector<Eigen::Vector3d> places_;
+  std::vector<Eigen::Vector3d> positions_;
 };
 
 double weight_of(const FrameView& view, std::size_t i, std::size_t value, double color_sigma) {
@@ -167,10 +170,10 @@ double cost(const FrameView& view, double color_sigma) {
     for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
       if (v == RayResponse::kDepth) continue;
       const auto residual = view.residual(i, v);
-      if (!residual && !view.is_own(i)) continue;
-      const double most = kShare * kMostDeviations * kMostDeviations;
-      const double deviations = residual ? *residual * weight_of(view, i, v, color_sigma) : most;
-      sum += std::min(deviations * deviations, most);
+      if (!residual && !view.is_foreground(i)) continue;
+      const double max_cost = kShare * kMaxDeviations * kMaxDeviations;
+      const double deviations = residual ? *residual * weight_of(view, i, v, color_sigma) : max_cost;
+      sum += std::min(deviations * deviations, max_cost);
     }
   }
   return sum;
@@ -197,7 +200,7 @@ public:
     bool moved = false;
     for (int round = 0; round <= config_.rounds; ++round) {
       const BulkWarp warp(table_, motion::Warp(graph_, nodes));
-      view.look(warp, round < config_.rounds);
+      view.evaluate(warp, round < config_.rounds);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
       if (round == 0) first_sigma = *sigma;
@@ -232,23 +235,23 @@ private:
   // Where a layer moves, its canonical space moves the other way beneath the ray: each residual is linear in the place
   // of the surface point, as that of a plane.
   void add_rows(const FrameView& view, const NodeStates& states, double color_sigma,
-                std::vector<motion::SkinnedPoint>& points, std::vector<tracking::PointTerms>& terms) const {
+                std::vector<motion::SkinnedPoint>& points, std::vector<tracking::DataTerm>& terms) const {
     for (std::size_t i = 0; i < view.size(); ++i) {
-      if (!view.place(i).allFinite()) continue;
-      const motion::Influence influence = graph_->influence(view.place(i) + table_->origin());
+      if (!view.position(i).allFinite()) continue;
+      const motion::Influence influence = graph_->influence(view.position(i) + table_->origin());
       if (influence.count == 0) continue;
       const motion::BlendedMotion blended = motion::blend_motion(states, influence);
-      const Eigen::Vector3d place = blended.apply(view.place(i));
+      const Eigen::Vector3d position = blended.apply(view.position(i));
       for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
         const auto residual = view.residual(i, v);
-        const Eigen::Vector3d gradient = -blended.rotate(view.slope(i, v));
+        const Eigen::Vector3d gradient = -blended.rotate(view.gradient(i, v));
         const double length = gradient.norm();
         if (!residual || !(length > 1e-6)) continue;
-        tracking::PointTerms term;
+        tracking::DataTerm term;
         term.plane_normal = (gradient / length).cast<float>();
-        term.plane_offset = static_cast<float>((*residual - gradient.dot(place)) / length);
+        term.plane_offset = static_cast<float>((*residual - gradient.dot(position)) / length);
         term.plane_scale = static_cast<float>(length * weight_of(view, i, v, color_sigma));
-        points.emplace_back(view.place(i).cast<float>(), Eigen::Vector3f::UnitZ(), influence);
+        points.emplace_back(view.position(i).cast<float>(), Eigen::Vector3f::UnitZ(), influence);
         terms.push_back(term);
       }
     }
@@ -258,9 +261,9 @@ private:
   bool step(const FrameView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
     const NodeStates states = states_of(nodes, warp);
     std::vector<motion::SkinnedPoint> points;
-    std::vector<tracking::PointTerms> terms;
+    std::vector<tracking::DataTerm> terms;
     add_rows(view, states, color_sigma, points, terms);
-    const tracking::ObjectView no_textures;
+    const tracking::LayerView no_textures;
     tracking::DeformingProblem problem({nodes_, edges_, points}, no_textures,
                                        {config_.rigidity * spacing_, config_.prior_sigma});
     problem.terms() = std::move(terms);
@@ -306,13 +309,13 @@ DualQuaternion corrected(const Eigen::Vector3d& node, const DualQuaternion& befo
 
 // Half way between what the tracker says of a node and what the frames beside say, which errs in other ways; less of
 // theirs where they differ by more than the tracker errs: there the node changed its pace.
-DualQuaternion weighed(const Eigen::Vector3d& node, const DualQuaternion& own, const DualQuaternion& before,
-                       const DualQuaternion& after) {
-  constexpr double kTrackersError = 0.005; // metres
+DualQuaternion smoothed(const Eigen::Vector3d& node, const DualQuaternion& tracked, const DualQuaternion& before,
+                        const DualQuaternion& after) {
+  constexpr double kTrackerSigma = 0.005; // metres
   const DualQuaternion between = blend(std::array{before, after}, std::array{0.5, 0.5});
-  const double off = (between.to_se3() * node - own.to_se3() * node).norm() / kTrackersError;
+  const double off = (between.to_se3() * node - tracked.to_se3() * node).norm() / kTrackerSigma;
   const double share = 0.5 / (1 + off * off);
-  return blend(std::array{own, between}, std::array{1 - share, share});
+  return blend(std::array{tracked, between}, std::array{1 - share, share});
 }
 
 // A frame that was not refined, next to ones that were, is corrected as these are in the mean.
@@ -334,7 +337,7 @@ void correct_others(const motion::Motion& motion, const std::vector<bool>& is_re
       DualQuaternion& node = refined[f].node_to_world[n];
       node = corrected(nodes[n], node, mean);
       if (neighbours.size() == 2) {
-        node = weighed(nodes[n], node, refined[f - 1].node_to_world[n], refined[f + 1].node_to_world[n]);
+        node = smoothed(nodes[n], node, refined[f - 1].node_to_world[n], refined[f + 1].node_to_world[n]);
       }
     }
   }

@@ -13,7 +13,7 @@ constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for
 
 } // namespace
 
-struct SceneTracker::Sight {
+struct SceneTracker::LabelObservation {
   std::size_t pixels = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(); ///< of camera-frame points
   double squares = 0;                            ///< sum of their squared lengths
@@ -22,27 +22,28 @@ struct SceneTracker::Sight {
 SceneTracker::SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress)
     : capture_(capture), settings_(settings), progress_(progress) {}
 
-std::map<int, SceneTracker::Sight> SceneTracker::sights_in(const ingest::Frame& frame) const {
-  std::array<Sight, 256> sights;
+std::map<int, SceneTracker::LabelObservation> SceneTracker::observations_in(const ingest::Frame& frame) const {
+  std::array<LabelObservation, 256> observations;
   for (int v = 0; v < frame.depth.height(); ++v) {
     for (int u = 0; u < frame.depth.width(); ++u) {
       const float depth = frame.depth.at(u, v);
       if (!(depth > 0)) continue;
-      Sight& sight = sights[frame.label_at(u, v)];
+      LabelObservation& observation = observations[frame.label_at(u, v)];
       const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
-      ++sight.pixels;
-      sight.sum += point;
-      sight.squares += point.squaredNorm();
+      ++observation.pixels;
+      observation.sum += point;
+      observation.squares += point.squaredNorm();
     }
   }
-  std::map<int, Sight> seen;
+  std::map<int, LabelObservation> seen;
   for (int label = 0; label < 256; ++label) {
-    if (sights[static_cast<std::size_t>(label)].pixels > 0) seen[label] = sights[static_cast<std::size_t>(label)];
+    if (observations[static_cast<std::size_t>(label)].pixels > 0)
+      seen[label] = observations[static_cast<std::size_t>(label)];
   }
   return seen;
 }
 
-void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Frame& frame) {
+void SceneTracker::begin_label(int label, const LabelObservation& observation, const ingest::Frame& frame) {
   if (labels_.size() >= kMaxLabels) {
     if (!warned_of_crowd_) {
       progress_.warn(fmt::format("frame {} shows more than {} labels; label {} and others after it are not modelled",
@@ -54,16 +55,17 @@ void SceneTracker::begin_label(int label, const Sight& sight, const ingest::Fram
   TrackedLabel& tracked = labels_[label];
   tracked.plan = plan_layer(label, capture_);
   tracked.first_frame = frames_;
-  const Eigen::Vector3d mean = sight.sum / static_cast<double>(sight.pixels);
+  const Eigen::Vector3d mean = observation.sum / static_cast<double>(observation.pixels);
   tracked.centre = frame.camera.camera_to_world * mean;
-  tracked.radius = std::sqrt(std::max(0.0, sight.squares / static_cast<double>(sight.pixels) - mean.squaredNorm()));
+  tracked.radius =
+      std::sqrt(std::max(0.0, observation.squares / static_cast<double>(observation.pixels) - mean.squaredNorm()));
   if (tracked.plan.motion == motion::MotionKind::kStill) return;
   tracked.poses.assign(static_cast<std::size_t>(frames_), {SE3::Identity(), motion::Health::kLost});
   if (tracked.plan.motion == motion::MotionKind::kDeforming) {
-    tracked.bending = std::make_unique<tracking::DeformingTracker>(label, settings_.deforming);
+    tracked.deforming_tracker = std::make_unique<tracking::DeformingTracker>(label, settings_.deforming);
   } else {
     tracking::RigidTrackerConfig config = settings_.rigid;
-    config.remembers |= !tracked.plan.is_told;
+    config.keeps_history |= !tracked.plan.is_specified;
     tracked.tracker = std::make_unique<tracking::RigidTracker>(label, config);
   }
 }
@@ -73,21 +75,21 @@ void SceneTracker::follow_rigid(TrackedLabel& tracked, const ingest::Frame& fram
   tracked.poses.push_back(result.pose);
   tracked.missed = std::move(result.missed);
   tracked.relocalised += result.relocalised ? 1 : 0;
-  tracked.weak_directions += result.weak_directions;
-  tracked.bend = tracked.tracker->bend();
-  if (!tracked.bend) return;
-  tracked.bend->first_frame += static_cast<std::size_t>(tracked.first_frame);
-  if (!tracked.plan.is_told) let_bend(tracked);
+  tracked.degenerate_directions += result.degenerate_directions;
+  tracked.non_rigidity = tracked.tracker->non_rigidity();
+  if (!tracked.non_rigidity) return;
+  tracked.non_rigidity->first_frame += static_cast<std::size_t>(tracked.first_frame);
+  if (!tracked.plan.is_specified) make_deforming(tracked);
 }
 
-void SceneTracker::let_bend(TrackedLabel& tracked) {
+void SceneTracker::make_deforming(TrackedLabel& tracked) {
   tracking::DeformingTrackerConfig config = settings_.deforming;
   config.binding.use_body = false;
-  tracked.bending = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
-  const tracking::FrameMemory& memory = tracked.tracker->memory();
-  for (std::size_t i = memory.begin(); i < memory.count(); ++i) tracked.bending->track(memory.at(i));
+  tracked.deforming_tracker = std::make_unique<tracking::DeformingTracker>(tracked.plan.label, config);
+  const tracking::FrameHistory& history = tracked.tracker->history();
+  for (std::size_t i = history.begin(); i < history.count(); ++i) tracked.deforming_tracker->track(history.at(i));
   // Places of the layer are those of the first frame that is remembered.
-  const std::size_t before = static_cast<std::size_t>(tracked.first_frame) + memory.begin();
+  const std::size_t before = static_cast<std::size_t>(tracked.first_frame) + history.begin();
   const SE3 to_canonical = tracked.poses[before].canonical_to_world.inverse();
   tracked.poses.resize(before);
   for (auto& pose : tracked.poses) pose.canonical_to_world = pose.canonical_to_world * to_canonical;
@@ -96,28 +98,28 @@ void SceneTracker::let_bend(TrackedLabel& tracked) {
 }
 
 void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
-  for (const auto& [label, sight] : sights_in(frame)) {
-    if (!labels_.contains(label) && sight.pixels >= kMinPixelsToBegin) begin_label(label, sight, frame);
-    if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += sight.pixels;
+  for (const auto& [label, observation] : observations_in(frame)) {
+    if (!labels_.contains(label) && observation.pixels >= kMinPixelsToBegin) begin_label(label, observation, frame);
+    if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += observation.pixels;
   }
   std::vector<TrackedLabel*> layers;           // that bend as far as is known
   std::vector<tracking::NearbyObject> objects; // what hands may hold is followed first
   for (auto& [label, tracked] : labels_) {
-    if (tracked.bending) layers.push_back(&tracked);
+    if (tracked.deforming_tracker) layers.push_back(&tracked);
     if (!tracked.tracker) continue;
     times.measure("track " + tracked.plan.name, [&, &t = tracked] { follow_rigid(t, frame); });
     if (!tracked.tracker) continue; // it bends
     if (const auto object = tracking::nearby_object(*tracked.tracker)) objects.push_back(*object);
   }
   for (TrackedLabel* layer : layers) {
-    times.measure("track " + layer->plan.name, [&] { layer->bending->track(frame, objects); });
+    times.measure("track " + layer->plan.name, [&] { layer->deforming_tracker->track(frame, objects); });
   }
   for (auto& [label, tracked] : labels_) {
     if (!tracked.tracker || !tracked.missed) continue;
     for (const TrackedLabel* layer : layers) {
-      const auto motion = layer->bending->carried(label);
+      const auto motion = layer->deforming_tracker->contact_motion_of(label);
       if (!motion) continue;
-      tracked.tracker->carry(frame, std::move(*tracked.missed), *motion);
+      tracked.tracker->move_with_contact(frame, std::move(*tracked.missed), *motion);
       tracked.poses.back() = tracked.tracker->poses().back();
       break;
     }
@@ -127,9 +129,10 @@ void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
 
 std::map<int, TrackedLabel> SceneTracker::finish(StageTimes& times) && {
   for (auto& [label, tracked] : labels_) {
-    if (!tracked.bending) continue;
-    times.measure("settle " + tracked.plan.name, [&t = tracked] { t.layer = std::move(*t.bending).finish(); });
-    tracked.bending.reset();
+    if (!tracked.deforming_tracker) continue;
+    times.measure("settle " + tracked.plan.name,
+                  [&t = tracked] { t.layer = std::move(*t.deforming_tracker).finish(); });
+    tracked.deforming_tracker.reset();
   }
   return std::move(labels_);
 }

@@ -12,7 +12,7 @@
 namespace kinora::encode {
 
 /// What is rigid by default but bends is followed anew as a layer that deforms, from the first frame on that is
-/// remembered (tracking::FrameMemory), and without a body. Not thread-safe.
+/// remembered (tracking::FrameHistory), and without a body. Not thread-safe.
 class SceneTracker {
 public:
   SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress);
@@ -25,11 +25,11 @@ public:
   std::map<int, TrackedLabel> finish(StageTimes& times) &&;
 
 private:
-  struct Sight; ///< what one frame shows of a label
-  std::map<int, Sight> sights_in(const ingest::Frame& frame) const;
-  void begin_label(int label, const Sight& sight, const ingest::Frame& frame);
+  struct LabelObservation; ///< what one frame shows of a label
+  std::map<int, LabelObservation> observations_in(const ingest::Frame& frame) const;
+  void begin_label(int label, const LabelObservation& observation, const ingest::Frame& frame);
   void follow_rigid(TrackedLabel& tracked, const ingest::Frame& frame);
-  void let_bend(TrackedLabel& tracked);
+  void make_deforming(TrackedLabel& tracked);
 
   const ingest::CaptureInfo& capture_;
   TrackingSettings settings_;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kPositive[] = {"sigma",
                                           "cutoff",
                                           "energy.patch",
-                                          "motion.root_shift",
+                                          "motion.root_translation",
                                           "_rotation",
                                           "growth.weight_radius",
                                           "growth.influence_radius",
@@ -30,7 +30,7 @@ constexpr std::string_view kPositive[] = {"sigma",
                                           "in_view.max_points",
                                           "rigid.max_points",
                                           "tracker.max_points",
-                                          "cleaning.slope_radius"};
+                                          "cleaning.gradient_radius"};
 
 } // namespace
 

@@ -26,38 +26,38 @@ Json levels_json(const fields::Field& field) {
   return levels;
 }
 
-Json growth_json(const std::vector<fields::GrowthTrial>& trials) {
-  Json growth = Json::array();
-  for (const fields::GrowthTrial& trial : trials) {
-    growth.push_back({{"after_rays", trial.begin},
-                      {"price_rays", trial.price},
-                      {"table_fill", std::round(trial.table_fill * 100) / 100},
-                      {"log2_table_size", {trial.log2_table_size, trial.log2_table_size + 1}},
-                      {"bytes", {trial.bytes, trial.grown_bytes}},
-                      {"psnr_held_apart", {psnr(trial.error), psnr(trial.grown_error)}},
-                      {"kept", trial.kept}});
+Json growth_json(const std::vector<fields::TableGrowthTrial>& trials) {
+  Json table_growth = Json::array();
+  for (const fields::TableGrowthTrial& trial : trials) {
+    table_growth.push_back({{"after_rays", trial.begin},
+                            {"price_rays", trial.discarded_rays},
+                            {"table_fill", std::round(trial.table_fill * 100) / 100},
+                            {"log2_table_size", {trial.log2_table_size, trial.log2_table_size + 1}},
+                            {"bytes", {trial.bytes, trial.grown_bytes}},
+                            {"psnr_held_apart", {psnr(trial.error), psnr(trial.grown_error)}},
+                            {"kept", trial.kept}});
   }
-  return growth;
+  return table_growth;
 }
 
-std::string why(const fields::FieldNeed& need, const fields::FieldConfig& config) {
+std::string why(const fields::FieldRequirements& requirements, const fields::FieldConfig& config) {
   return fmt::format("{} measured points fill a box of {:.3f} m; a pixel is {:.2f} mm wide there, a cell of the finest "
                      "level {:.2f} mm; the surface passes through about {:.0f} such cells, of which {} entries per "
                      "level keep what training works on near to the processor",
-                     need.points, config.box.side, 1000 * need.footprint, 1000 * config.cell_size(), need.surface_cells,
-                     1 << config.log2_table_size);
+                     requirements.points, config.box.side, 1000 * requirements.footprint, 1000 * config.cell_size(),
+                     requirements.surface_cells, 1 << config.log2_table_size);
 }
 
 } // namespace
 
-Json size_json(const fields::FieldNeed& need, const fields::FieldConfig& chosen, const fields::Field& field,
-               const fields::TrainingReport& training) {
-  return {{"why", why(need, chosen)},
-          {"pixel_footprint_m", need.footprint},
-          {"surface_cells", std::round(need.surface_cells)},
+Json size_json(const fields::FieldRequirements& requirements, const fields::FieldConfig& chosen,
+               const fields::Field& field, const fields::TrainingReport& training) {
+  return {{"why", why(requirements, chosen)},
+          {"pixel_footprint_m", requirements.footprint},
+          {"surface_cells", std::round(requirements.surface_cells)},
           {"levels", levels_json(field)},
           {"training_bytes", training.bytes},
-          {"growth", growth_json(training.growth)}};
+          {"growth", growth_json(training.table_growth)}};
 }
 
 } // namespace kinora::encode

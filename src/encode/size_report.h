@@ -8,7 +8,7 @@
 namespace kinora::encode {
 
 /// `chosen` is what training began with, `field` what it ended with.
-nlohmann::json size_json(const fields::FieldNeed& need, const fields::FieldConfig& chosen, const fields::Field& field,
-                         const fields::TrainingReport& training);
+nlohmann::json size_json(const fields::FieldRequirements& requirements, const fields::FieldConfig& chosen,
+                         const fields::Field& field, const fields::TrainingReport& training);
 
 } // namespace kinora::encode

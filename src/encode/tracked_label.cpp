@@ -7,7 +7,7 @@ namespace kinora::encode {
 namespace {
 
 /// A rigid layer whose points stay within this distance (metres) of their first place is stored as still.
-constexpr double kStillMove = 0.004;
+constexpr double kStaticDisplacement = 0.004;
 
 // A deforming layer is followed from its first frame on; before that it is lost, or goes as a rigid thing.
 motion::Motion with_frames_before(const motion::Motion& motion, const std::vector<motion::Motion::Pose>& poses) {
@@ -27,25 +27,25 @@ motion::Motion with_frames_before(const motion::Motion& motion, const std::vecto
 
 motion::Motion TrackedLabel::motion() const {
   if (layer) return with_frames_before(layer->motion, poses);
-  const bool moves = !poses.empty() && largest_move() > kStillMove;
+  const bool moves = !poses.empty() && max_displacement() > kStaticDisplacement;
   return moves ? motion::Motion::rigid(poses) : motion::Motion::still();
 }
 
 std::optional<motion::JointPaths> TrackedLabel::joints() const {
   auto joints = layer ? layer->body.joint_paths() : std::nullopt;
   if (!joints) return std::nullopt;
-  auto& places = joints->places;
-  places.insert(places.begin(), static_cast<std::size_t>(first_frame), places.front());
+  auto& positions = joints->positions;
+  positions.insert(positions.begin(), static_cast<std::size_t>(first_frame), positions.front());
   return joints;
 }
 
-double TrackedLabel::largest_move() const {
+double TrackedLabel::max_displacement() const {
   double largest = 0;
   for (const auto& pose : poses) {
     if (pose.health == motion::Health::kLost) continue;
     const double shift = (pose.canonical_to_world * centre - centre).norm();
-    const double turn = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * radius;
-    largest = std::max(largest, shift + turn);
+    const double rotational_displacement = 2 * std::sin(rotation_angle(pose.canonical_to_world) / 2) * radius;
+    largest = std::max(largest, shift + rotational_displacement);
   }
   return largest;
 }

@@ -23,20 +23,20 @@ struct TrackedLabel {
   double radius = 0;      ///< root mean square distance of these points from the centre, metres
   /// One per frame so far, if rigid; if deforming, one per frame before the graph.
   std::vector<motion::Motion::Pose> poses;
-  int relocalised = 0;                             ///< times it was found again
-  int weak_directions = 0;                         ///< summed over frames, of six each: what geometry could not tell
-  std::optional<tracking::Bend> bend;              ///< of what was taken for rigid; frames of the timeline
-  std::unique_ptr<tracking::RigidTracker> tracker; ///< if rigid
-  std::optional<tracking::MissedObject> missed;    ///< by that in the last frame
-  std::unique_ptr<tracking::DeformingTracker> bending; ///< if deforming, up to the last frame
-  std::optional<tracking::TrackedLayer> layer;         ///< and after that, unless it was never seen
+  int relocalised = 0;                               ///< times it was found again
+  int degenerate_directions = 0;                     ///< summed over frames, of six each: what geometry could not tell
+  std::optional<tracking::NonRigidity> non_rigidity; ///< of what was taken for rigid; frames of the timeline
+  std::unique_ptr<tracking::RigidTracker> tracker;   ///< if rigid
+  std::optional<tracking::MissedObject> missed;      ///< by that in the last frame
+  std::unique_ptr<tracking::DeformingTracker> deforming_tracker; ///< if deforming, up to the last frame
+  std::optional<tracking::TrackedLayer> layer;                   ///< and after that, unless it was never seen
 
   /// Over the whole timeline: still if it never left its place by more than tracking can tell.
   motion::Motion motion() const;
   /// Of its skeleton over the whole timeline, if it is a person.
   std::optional<motion::JointPaths> joints() const;
   /// Greatest distance (metres) of its points from where they were in its first frame; only if rigid.
-  double largest_move() const;
+  double max_displacement() const;
 };
 
 } // namespace kinora::encode

@@ -33,7 +33,7 @@ private:
 struct Subject {
   std::string name;
   std::string region; ///< in words
-  LayerChoice layers;
+  clip::LayerChoice layers;
   std::optional<std::set<int>> labels; ///< of the region's pixels; nothing: every pixel is in it
   bool measured_only = false;          ///< the region is cut to pixels with measured depth
   bool of_one_layer = false;

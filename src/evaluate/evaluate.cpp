@@ -10,8 +10,8 @@
 #include "core/parallel.h"
 #include "evaluate/comparison.h"
 #include "evaluate/ground_truth.h"
+#include "evaluate/ground_truth_comparison.h"
 #include "evaluate/track_error.h"
-#include "evaluate/truth.h"
 #include "ingest/depth/registration_json.h"
 
 namespace kinora::evaluate {
@@ -142,8 +142,8 @@ Json evaluate_against(const std::filesystem::path& capture, const host::PluginTa
   Json report = evaluate(player, *opened, moving ? &*moving : nullptr, options, progress);
   if (!options.ground_truth) return report;
   if (const auto truth = GroundTruth::read(capture, player.clip().capture_camera(0).camera_to_world)) {
-    report["ground_truth"] = compare_with_truth(player, *truth, progress);
-    report["ground_truth"]["tracks"] = track_error(player.clip(), read_true_tracks(capture));
+    report["ground_truth"] = compare_with_ground_truth(player, *truth, progress);
+    report["ground_truth"]["tracks"] = track_error(player.clip(), read_ground_truth_tracks(capture));
   }
   return report;
 }

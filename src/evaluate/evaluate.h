@@ -14,8 +14,9 @@ namespace kinora::evaluate {
 struct EvaluateOptions {
   /// At most this many trained and as many held-out frames, evenly spread over the clip; 0: all.
   int max_frames_per_group = 0;
-  bool ground_truth = false; ///< also compare with what stands beside the capture (truth.h), under `ground_truth`
-  std::string format;        ///< name of the format to read the capture with; empty: whoever recognises it
+  bool ground_truth =
+      false; ///< also compare with what stands beside the capture (ground_truth_comparison.h), under `ground_truth`
+  std::string format; ///< name of the format to read the capture with; empty: whoever recognises it
 };
 
 /// Draws the clip as the capture camera saw it and compares frame by frame (core/metrics.h): per image, then averaged.

@@ -10,9 +10,9 @@
 namespace kinora::evaluate {
 namespace {
 
-constexpr std::size_t kMostFrames = 120;
-constexpr std::size_t kFewestFrames = 3;
-constexpr int kLeastChange = 12; ///< of 255, mean over the channels
+constexpr std::size_t kMaxFrames = 120;
+constexpr std::size_t kMinFrames = 3;
+constexpr int kMinChange = 12; ///< of 255, mean over the channels
 
 } // namespace
 
@@ -25,14 +25,14 @@ std::optional<MovingPixels> MovingPixels::of(ingest::Capture& capture) {
   while (auto frame = capture.next()) {
     if (position++ % stride != 0) continue;
     frames.push_back(std::move(frame->color));
-    if (frames.size() < kMostFrames) continue;
+    if (frames.size() < kMaxFrames) continue;
     for (std::size_t i = 0; 2 * i < frames.size(); ++i) {
       if (i > 0) frames[i] = std::move(frames[2 * i]);
     }
     frames.resize((frames.size() + 1) / 2);
     stride *= 2;
   }
-  if (frames.size() < kFewestFrames) return std::nullopt;
+  if (frames.size() < kMinFrames) return std::nullopt;
   MovingPixels moving;
   moving.median_ = ColorImage(frames[0].width(), frames[0].height(), 3);
   const std::size_t values = moving.median_.values().size();
@@ -54,7 +54,7 @@ LabelImage MovingPixels::in(const ColorImage& color) const {
     for (int u = 0; u < color.width(); ++u) {
       int change = 0;
       for (int c = 0; c < 3; ++c) change += std::abs(color.at(u, v, c) - median_.at(u, v, c));
-      if (change <= 3 * kLeastChange) continue;
+      if (change <= 3 * kMinChange) continue;
       for (int y = std::max(v - 1, 0); y <= std::min(v + 1, color.height() - 1); ++y) {
         for (int x = std::max(u - 1, 0); x <= std::min(u + 1, color.width() - 1); ++x) moving.at(x, y) = 1;
       }

@@ -34,20 +34,20 @@ struct Errors {
 
 /// A point's true places at the frames of the clip, and the first at which it is seen.
 struct Track {
-  std::vector<std::optional<TruePlace>> places; ///< world
+  std::vector<std::optional<TruePosition>> positions; ///< world
   std::size_t start = 0;
 };
 
-std::optional<Track> track_in(const clip::Clip& clip, const std::map<int, TruePlace>& truth) {
+std::optional<Track> track_in(const clip::Clip& clip, const std::map<int, TruePosition>& truth) {
   Track track;
   std::optional<std::size_t> start;
   for (std::size_t i = 0; i < clip.times.size(); ++i) {
-    auto& place = track.places.emplace_back();
+    auto& position = track.positions.emplace_back();
     const auto found = truth.find(clip.capture_frames[i]);
     if (found == truth.end()) continue;
-    place = found->second;
-    place->point = clip.capture_camera(static_cast<double>(i)).camera_to_world * place->point;
-    if (!start && place->visible) start = i;
+    position = found->second;
+    position->point = clip.capture_camera(static_cast<double>(i)).camera_to_world * position->point;
+    if (!start && position->visible) start = i;
   }
   if (!start) return std::nullopt;
   track.start = *start;
@@ -56,7 +56,7 @@ std::optional<Track> track_in(const clip::Clip& clip, const std::map<int, TruePl
 
 } // namespace
 
-Json track_error(const clip::Clip& clip, const TrueTracks& tracks) {
+Json track_error(const clip::Clip& clip, const GroundTruthTracks& tracks) {
   const auto layer = std::find_if(clip.layers.begin(), clip.layers.end(),
                                   [](const clip::Layer& l) { return l.label == kPersonLabel; });
   if (layer == clip.layers.end() || tracks.empty()) return nullptr;
@@ -69,14 +69,14 @@ Json track_error(const clip::Clip& clip, const TrueTracks& tracks) {
   for (const auto& [start, group] : tracks_from) {
     std::vector<Eigen::Vector3d> given;
     given.reserve(group.size());
-    for (const Track& track : group) given.push_back(track.places[start]->point);
-    const auto carried = motion::track_points(layer->motion, clip.times.size(), start, given);
+    for (const Track& track : group) given.push_back(track.positions[start]->point);
+    const auto predicted = motion::track_points(layer->motion, clip.times.size(), start, given);
     for (std::size_t k = 0; k < group.size(); ++k) {
       for (std::size_t i = 0; i < clip.times.size(); ++i) {
-        const auto& place = group[k].places[i];
-        if (i == start || !place) continue;
-        Errors& errors = place->visible ? visible : hidden;
-        errors.metres.push_back((carried[k][i] - place->point).norm());
+        const auto& position = group[k].positions[i];
+        if (i == start || !position) continue;
+        Errors& errors = position->visible ? visible : hidden;
+        errors.metres.push_back((predicted[k][i] - position->point).norm());
         errors.missing += layer->motion.health(i) == motion::Health::kLost ? 1 : 0;
       }
     }

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clip/clip.h"
-#include "evaluate/true_tracks.h"
+#include "evaluate/ground_truth_tracks.h"
 
 namespace kinora::evaluate {
 
@@ -12,6 +12,6 @@ namespace kinora::evaluate {
 /// that shows it, and followed through all frames. For the places that the capture camera sees (`visible`, without the
 /// given one) and for the others (`hidden`): `places`, `error_m_mean`, `error_m_p95`, and `missing`: those at frames
 /// where the layer is lost, which count in the other numbers too. Null without such a layer or without points.
-nlohmann::json track_error(const clip::Clip& clip, const TrueTracks& tracks);
+nlohmann::json track_error(const clip::Clip& clip, const GroundTruthTracks& tracks);
 
 } // namespace kinora::evaluate

@@ -8,10 +8,10 @@
 
 namespace kinora::host {
 
-WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* things,
+WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* content,
                          const std::filesystem::path& path, const Options& options) {
   if (!supports(format, capability))
-    throw Error(ErrorCode::kUsage, fmt::format("the format {} does not write {}", format.name, things));
+    throw Error(ErrorCode::kUsage, fmt::format("the format {} does not write {}", format.name, content));
   check_options(format, options);
   const std::vector<KinoraOptionValue> values = option_values(options);
   auto message = make_struct<KinoraMessage>();

@@ -13,8 +13,8 @@ namespace kinora::host {
 using WriterHandle = std::unique_ptr<KinoraWriter, void (*)(KinoraWriter*)>;
 
 /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format without
-/// the capability, of which `things` is the name ("pictures").
-WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* things,
+/// the capability, of which `content` is the name ("pictures").
+WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, const char* content,
                          const std::filesystem::path& path, const Options& options);
 
 /// Completes the output and frees the writer. Throws what the plugin reports.

@@ -22,11 +22,11 @@ BulkWarp::BulkWarp(std::shared_ptr<const InfluenceTable> table, const Warp& warp
 
 void BulkWarp::index_nodes() {
   constexpr double kCellsPerRadius = 3; // of influence
-  constexpr double kMostCells = 96;     // along an axis
+  constexpr double kMaxCells = 96;      // along an axis
   const double radius = table_->graph().influence_radius();
   Eigen::AlignedBox3d bounds;
   for (const Eigen::Vector3d& node : warp_.node_positions()) bounds.extend(node - world_origin_);
-  const double side = std::max(radius / kCellsPerRadius, (bounds.sizes().maxCoeff() + 2 * radius) / kMostCells);
+  const double side = std::max(radius / kCellsPerRadius, (bounds.sizes().maxCoeff() + 2 * radius) / kMaxCells);
   cells_per_metre_ = static_cast<float>(1 / side);
   std::size_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -114,7 +114,7 @@ void BulkWarp::to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const 
   }
 }
 
-void BulkWarp::to_world(std::span<const std::array<float, 3>> canonical, Carried* world) const {
+void BulkWarp::to_world(std::span<const std::array<float, 3>> canonical, WarpedPoint* world) const {
   kernels::points_to_world({&table_->cells(), transforms_.data()}, canonical, world);
 }
 

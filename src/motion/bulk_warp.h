@@ -17,7 +17,7 @@ class BulkWarp {
 public:
   using Ray = kernels::Ray;
   using CanonicalRay = kernels::CanonicalRay;
-  using Carried = kernels::Carried;
+  using WarpedPoint = kernels::WarpedPoint;
 
   /// `table` is that of the warp's graph. Throws Error(kFailure) if it is of another, or if the warp is rigid.
   BulkWarp(std::shared_ptr<const InfluenceTable> table, const Warp& warp);
@@ -32,7 +32,7 @@ public:
   void to_canonical(std::span<Ray> rays, CanonicalRay* canonical) const;
 
   /// Writes world[i] for canonical[i].
-  void to_world(std::span<const std::array<float, 3>> canonical, Carried* world) const;
+  void to_world(std::span<const std::array<float, 3>> canonical, WarpedPoint* world) const;
 
 private:
   void index_nodes();

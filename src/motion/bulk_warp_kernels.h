@@ -28,18 +28,18 @@ struct Ray {
 struct CanonicalRay {
   std::array<float, 3> point; ///< not a number where there is no way back
   std::array<float, 3> direction;
-  std::array<std::array<float, 3>, 2> bends;
+  std::array<std::array<float, 3>, 2> curvatures;
   std::array<float, 4> rotation; ///< from there to the world: a unit quaternion x y z w
 };
 
 void rays_to_canonical(const NodeMotion& motion, std::span<const Ray> rays, CanonicalRay* canonical);
 
 /// A canonical point in the world and the rotation there.
-struct Carried {
+struct WarpedPoint {
   std::array<float, 3> point;    ///< not a number where no node is near
   std::array<float, 4> rotation; ///< unit quaternion x y z w
 };
 
-void points_to_world(const NodeMotion& motion, std::span<const std::array<float, 3>> canonical, Carried* world);
+void points_to_world(const NodeMotion& motion, std::span<const std::array<float, 3>> canonical, WarpedPoint* world);
 
 } // namespace kinora::motion::kernels

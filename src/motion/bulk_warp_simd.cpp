@@ -16,8 +16,8 @@ using namespace skinning::HWY_NAMESPACE;
 
 /// The nodes that move each lane's point, nearest first, and the first that does not.
 struct Nodes {
-  Vec3 position[kWeighed];
-  Mask present[kWeighed];
+  Vec3 position[kNearestNodes];
+  Mask present[kNearestNodes];
   DualQuat transform[kMaxNodes]; ///< in the hemisphere of the nearest
 };
 
@@ -44,20 +44,20 @@ HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& no
   const I count = hn::IfThenElseZero(hn::RebindMask(di, inside), hn::Sub(end, first));
   const std::int32_t most = hn::GetLane(hn::MaxOfLanes(di, count));
 
-  constexpr std::int32_t kNone = NodeCandidates::kMost;
+  constexpr std::int32_t kNone = NodeCandidates::kMax;
   NearestNodes<kNone> nearest(cells.squared_influence_radius);
   const std::int32_t* candidates = cells.candidates.data();
   for (std::int32_t slot = 0; slot < most; ++slot) {
     const auto present = hn::Lt(hn::Set(di, slot), count);
     const I candidate = hn::IfThenElseZero(present, hn::Add(first, hn::Set(di, slot)));
-    HWY_ALIGN std::int32_t places[hn::MaxLanes(di)];
-    hn::Store(candidate, di, places);
+    HWY_ALIGN std::int32_t positions[hn::MaxLanes(di)];
+    hn::Store(candidate, di, positions);
     const Vec3 position =
-        load_rows([&](std::size_t lane) { return cells.positions[candidates[places[lane]]].data(); }).v;
+        load_rows([&](std::size_t lane) { return cells.positions[candidates[positions[lane]]].data(); }).v;
     const Vec3 offset = sub(at, position);
     nearest.add_where(hn::RebindMask(df, present), dot(offset, offset), slot);
   }
-  for (int k = 0; k < kWeighed; ++k) {
+  for (int k = 0; k < kNearestNodes; ++k) {
     const I slot = nearest.number(k);
     const auto present = hn::Ne(slot, hn::Set(di, kNone));
     nodes.present[k] = hn::RebindMask(df, present);
@@ -74,72 +74,72 @@ HWY_NOINLINE void find_nodes(const NodeMotion& motion, const Vec3& at, Nodes& no
 /// again wherever it goes: weights may be below zero by then, so that Newton's steps see a smooth function.
 struct BlendAt {
   Blend blend;
-  Vec3 weight_slopes[kMaxNodes]; ///< by the point
+  Vec3 weight_gradients[kMaxNodes]; ///< by the point
 };
 
 HWY_INLINE BlendAt blend_at(const NodeMotion& motion, const Nodes& nodes, const Vec3& at) {
   const float inverse = motion.cells->inverse_squared_weight_radius;
   const F reach = constant(motion.cells->squared_influence_radius);
-  Vec3 offsets[kWeighed];
-  F squared[kWeighed];
-  for (int k = 0; k < kWeighed; ++k) {
+  Vec3 offsets[kNearestNodes];
+  F squared[kNearestNodes];
+  for (int k = 0; k < kNearestNodes; ++k) {
     offsets[k] = sub(at, nodes.position[k]);
     squared[k] = hn::IfThenElse(nodes.present[k], dot(offsets[k], offsets[k]), reach);
   }
-  const NodeWeights weights = weigh(squared, inverse);
-  const auto slope = [&](int k) HWY_ATTR {
+  const NodeWeights weights = skinning_weights_of(squared, inverse);
+  const auto derivative = [&](int k) HWY_ATTR {
     const F per_offset = hn::Mul(hn::Mul(constant(-2), constant(inverse)), weights.falloffs[k]);
     return mul(hn::IfThenElseZero(nodes.present[k], per_offset), offsets[k]);
   };
   BlendAt result;
   DualQuat sum = no_transform();
-  const Vec3 last_slope = slope(kMaxNodes);
+  const Vec3 last_gradient = derivative(kMaxNodes);
   for (int k = 0; k < kMaxNodes; ++k) {
-    result.weight_slopes[k] = sub(slope(k), last_slope);
+    result.weight_gradients[k] = sub(derivative(k), last_gradient);
     sum = mul_add(weights.values[k], nodes.transform[k], sum);
   }
   result.blend = Blend(sum);
   return result;
 }
 
-struct Moved {
+struct WarpWithJacobian {
   Vec3 point;
   Vec3 columns[3]; ///< of the derivative by the canonical point
 };
 
-HWY_INLINE Moved move_with_derivative(const Nodes& nodes, const BlendAt& there, const Vec3& at) {
-  Moved moved;
-  Vec3 turned;
+HWY_INLINE WarpWithJacobian warp_with_jacobian(const Nodes& nodes, const BlendAt& there, const Vec3& at) {
+  WarpWithJacobian warped;
+  Vec3 half_rotated;
   const Quat& r = there.blend.real;
   const Quat& d = there.blend.dual;
   const F factor = there.blend.twice_inverse_norm;
-  const Vec3 shift = displacement(r, d, at, turned);
-  moved.point = mul_add(factor, shift, at);
+  const Vec3 shift = displacement(r, d, at, half_rotated);
+  warped.point = mul_add(factor, shift, at);
   const F one = constant(1);
   const Vec3 axes[3] = {{one, zero(), zero()}, {zero(), one, zero()}, {zero(), zero(), one}};
-  const Vec3 inner = add(turned, d.v);
+  const Vec3 inner = add(half_rotated, d.v);
   for (int a = 0; a < 3; ++a) {
     DualQuat by_point = no_transform();
     for (int k = 0; k < kMaxNodes; ++k) {
-      const Vec3& slopes = there.weight_slopes[k];
-      by_point = mul_add(a == 0 ? slopes.x : a == 1 ? slopes.y : slopes.z, nodes.transform[k], by_point);
+      const Vec3& gradients = there.weight_gradients[k];
+      by_point = mul_add(a == 0 ? gradients.x : a == 1 ? gradients.y : gradients.z, nodes.transform[k], by_point);
     }
     const Quat& dr = by_point.real;
     const Quat& dd = by_point.dual;
     // The product rule over displacement(), then over its factor.
-    const Vec3 inner_slope =
+    const Vec3 inner_derivative =
         add(add(mul_add(dr.w, at, cross(dr.v, at)), mul_add(r.w, axes[a], cross(r.v, axes[a]))), dd.v);
-    Vec3 slope = add(cross(dr.v, inner), cross(r.v, inner_slope));
-    slope = mul_add(dr.w, d.v, mul_add(r.w, dd.v, slope));
-    slope = sub(slope, mul_add(dd.w, r.v, mul(d.w, dr.v)));
+    Vec3 derivative = add(cross(dr.v, inner), cross(r.v, inner_derivative));
+    derivative = mul_add(dr.w, d.v, mul_add(r.w, dd.v, derivative));
+    derivative = sub(derivative, mul_add(dd.w, r.v, mul(d.w, dr.v)));
     const F shrink = hn::Mul(factor, dot(r, dr));
-    moved.columns[a] = mul_add(factor, sub(slope, mul(shrink, shift)), axes[a]);
+    warped.columns[a] = mul_add(factor, sub(derivative, mul(shrink, shift)), axes[a]);
   }
-  return moved;
+  return warped;
 }
 
 /// The inverse of the warp at one point.
-struct WayBack {
+struct InverseWarp {
   Vec3 point;
   Vec3 direction; ///< of what was asked for
   Mask found;
@@ -147,7 +147,8 @@ struct WayBack {
 };
 
 /// Newton's method from `start`. Nodes are looked for again once the point has gone farther than changes them.
-HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const Vec3& direction, const Vec3& start) {
+HWY_NOINLINE InverseWarp inverse_warp(const NodeMotion& motion, const Vec3& world, const Vec3& direction,
+                                      const Vec3& start) {
   constexpr int kSteps = 12;
   constexpr float kTolerance = 2e-5F;     // metres that may be left
   constexpr float kQuadratic = 8e-4F;     // metres that one more step brings below that where the warp is regular
@@ -155,41 +156,41 @@ HWY_NOINLINE WayBack way_back(const NodeMotion& motion, const Vec3& world, const
   const float radius_squared = 1 / motion.cells->inverse_squared_weight_radius;
   const F stale = constant(4e-4F * radius_squared);   // squared: a fiftieth of the weights' radius
   const F longest = constant(0.25F * radius_squared); // squared step
-  WayBack back{start, direction, hn::Ne(zero(), zero()), {}};
+  InverseWarp back{start, direction, hn::Ne(zero(), zero()), {}};
   Nodes nodes;
   BlendAt there;
   Vec3 found_at = start;
   find_nodes(motion, start, nodes);
   for (int step = 0; step < kSteps; ++step) {
     there = blend_at(motion, nodes, back.point);
-    const Moved moved = move_with_derivative(nodes, there, back.point);
-    const Vec3 miss = sub(world, moved.point);
-    const Vec3 gone = sub(back.point, found_at);
-    const Mask fresh = hn::Le(dot(gone, gone), stale);
+    const WarpWithJacobian warped = warp_with_jacobian(nodes, there, back.point);
+    const Vec3 residual = sub(world, warped.point);
+    const Vec3 travelled = sub(back.point, found_at);
+    const Mask fresh = hn::Le(dot(travelled, travelled), stale);
     // Cofactors of the derivative.
-    const Vec3 c0 = cross(moved.columns[1], moved.columns[2]);
-    const Vec3 c1 = cross(moved.columns[2], moved.columns[0]);
-    const Vec3 c2 = cross(moved.columns[0], moved.columns[1]);
-    const F volume = dot(moved.columns[0], c0);
+    const Vec3 c0 = cross(warped.columns[1], warped.columns[2]);
+    const Vec3 c1 = cross(warped.columns[2], warped.columns[0]);
+    const Vec3 c2 = cross(warped.columns[0], warped.columns[1]);
+    const F volume = dot(warped.columns[0], c0);
     const Mask regular = hn::Gt(volume, constant(kSmallestVolume));
     const F inverse_volume = hn::Div(constant(1), hn::IfThenElse(regular, volume, constant(1)));
-    const auto pull_back = [&](const Vec3& v) {
+    const auto inverse_jacobian_times = [&](const Vec3& v) {
       const Vec3 solved{hn::Mul(inverse_volume, dot(c0, v)), hn::Mul(inverse_volume, dot(c1, v)),
                         hn::Mul(inverse_volume, dot(c2, v))};
       return choose(regular, solved, there.blend.inverse_rotate(v));
     };
-    back.direction = pull_back(direction);
+    back.direction = inverse_jacobian_times(direction);
     const F tolerance = hn::IfThenElse(regular, constant(kQuadratic * kQuadratic), constant(kTolerance * kTolerance));
-    const Mask close = hn::And(nodes.present[0], hn::Le(dot(miss, miss), tolerance));
+    const Mask close = hn::And(nodes.present[0], hn::Le(dot(residual, residual), tolerance));
     back.found = hn::And(fresh, close);
     const Mask finished = hn::Or(back.found, hn::Not(nodes.present[0]));
-    Vec3 by = pull_back(miss);
+    Vec3 by = inverse_jacobian_times(residual);
     const F length = dot(by, by);
     by = mul(hn::Min(constant(1), hn::Sqrt(hn::Div(longest, hn::Max(length, constant(1e-30F))))), by);
     back.point = choose(nodes.present[0], add(back.point, by), back.point);
     if (hn::AllTrue(Floats(), finished)) break;
-    const Vec3 now_gone = sub(back.point, found_at);
-    if (!hn::AllTrue(Floats(), hn::Or(finished, hn::Le(dot(now_gone, now_gone), stale)))) {
+    const Vec3 now_travelled = sub(back.point, found_at);
+    if (!hn::AllTrue(Floats(), hn::Or(finished, hn::Le(dot(now_travelled, now_travelled), stale)))) {
       find_nodes(motion, back.point, nodes);
       found_at = back.point;
     }
@@ -235,14 +236,14 @@ void rays_to_canonical_at(const NodeMotion& motion, const Ray* rays, std::size_t
   const Vec3 direction = in.field3(3);
   constexpr float kOuter = 0.8F; // of the reach: where half a parabola through it errs least over the whole
   const F outer = hn::Mul(constant(kOuter), in.field(6));
-  const WayBack middle = way_back(motion, world, direction, start_at(motion, hn::Load(di, starts), world));
+  const InverseWarp middle = inverse_warp(motion, world, direction, start_at(motion, hn::Load(di, starts), world));
   const Vec3 ahead = mul(outer, middle.direction);
   // What is not near the straight line belongs to another part of the surface.
   const F far_off = dot(ahead, ahead);
   const F per_square = hn::Div(constant(1), hn::Max(hn::Mul(outer, outer), constant(1e-12F)));
-  const auto bend_to = [&](const Vec3& from_point, F t) {
+  const auto fit_curvature = [&](const Vec3& from_point, F t) {
     const Vec3 straight = add(middle.point, from_point);
-    const WayBack end = way_back(motion, mul_add(t, direction, world), direction, straight);
+    const InverseWarp end = inverse_warp(motion, mul_add(t, direction, world), direction, straight);
     const Vec3 off = sub(end.point, straight);
     const Mask fits = hn::And(end.found, hn::Le(dot(off, off), far_off));
     return mul(hn::IfThenElseZero(fits, per_square), off);
@@ -251,16 +252,16 @@ void rays_to_canonical_at(const NodeMotion& motion, const Ray* rays, std::size_t
   Lanes<16> result;
   result.set3(0, choose(middle.found, middle.point, {nothing, nothing, nothing}));
   result.set3(3, middle.direction);
-  result.set3(6, bend_to(mul(constant(-1), ahead), hn::Neg(outer)));
-  result.set3(9, bend_to(ahead, outer));
+  result.set3(6, fit_curvature(mul(constant(-1), ahead), hn::Neg(outer)));
+  result.set3(9, fit_curvature(ahead, outer));
   result.set3(12, middle.rotation.v);
   result.set(15, middle.rotation.w);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
       out[i].point[a] = result.values[a][i];
       out[i].direction[a] = result.values[3 + a][i];
-      out[i].bends[0][a] = result.values[6 + a][i];
-      out[i].bends[1][a] = result.values[9 + a][i];
+      out[i].curvatures[0][a] = result.values[6 + a][i];
+      out[i].curvatures[1][a] = result.values[9 + a][i];
     }
     for (std::size_t a = 0; a < 4; ++a) out[i].rotation[a] = result.values[12 + a][i];
   }
@@ -273,7 +274,7 @@ void rays_to_canonical(const NodeMotion& motion, const Ray* rays, std::size_t co
 }
 
 void points_to_world(const NodeMotion& motion, const std::array<float, 3>* canonical, std::size_t count,
-                     Carried* world) {
+                     WarpedPoint* world) {
   const std::size_t lanes = hn::Lanes(Floats());
   for (std::size_t begin = 0; begin < count; begin += lanes) {
     const std::size_t here = HWY_MIN(lanes, count - begin);
@@ -311,7 +312,7 @@ void rays_to_canonical(const NodeMotion& motion, std::span<const Ray> rays, Cano
   HWY_DYNAMIC_DISPATCH(rays_to_canonical)(motion, rays.data(), rays.size(), canonical);
 }
 
-void points_to_world(const NodeMotion& motion, std::span<const std::array<float, 3>> canonical, Carried* world) {
+void points_to_world(const NodeMotion& motion, std::span<const std::array<float, 3>> canonical, WarpedPoint* world) {
   HWY_DYNAMIC_DISPATCH(points_to_world)(motion, canonical.data(), canonical.size(), world);
 }
 

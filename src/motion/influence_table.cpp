@@ -12,7 +12,7 @@ namespace kinora::motion {
 namespace {
 
 constexpr double kCellsPerRadius = 5; // of influence
-constexpr double kMostCells = 128;    // along an axis
+constexpr double kMaxCells = 128;     // along an axis
 
 } // namespace
 
@@ -21,7 +21,7 @@ InfluenceTable::InfluenceTable(std::shared_ptr<const DeformationGraph> graph) : 
   for (const Eigen::Vector3d& node : graph_->nodes()) bounds.extend(node);
   origin_ = bounds.center();
   const double radius = graph_->influence_radius();
-  const double side = std::max(radius / kCellsPerRadius, (bounds.sizes().maxCoeff() + 2 * radius) / kMostCells);
+  const double side = std::max(radius / kCellsPerRadius, (bounds.sizes().maxCoeff() + 2 * radius) / kMaxCells);
   const Eigen::Vector3d low = bounds.min() - Eigen::Vector3d::Constant(radius);
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);

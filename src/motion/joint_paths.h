@@ -8,10 +8,10 @@
 
 namespace kinora::motion {
 
-/// Plain data. `places`: for each frame of the clip one place for each name, in the world, metres.
+/// Plain data. `positions`: for each frame of the clip one place for each name, in the world, metres.
 struct JointPaths {
   std::vector<std::string> names; ///< small letters, digits and underlines
-  std::vector<std::vector<Eigen::Vector3d>> places;
+  std::vector<std::vector<Eigen::Vector3d>> positions;
 };
 
 } // namespace kinora::motion

@@ -6,11 +6,11 @@
 namespace kinora::motion {
 namespace {
 
-std::size_t nearest_to(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& point) {
+std::size_t nearest_to(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& point) {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const double squared = (places[i] - point).squaredNorm();
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const double squared = (positions[i] - point).squaredNorm();
     if (squared < least) {
       least = squared;
       best = i;
@@ -20,13 +20,13 @@ std::size_t nearest_to(const std::vector<Eigen::Vector3d>& places, const Eigen::
 }
 
 /// A point bound to a layer: by its canonical place, or to one node.
-struct Bound {
+struct BoundPoint {
   Eigen::Vector3d canonical;
   std::size_t node = 0;
   bool to_node = false;
 };
 
-Bound bind(const Motion& motion, const Warp& warp, std::size_t frame, const Eigen::Vector3d& point) {
+BoundPoint bind(const Motion& motion, const Warp& warp, std::size_t frame, const Eigen::Vector3d& point) {
   const auto canonical = warp.to_canonical(point);
   if (canonical) return {*canonical};
   const std::size_t node = nearest_to(warp.node_positions(), point);
@@ -35,15 +35,15 @@ Bound bind(const Motion& motion, const Warp& warp, std::size_t frame, const Eige
   return {to_world.inverse() * point, node, true};
 }
 
-Eigen::Vector3d place_of(const Motion& motion, const Warp& warp, std::size_t frame, const Bound& bound) {
-  std::size_t node = bound.node;
-  if (!bound.to_node) {
-    const auto place = warp.to_world(bound.canonical);
-    if (place) return *place;
-    node = nearest_to(motion.graph()->nodes(), bound.canonical);
+Eigen::Vector3d position_of(const Motion& motion, const Warp& warp, std::size_t frame, const BoundPoint& bound_point) {
+  std::size_t node = bound_point.node;
+  if (!bound_point.to_node) {
+    const auto position = warp.to_world(bound_point.canonical);
+    if (position) return *position;
+    node = nearest_to(motion.graph()->nodes(), bound_point.canonical);
   }
   const std::size_t last = motion.deformations().size() - 1;
-  return motion.deformations()[std::min(frame, last)].node_to_world[node].to_se3() * bound.canonical;
+  return motion.deformations()[std::min(frame, last)].node_to_world[node].to_se3() * bound_point.canonical;
 }
 
 } // namespace
@@ -51,12 +51,13 @@ Eigen::Vector3d place_of(const Motion& motion, const Warp& warp, std::size_t fra
 std::vector<std::vector<Eigen::Vector3d>> track_points(const Motion& motion, std::size_t frame_count, std::size_t frame,
                                                        std::span<const Eigen::Vector3d> points) {
   const Warp seen = motion.warp(static_cast<double>(frame));
-  std::vector<Bound> bounds;
-  for (const Eigen::Vector3d& point : points) bounds.push_back(bind(motion, seen, frame, point));
+  std::vector<BoundPoint> bound_points;
+  for (const Eigen::Vector3d& point : points) bound_points.push_back(bind(motion, seen, frame, point));
   std::vector<std::vector<Eigen::Vector3d>> tracks(points.size());
   for (std::size_t f = 0; f < frame_count; ++f) {
     const Warp warp = motion.warp(static_cast<double>(f));
-    for (std::size_t i = 0; i < bounds.size(); ++i) tracks[i].push_back(place_of(motion, warp, f, bounds[i]));
+    for (std::size_t i = 0; i < bound_points.size(); ++i)
+      tracks[i].push_back(position_of(motion, warp, f, bound_points[i]));
   }
   return tracks;
 }

@@ -23,7 +23,7 @@ public:
     throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", where_, what));
   }
   const Json* find(const char* key) const {
-    if (const auto own = frame_.find(key); own != frame_.end()) return &*own;
+    if (const auto per_frame = frame_.find(key); per_frame != frame_.end()) return &*per_frame;
     if (const auto common = top_.find(key); common != top_.end()) return &*common;
     return nullptr;
   }

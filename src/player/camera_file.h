@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "core/progress.h"
-#include "player/camera_path.h"
+#include "player/view_path.h"
 
 namespace kinora::player {
 

@@ -34,7 +34,7 @@ std::size_t first_frame_of(const motion::Motion& motion, std::size_t count) {
 int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
   constexpr double kCoarser = 1.2; // than the capture's pixels: shows no difference yet
   int samples = 1;
-  while (samples < fields::DrawOptions::kMostSamples && kCoarser * samples * picture.fx < capture.fx) samples *= 2;
+  while (samples < fields::DrawOptions::kMaxSamples && kCoarser * samples * picture.fx < capture.fx) samples *= 2;
   return samples;
 }
 

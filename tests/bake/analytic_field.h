@@ -79,10 +79,10 @@ inline fields::Field ball_field(const Eigen::Vector3d& centre = Eigen::Vector3d:
                   });
 }
 
-inline SE3 moved(const Eigen::Vector3d& offset, double turn = 0) {
+inline SE3 moved(const Eigen::Vector3d& offset, double radians = 0) {
   SE3 pose = SE3::Identity();
   pose.translation() = offset;
-  pose.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  pose.linear() = Eigen::AngleAxisd(radians, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   return pose;
 }
 
@@ -94,7 +94,7 @@ inline motion::Motion rigid_motion(int frames) {
 }
 
 /// Nodes every 15 cm through the unit cube that bend it around the y axis, more in every frame, and carry it upwards.
-inline motion::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
+inline motion::Motion bending_motion(int frames, double bending_per_frame = 0.3) {
   std::vector<Eigen::Vector3d> nodes;
   nodes.reserve(7 * 7 * 7);
   for (int i = 0; i < 7 * 7 * 7; ++i)
@@ -104,7 +104,7 @@ inline motion::Motion bending_motion(int frames, double bend_per_frame = 0.3) {
   for (int f = 0; f < frames; ++f) {
     motion::Motion::Deformation deformation;
     for (const Eigen::Vector3d& p : nodes) {
-      const double angle = bend_per_frame * f * p.x();
+      const double angle = bending_per_frame * f * p.x();
       SE3 pose = SE3::Identity();
       pose.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
       pose.translation() = Eigen::Vector3d(0, -0.1 * f, 0);

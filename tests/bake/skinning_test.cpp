@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "bake/analytic_field.h"
+#include "bake/mesh_extraction.h"
 #include "bake/skinning.h"
-#include "bake/surface.h"
 
 namespace kinora::bake {
 namespace {
@@ -13,9 +13,9 @@ namespace {
 constexpr int kFrames = 4;
 
 host::Mesh mesh_with(const motion::Motion& motion) {
-  SurfaceOptions options;
+  MeshExtractionOptions options;
   options.triangles = 3000;
-  return bake_surface({"ball", 1, testing::ball_field(), motion}, options, Progress()).value();
+  return extract_mesh({"ball", 1, testing::ball_field(), motion}, options, Progress()).value();
 }
 
 /// Where a skinned mesh puts a vertex.

@@ -137,11 +137,11 @@ TEST_F(TrackTest, EveryPointIsInEveryFrameAndFollowsItsLayer) {
       std::istringstream words(line);
       int number = -1;
       std::string id;
-      Eigen::Vector3d place;
-      words >> number >> id >> place.x() >> place.y() >> place.z();
+      Eigen::Vector3d position;
+      words >> number >> id >> position.x() >> position.y() >> position.z();
       EXPECT_EQ(number, frame);
       EXPECT_EQ(id, names[i]);
-      EXPECT_LT((place - truth.layers[i].motion.warp(frame).to_world(start[i]).value()).norm(), 0.002);
+      EXPECT_LT((position - truth.layers[i].motion.warp(frame).to_world(start[i]).value()).norm(), 0.002);
     }
   }
   EXPECT_FALSE(std::getline(file, line));

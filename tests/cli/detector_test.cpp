@@ -4,7 +4,7 @@
 #include "cli/run_kinora.h"
 #include "core/image_codec.h"
 #include "ingest/onnx/tiny_detector.h"
-#include "tracking/body/detected_joints.h"
+#include "tracking/body/joint_observations.h"
 #include "tracking/body/synthetic_body.h"
 
 namespace kinora::test {

@@ -28,7 +28,7 @@ protected:
     clip.layers[0].confidence.emplace(clip.layers[0].field.occupancy);
     for (auto& levels : clip.layers[0].confidence->levels()) {
       for (std::size_t n = 0; n < levels.size(); ++n) {
-        if (fields::Confidence::normal(n).z() < -0.5F) levels[n] = fields::Confidence::kMost;
+        if (fields::Confidence::normal(n).z() < -0.5F) levels[n] = fields::Confidence::kMax;
       }
     }
     clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};

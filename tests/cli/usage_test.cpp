@@ -245,7 +245,7 @@ TEST_F(Tool, MotionOfAPersonHasItsJoints) {
     for (std::size_t j = 0; j < joints.names.size(); ++j) {
       EXPECT_EQ(printed[j].at("name"), joints.names[j]);
       const auto p = printed[j].at("position").get<std::array<double, 3>>();
-      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - joints.places[f][j]).norm(), 2e-3);
+      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - joints.positions[f][j]).norm(), 2e-3);
     }
   }
   clip.layers[2].joints.reset();

@@ -44,10 +44,10 @@ TEST(ClipDescription, IsReadAsItIsWritten) {
   EXPECT_EQ(clip.layers[1].label, 2);
   EXPECT_EQ(clip.layers[1].kind, motion::MotionKind::kRigid);
   EXPECT_EQ(clip.layers[1].motion_track, 4);
-  const ClipDescription bent = parse_clip_description(bytes_of(changed("rigid", "deforming")), "a.mkv: clip.json");
-  EXPECT_EQ(bent.layers[1].kind, motion::MotionKind::kDeforming);
-  EXPECT_EQ(bent.layers[1].motion_track, 4);
-  EXPECT_EQ(bent.layers[1].joints_track, 0);
+  const ClipDescription deforming = parse_clip_description(bytes_of(changed("rigid", "deforming")), "a.mkv: clip.json");
+  EXPECT_EQ(deforming.layers[1].kind, motion::MotionKind::kDeforming);
+  EXPECT_EQ(deforming.layers[1].motion_track, 4);
+  EXPECT_EQ(deforming.layers[1].joints_track, 0);
   EXPECT_EQ(text_of(to_json(clip)), text_of(to_json(parse_clip_description(to_json(clip), "again"))));
 }
 

@@ -67,7 +67,7 @@ void expect_equal(const Clip& a, const Clip& b) {
     ASSERT_EQ(x.joints.has_value(), y.joints.has_value());
     if (x.joints) {
       EXPECT_EQ(x.joints->names, y.joints->names);
-      EXPECT_EQ(x.joints->places, y.joints->places);
+      EXPECT_EQ(x.joints->positions, y.joints->positions);
     }
     ASSERT_EQ(x.motion.kind(), y.motion.kind());
     ASSERT_EQ(x.motion.poses().size(), y.motion.poses().size());

@@ -59,7 +59,7 @@ inline fields::Confidence random_confidence(const fields::Occupancy& occupancy, 
   for (auto& levels : confidence.levels()) {
     for (std::uint32_t sides = 1 + random.below(3); sides > 0; --sides) {
       levels[random.below(fields::Confidence::kNormals)] =
-          static_cast<std::uint8_t>(random.below(fields::Confidence::kMost + 1));
+          static_cast<std::uint8_t>(random.below(fields::Confidence::kMax + 1));
     }
   }
   return confidence;
@@ -93,16 +93,16 @@ inline Clip sample_clip(std::uint64_t seed, std::size_t frames, bool camera_move
 inline motion::JointPaths random_joints(std::uint64_t seed, std::size_t frames) {
   Random random(seed, 3);
   motion::JointPaths joints;
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
   for (int j = 0; j < 19; ++j) {
     joints.names.push_back("joint_" + std::to_string(j));
-    places.emplace_back(random.normal(), random.normal(), 2 + random.normal());
+    positions.emplace_back(random.normal(), random.normal(), 2 + random.normal());
   }
   for (std::size_t f = 0; f < frames; ++f) {
-    for (Eigen::Vector3d& place : places) {
-      place += 0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    for (Eigen::Vector3d& location : positions) {
+      location += 0.02 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
     }
-    joints.places.push_back(places);
+    joints.positions.push_back(positions);
   }
   return joints;
 }

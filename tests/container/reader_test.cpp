@@ -195,7 +195,7 @@ TEST(ContainerReader, GivesAFilesWholePayloadsBeforeItsCut) {
   const SampleFile sample = sample_file(11, 8, 60);
   write_sample(sample, folder / "a.mkv");
   const Bytes whole = load(folder / "a.mkv");
-  std::size_t most = 0;
+  std::size_t max_payloads = 0;
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     std::vector<Payload> payloads;
@@ -210,10 +210,10 @@ TEST(ContainerReader, GivesAFilesWholePayloadsBeforeItsCut) {
     }
     ASSERT_LE(payloads.size(), sample.payloads.size());
     for (std::size_t i = 0; i < payloads.size(); ++i) EXPECT_EQ(payloads[i].bytes, sample.payloads[i].bytes);
-    EXPECT_GE(payloads.size(), most) << "fewer payloads from a longer file, cut at " << size;
-    most = payloads.size();
+    EXPECT_GE(payloads.size(), max_payloads) << "fewer payloads from a longer file, cut at " << size;
+    max_payloads = payloads.size();
   }
-  EXPECT_EQ(most, sample.payloads.size());
+  EXPECT_EQ(max_payloads, sample.payloads.size());
 }
 
 // Whatever bit of a payload flips, its bytes, time, track and key flag are not believed.

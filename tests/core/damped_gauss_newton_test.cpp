@@ -24,7 +24,7 @@ struct Valley {
     const double promised = before - (residuals(at) + jacobian * step).squaredNorm();
     if (!(saved > 0)) return {};
     at += step;
-    return {.is_taken = true, .is_last = step.norm() < 1e-9, .gain = promised > 0 ? saved / promised : 1.0};
+    return {.is_taken = true, .is_last = step.norm() < 1e-9, .gain_ratio = promised > 0 ? saved / promised : 1.0};
   }
 };
 

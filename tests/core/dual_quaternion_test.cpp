@@ -104,13 +104,13 @@ TEST(DualQuaternionBlend, FallsBackToTheFirstTransformWhenAllWeightsVanish) {
 
 TEST(DualQuaternionBlend, StaysFiniteBetweenOppositeRotations) {
   // Half a turn about x one way and the other: their quaternions cancel as far as they ever can.
-  const auto turn_about_x = [](double angle) {
+  const auto rotate_about_x = [](double angle) {
     SE3 transform = SE3::Identity();
     transform.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()).toRotationMatrix();
     return DualQuaternion::from(transform);
   };
-  const std::array<DualQuaternion, 3> transforms = {turn_about_x(0.0), turn_about_x(2 * std::numbers::pi / 3),
-                                                    turn_about_x(-2 * std::numbers::pi / 3)};
+  const std::array<DualQuaternion, 3> transforms = {rotate_about_x(0.0), rotate_about_x(2 * std::numbers::pi / 3),
+                                                    rotate_about_x(-2 * std::numbers::pi / 3)};
   for (const double third : {0.999999, 1.0, 1.000001}) {
     const std::array<double, 3> weights = {1.0, 1.0, third};
     const SE3 blended = blend(transforms, weights).to_se3();

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kStep = 1e-6;
 
-/// `slope`: of the cost, which weight · r must be.
+/// `gradient`: of the cost, which weight · r must be.
 template <class Cost, class Weight> void expect_weight_is_slope(const Cost& cost, const Weight& weight) {
   for (const double r : {-4.0, -1.2, -0.3, 0.2, 1.0, 3.0}) {
     EXPECT_NEAR(weight(r) * r, (cost(r + kStep) - cost(r - kStep)) / (2 * kStep), 1e-6) << r;

@@ -19,9 +19,9 @@ SE3 phone(int i) {
 }
 
 /// A box that fills much of the picture and goes its own way, before walls that are out of range.
-class CarriedRoom final : public ingest::Capture {
+class MovingCameraRoom final : public ingest::Capture {
 public:
-  explicit CarriedRoom(const FrameRange& range) : range_(range), next_(range.begin) {
+  explicit MovingCameraRoom(const FrameRange& range) : range_(range), next_(range.begin) {
     info_.frame_count = kFrames;
     info_.intrinsics = frame(0).camera.intrinsics;
   }
@@ -59,7 +59,7 @@ TEST(CapturePreparation, FollowsTheFloorAndNotWhatMovesWhereWallsAreOutOfRange) 
   Progress progress;
   CaptureRequest request;
   request.open = [](const ingest::CaptureOptions& how, Progress& /*progress*/) {
-    return std::make_unique<CarriedRoom>(how.frames);
+    return std::make_unique<MovingCameraRoom>(how.frames);
   };
   const PreparedCapture prepared = prepare_capture(request, progress);
   ASSERT_TRUE(prepared.camera->moves());
@@ -70,7 +70,7 @@ TEST(CapturePreparation, FollowsTheFloorAndNotWhatMovesWhereWallsAreOutOfRange) 
     const SE3 off = truth.inverse() * frame->camera.camera_to_world;
     EXPECT_LT(off.translation().norm(), 0.03) << frame->index;
     EXPECT_LT(rotation_angle(off), 0.02) << frame->index;
-    const LabelImage mask = CarriedRoom::frame(frame->index).labels;
+    const LabelImage mask = MovingCameraRoom::frame(frame->index).labels;
     for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
       both += mask.data()[i] != 0 && frame->labels.data()[i] != 0 ? 1 : 0;
       either += mask.data()[i] != 0 || frame->labels.data()[i] != 0 ? 1 : 0;

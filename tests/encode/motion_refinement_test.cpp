@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 #include "encode/motion_refinement.h"
-#include "fields/sampling/rim_pixels.h"
+#include "fields/sampling/contour_pixels.h"
 #include "fields/scenes/bending_sheet.h"
 #include "fields/training/trainer.h"
 
@@ -144,7 +144,7 @@ TEST(MotionRefinement, SameBitsForAnyNumberOfThreads) {
   set_thread_count(0);
 }
 
-TEST(RimPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
+TEST(ContourPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
   const Performance performance;
   const fields::PixelStore& store = performance.store;
   const fields::FieldConfig config = fields::choose_field_config({store, 1, performance.motion});
@@ -159,14 +159,14 @@ TEST(RimPixels, LieOnBothSidesOfTheRimAndNowhereElse) {
     }
     return nearest;
   };
-  const fields::RimPixels rim = fields::rim_pixels({store, 1, performance.motion}, frame, config);
-  ASSERT_GT(rim.inside.size(), 100U);
-  ASSERT_GT(rim.outside.size(), 100U);
-  for (const fields::RimPixel& pixel : rim.inside) {
+  const fields::ContourPixels contour = fields::contour_pixels({store, 1, performance.motion}, frame, config);
+  ASSERT_GT(contour.inside.size(), 100U);
+  ASSERT_GT(contour.outside.size(), 100U);
+  for (const fields::ContourPixel& pixel : contour.inside) {
     EXPECT_EQ(store.pixels()[pixel.pixel].label, 1);
     EXPECT_LE(nearest_of(store.pixels()[pixel.pixel], 0), 2);
   }
-  for (const fields::RimPixel& pixel : rim.outside) {
+  for (const fields::ContourPixel& pixel : contour.outside) {
     EXPECT_EQ(store.pixels()[pixel.pixel].label, 0);
     EXPECT_LE(nearest_of(store.pixels()[pixel.pixel], 1), 2);
     EXPECT_NEAR(pixel.depth, fields::kDistance, 1e-3);

@@ -7,9 +7,9 @@ namespace kinora::encode {
 namespace {
 
 TEST(SizeReport, TellsOfEachTrialWhatItBoughtAndWhatItCost) {
-  fields::GrowthTrial trial;
+  fields::TableGrowthTrial trial;
   trial.begin = 4000;
-  trial.price = 500;
+  trial.discarded_rays = 500;
   trial.table_fill = 0.751;
   trial.log2_table_size = 13;
   trial.bytes = 1000;
@@ -19,7 +19,7 @@ TEST(SizeReport, TellsOfEachTrialWhatItBoughtAndWhatItCost) {
   trial.kept = true;
   fields::TrainingReport training;
   training.bytes = 1900;
-  training.growth = {trial, {}};
+  training.table_growth = {trial, {}};
   const nlohmann::json size = size_json({}, {}, fields::Field(fields::FieldConfig{}), training);
   EXPECT_EQ(size.at("training_bytes"), 1900);
   ASSERT_EQ(size.at("growth").size(), 2U);

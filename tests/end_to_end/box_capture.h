@@ -22,7 +22,7 @@ struct BoxScene {
   bool masks = true;
   double color_zoom = 1; ///< focal length of the colour camera over that of depth, which calibration gives for both
   bool poses = false;    ///< a camera that moves sideways and tells where it is, over a scene that stands still
-  bool carried = false;  ///< a camera that moves sideways and does not tell, over a scene that moves too
+  bool moving_camera = false; ///< a camera that moves sideways and does not tell, over a scene that moves too
 
   Intrinsics color_intrinsics() const {
     Intrinsics k = intrinsics();
@@ -33,7 +33,7 @@ struct BoxScene {
   Intrinsics intrinsics() const { return {width, height, 120, 120, (width - 1) / 2.0, (height - 1) / 2.0}; }
   SE3 camera_to_world(int frame) const {
     SE3 pose = SE3::Identity();
-    if (poses || carried) pose.translation().x() = 0.02 * frame;
+    if (poses || moving_camera) pose.translation().x() = 0.02 * frame;
     return pose;
   }
   SE3 box_to_world(int frame) const {
@@ -91,7 +91,7 @@ inline void hit_box(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, c
   if (enter < leave) hit = {enter, 2, pattern(o + d * enter, 6)};
 }
 
-inline Hit look(const BoxScene& scene, int frame, int u, int v, const Intrinsics& camera_intrinsics) {
+inline Hit cast_ray(const BoxScene& scene, int frame, int u, int v, const Intrinsics& camera_intrinsics) {
   const SE3 camera = scene.camera_to_world(frame);
   const Eigen::Vector3d ray = camera.linear() * camera_intrinsics.unproject(u, v, 1);
   const Eigen::Vector3d origin = camera.translation();
@@ -121,8 +121,8 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
   Random random(5, static_cast<std::uint64_t>(frame));
   for (int v = 0; v < scene.height; ++v) {
     for (int u = 0; u < scene.width; ++u) {
-      const Hit hit = look(scene, frame, u, v, scene.intrinsics());
-      const Eigen::Vector3d shown = look(scene, frame, u, v, scene.color_intrinsics()).color;
+      const Hit hit = cast_ray(scene, frame, u, v, scene.intrinsics());
+      const Eigen::Vector3d shown = cast_ray(scene, frame, u, v, scene.color_intrinsics()).color;
       for (int c = 0; c < 3; ++c) {
         color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(shown[c] + random.normal(), 0.0, 255.0));
       }

@@ -90,8 +90,8 @@ TEST(Encoder, ThingThatBendsBecomesALayerThatDeforms) {
   Listener listener;
   auto options = quick_options();
   options.settings.budget.rays_per_pixel = 0.8;
-  const encode::EncodeResult bent = encode_folder(folder, options, listener);
-  const Json object = layer_named(bent.report, "object");
+  const encode::EncodeResult deforming = encode_folder(folder, options, listener);
+  const Json object = layer_named(deforming.report, "object");
   EXPECT_EQ(object.at("motion").at("kind"), "deforming");
   EXPECT_LT(object.at("motion").at("bends").at("from_frame"), 15);
   EXPECT_GT(object.at("motion").at("bends").at("by_m"), 0.01);
@@ -194,7 +194,7 @@ TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {
 TEST(Encoder, CarriedCameraIsFoundAndWhatMovesStaysWhereItIsInTheWorld) {
   const TemporaryFolder folder;
   BoxScene scene;
-  scene.carried = true;
+  scene.moving_camera = true;
   write_box_capture(folder, scene);
   Listener listener;
   auto options = quick_options();
@@ -267,8 +267,8 @@ TEST(Encoder, RemembersTheCamerasThatRegisteredTheCapture) {
   clip::Clip clip = encode::encode_capture(prepare_folder(folder, how, listener), quick_options(), listener).clip;
   EXPECT_EQ(clip.intrinsics, scene.color_intrinsics());
 
-  const auto quality = [&](clip::Clip judged) {
-    const player::Player player(std::move(judged));
+  const auto quality = [&](clip::Clip evaluated) {
+    const player::Player player(std::move(evaluated));
     return layer_named(evaluate::evaluate_against(folder.path(), table, player, {}, listener), "background")
         .at("trained");
   };

@@ -26,9 +26,9 @@ TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
       run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout", "5"});
   ASSERT_EQ(encoded.code, 0) << encoded.err;
 
-  const Said judged = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
-  ASSERT_EQ(judged.code, 0) << judged.err;
-  const Json report = Json::parse(judged.out);
+  const Said evaluated = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
+  ASSERT_EQ(evaluated.code, 0) << evaluated.err;
+  const Json report = Json::parse(evaluated.out);
   const Json& held_out = report.at("foreground").at("held_out");
   EXPECT_GT(held_out.at("psnr_box").get<double>(), 21.5);
   EXPECT_GT(held_out.at("iou").get<double>(), 0.92);

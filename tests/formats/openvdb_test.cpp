@@ -71,9 +71,9 @@ TEST_F(OpenVdbTest, ValuesLieWhereTheyBelongWithYUp) {
   const auto color = grid_of<openvdb::Vec3SGrid>(path, "Cd");
   // Voxel (4, 3, 2) is the last of the block; in glTF's axes it is at x, -y, -z.
   const openvdb::Vec3d world(0.08, -0.06, -2.04);
-  const openvdb::Coord place = openvdb::Coord::round(density->worldToIndex(world));
-  EXPECT_FLOAT_EQ(density->tree().getValue(place), 69);
-  EXPECT_NEAR(color->tree().getValue(place).y(), 59.0 / 64, 1e-3);
+  const openvdb::Coord coordinate = openvdb::Coord::round(density->worldToIndex(world));
+  EXPECT_FLOAT_EQ(density->tree().getValue(coordinate), 69);
+  EXPECT_NEAR(color->tree().getValue(coordinate).y(), 59.0 / 64, 1e-3);
   EXPECT_TRUE(density->transform().hasUniformScale());
   EXPECT_NEAR(density->voxelSize().x(), 0.02, 1e-12);
   const openvdb::CoordBBox box = density->evalActiveVoxelBoundingBox();
@@ -104,10 +104,10 @@ TEST_F(OpenVdbTest, DensitiesBeyondHalfPrecisionStayFinite) {
   host::Volume volume = block();
   volume.density[3] = 1e6F;
   const auto half = grid_of<openvdb::FloatGrid>(write(volume, "half.vdb"), "density");
-  const openvdb::Coord place(3, 0, 0);
-  EXPECT_FLOAT_EQ(half->tree().getValue(place), 65504);
+  const openvdb::Coord coordinate(3, 0, 0);
+  EXPECT_FLOAT_EQ(half->tree().getValue(coordinate), 65504);
   const auto full = grid_of<openvdb::FloatGrid>(write(volume, "full.vdb", {{"precision", "float"}}), "density");
-  EXPECT_FLOAT_EQ(full->tree().getValue(place), 1e6F);
+  EXPECT_FLOAT_EQ(full->tree().getValue(coordinate), 1e6F);
 }
 
 TEST_F(OpenVdbTest, EmptyVolumesAreFilesToo) {

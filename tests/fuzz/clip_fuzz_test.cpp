@@ -93,7 +93,7 @@ TEST(ClipFuzz, ConfidenceDecoderRefusesOrDecodesMutatedPayloads) {
     try {
       const fields::Confidence confidence = clip::decode_confidence(mutated, occupancy, "mutated", budget);
       for (const auto& levels : confidence.levels()) {
-        for (const std::uint8_t level : levels) ASSERT_LE(level, fields::Confidence::kMost);
+        for (const std::uint8_t level : levels) ASSERT_LE(level, fields::Confidence::kMax);
       }
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
@@ -109,8 +109,8 @@ TEST(ClipFuzz, JointsDecoderRefusesOrDecodesMutatedPayloads) {
     clip::AllocationBudget budget(mutated.size());
     try {
       const motion::JointPaths joints = clip::decode_joints(mutated, 10, "mutated", budget);
-      ASSERT_EQ(joints.places.size(), 10U);
-      for (const auto& places : joints.places) ASSERT_EQ(places.size(), joints.names.size());
+      ASSERT_EQ(joints.positions.size(), 10U);
+      for (const auto& positions : joints.positions) ASSERT_EQ(positions.size(), joints.names.size());
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kCorruptInput) << i << ": " << error.what();
     }

@@ -12,9 +12,9 @@ namespace kinora::fuzz {
 /// One to eight changes: flipped bits, bytes of extreme values, runs that are cut out, repeated or overwritten, and a
 /// cut end.
 inline std::vector<std::byte> mutate(std::vector<std::byte> bytes, Random& random) {
-  const auto place = [&] { return random.below(static_cast<std::uint32_t>(bytes.size())); };
+  const auto location = [&] { return random.below(static_cast<std::uint32_t>(bytes.size())); };
   for (std::uint32_t changes = 1 + random.below(8); changes > 0 && !bytes.empty(); --changes) {
-    const std::size_t at = place();
+    const std::size_t at = location();
     const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(at);
     const std::size_t run = std::min<std::size_t>(1 + random.below(40), bytes.size() - at);
     switch (random.below(7)) {
@@ -30,7 +30,7 @@ inline std::vector<std::byte> mutate(std::vector<std::byte> bytes, Random& rando
       break;
     case 4: {
       const std::vector<std::byte> copy(here, here + static_cast<std::ptrdiff_t>(run));
-      bytes.insert(bytes.begin() + place(), copy.begin(), copy.end());
+      bytes.insert(bytes.begin() + location(), copy.begin(), copy.end());
       break;
     }
     case 5:

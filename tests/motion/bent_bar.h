@@ -21,11 +21,11 @@ struct BentBar {
     graph = std::make_shared<const DeformationGraph>(positions, 0.06, 0.12);
     for (const Eigen::Vector3d& p : positions) {
       // Along an arc: position and turn at arc length x.
-      const double turn = angle * p.x();
-      const double x = angle == 0 ? p.x() : std::sin(turn) / angle;
-      const double z = angle == 0 ? 0 : (1 - std::cos(turn)) / angle;
+      const double angle_at = angle * p.x();
+      const double x = angle == 0 ? p.x() : std::sin(angle_at) / angle;
+      const double z = angle == 0 ? 0 : (1 - std::cos(angle_at)) / angle;
       SE3 pose = SE3::Identity();
-      pose.linear() = Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitY()).toRotationMatrix();
+      pose.linear() = Eigen::AngleAxisd(-angle_at, Eigen::Vector3d::UnitY()).toRotationMatrix();
       pose.translation() = Eigen::Vector3d(x + far, 0, z) - pose.linear() * Eigen::Vector3d(p.x(), 0, 0);
       nodes.push_back(DualQuaternion::from(pose));
     }

@@ -34,10 +34,10 @@ struct Bulk {
 
   std::optional<Vector3d> to_world(const Vector3d& canonical) const {
     const std::array<float, 3> point = to_array(canonical - bulk.canonical_origin());
-    BulkWarp::Carried carried{};
-    bulk.to_world({&point, 1}, &carried);
-    if (std::isnan(carried.point[0])) return std::nullopt;
-    return to_vector(carried.point) + bulk.world_origin();
+    BulkWarp::WarpedPoint warped{};
+    bulk.to_world({&point, 1}, &warped);
+    if (std::isnan(warped.point[0])) return std::nullopt;
+    return to_vector(warped.point) + bulk.world_origin();
   }
 
   struct Back {
@@ -50,8 +50,9 @@ struct Bulk {
     BulkWarp::CanonicalRay back{};
     bulk.to_canonical({&ray, 1}, &back);
     if (std::isnan(back.point[0])) return std::nullopt;
-    return Back{to_vector(back.point) + bulk.canonical_origin(), to_vector(back.direction), to_vector(back.bends[0]),
-                to_vector(back.bends[1]), Eigen::Quaternionf(back.rotation.data()).cast<double>().toRotationMatrix()};
+    return Back{to_vector(back.point) + bulk.canonical_origin(), to_vector(back.direction),
+                to_vector(back.curvatures[0]), to_vector(back.curvatures[1]),
+                Eigen::Quaternionf(back.rotation.data()).cast<double>().toRotationMatrix()};
   }
 };
 
@@ -84,9 +85,9 @@ TEST_P(BulkWarpOnEveryInstructionSet, TurnsAsWarpDoes) {
   for (int k = 0; k < 200; ++k) {
     const Vector3d p = random_in_bar(random);
     const std::array<float, 3> point = to_array(p - bulk.bulk.canonical_origin());
-    BulkWarp::Carried carried{};
-    bulk.bulk.to_world({&point, 1}, &carried);
-    const Eigen::Matrix3d rotation = Eigen::Quaternionf(carried.rotation.data()).cast<double>().toRotationMatrix();
+    BulkWarp::WarpedPoint warped{};
+    bulk.bulk.to_world({&point, 1}, &warped);
+    const Eigen::Matrix3d rotation = Eigen::Quaternionf(warped.rotation.data()).cast<double>().toRotationMatrix();
     EXPECT_LT((rotation - bulk.warp.at(p)->linear()).norm(), 1e-4);
   }
 }
@@ -120,9 +121,9 @@ TEST_P(BulkWarpOnEveryInstructionSet, RaysStayOnTheirLineInTheWorld) {
     const auto back = bulk.to_canonical(world, direction, 0.02);
     ASSERT_TRUE(back);
     for (const double t : {-0.02, -0.01, 0.005, 0.015, 0.02}) {
-      const auto carried = bulk.warp.to_world(back->at(t));
-      ASSERT_TRUE(carried);
-      largest = std::max(largest, (*carried - world - t * direction).norm());
+      const auto warped = bulk.warp.to_world(back->at(t));
+      ASSERT_TRUE(warped);
+      largest = std::max(largest, (*warped - world - t * direction).norm());
       straight = std::max(straight, (*bulk.warp.to_world(back->point + t * direction) - world - t * direction).norm());
     }
   }
@@ -154,9 +155,9 @@ TEST_P(BulkWarpOnEveryInstructionSet, IsTheSameWhateverTheSignsOfTheQuaternions)
 TEST_P(BulkWarpOnEveryInstructionSet, StaysBoundedWhereNeighbouringNodesTurnApartByHalfATurn) {
   BentBar bar(0);
   for (std::size_t i = 0; i < bar.nodes.size(); i += 2) {
-    SE3 turned = SE3::Identity();
-    turned.linear() = Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
-    bar.nodes[i] = DualQuaternion::from(turned);
+    SE3 half_rotated = SE3::Identity();
+    half_rotated.linear() = Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Vector3d::UnitX()).toRotationMatrix();
+    bar.nodes[i] = DualQuaternion::from(half_rotated);
   }
   const Bulk bulk(bar);
   Random random(6);

@@ -41,8 +41,8 @@ TEST(PointTrack, ARigidLayersPointMovesWithItsPose) {
 }
 
 TEST(PointTrack, AStillLayersPointStays) {
-  for (const Eigen::Vector3d& place : track_point(Motion::still(), 4, 9, {1, 2, 3})) {
-    EXPECT_EQ(place, Eigen::Vector3d(1, 2, 3));
+  for (const Eigen::Vector3d& position : track_point(Motion::still(), 4, 9, {1, 2, 3})) {
+    EXPECT_EQ(position, Eigen::Vector3d(1, 2, 3));
   }
 }
 

@@ -88,9 +88,9 @@ TEST(Warp, IsTheSameWhateverTheSignsOfTheQuaternions) {
 TEST(Warp, StaysFiniteWhereNeighbouringNodesTurnApartByHalfATurn) {
   BentBar bar(0);
   for (std::size_t i = 0; i < bar.nodes.size(); i += 2) {
-    SE3 turned = SE3::Identity();
-    turned.linear() = Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
-    bar.nodes[i] = DualQuaternion::from(turned);
+    SE3 rotated = SE3::Identity();
+    rotated.linear() = Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    bar.nodes[i] = DualQuaternion::from(rotated);
   }
   const Warp warp = bar.warp();
   Random random(5);

@@ -66,10 +66,10 @@ TEST(FastPerson, HandsThatTouchAtFirstPart) {
 }
 
 TEST(FastPerson, AFullTurnEndsWhereItBegan) {
-  const Followed turn = follow("turn", 62, {});
-  EXPECT_EQ(turn.not_tracked, 0);
-  EXPECT_LT(turn.errors.mean, 0.010);
-  EXPECT_LT(turn.errors.seam, 0.008);
+  const Followed rotation = follow("turn", 62, {});
+  EXPECT_EQ(rotation.not_tracked, 0);
+  EXPECT_LT(rotation.errors.mean, 0.010);
+  EXPECT_LT(rotation.errors.seam, 0.008);
 }
 
 } // namespace

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBall = 2;
 constexpr int kFrames = 12;
-constexpr int kRim = 3; // pixels
+constexpr int kContour = 3; // pixels
 const Eigen::Vector3d kRed(220, 40, 40);
 const Eigen::Vector3d kGreen(40, 200, 60);
 
@@ -83,36 +83,37 @@ const EdgeCase kFlying{"WithFlyingPixels", let_fly};
 
 /// Shares of the other one's colour: 0 none, 1 all.
 struct Bleeding {
-  double into_ball = 0; ///< mean over what is nearer to the wall than kRim
+  double into_ball = 0; ///< mean over what is nearer to the wall than kContour
   double into_wall = 0; ///< and the other way round
   double beyond = 0;    ///< mean elsewhere
 };
 
 Bleeding bleeding(const Picture& picture, const ingest::Frame& truth) {
   Bleeding result;
-  int ball_rim = 0;
-  int wall_rim = 0;
+  int ball_contour = 0;
+  int wall_contour = 0;
   int others = 0;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       const bool ball = truth.labels.at(u, v) == kBall;
-      bool rim = false;
-      for_each_near(u, v, kRim, [&](int x, int y) { rim = rim || (truth.labels.at(x, y) == kBall) != ball; });
+      bool contour = false;
+      for_each_near(u, v, kContour,
+                    [&](int x, int y) { contour = contour || (truth.labels.at(x, y) == kBall) != ball; });
       const std::uint8_t* drawn = picture.color.pixel(u, v);
       const Eigen::Vector3d own = ball ? kRed : kGreen;
       const Eigen::Vector3d way = (ball ? kGreen : kRed) - own;
       const double share = (Eigen::Vector3d(drawn[0], drawn[1], drawn[2]) - own).dot(way) / way.squaredNorm();
-      if (!rim) {
+      if (!contour) {
         result.beyond += share;
         ++others;
       } else {
         (ball ? result.into_ball : result.into_wall) += share;
-        ++(ball ? ball_rim : wall_rim);
+        ++(ball ? ball_contour : wall_contour);
       }
     }
   }
-  result.into_ball /= ball_rim;
-  result.into_wall /= wall_rim;
+  result.into_ball /= ball_contour;
+  result.into_wall /= wall_contour;
   result.beyond /= others;
   return result;
 }

@@ -5,7 +5,7 @@
 #include "fields/network/flush_to_zero.h"
 #include "fields/rendering/renderer.h"
 #include "fields/scenes/random_field.h"
-#include "fields/training/optimizer.h"
+#include "fields/training/field_optimizer.h"
 
 namespace kinora::fields {
 namespace {

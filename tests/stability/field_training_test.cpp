@@ -25,8 +25,8 @@ constexpr double kAlike = 40;
 using Change = std::function<void(ingest::Frame&)>;
 
 struct Trial {
-  Change disturb = [](ingest::Frame&) {}; // the frames that are trained on
-  Change place = [](ingest::Frame&) {};   // all frames
+  Change disturb = [](ingest::Frame&) {};  // the frames that are trained on
+  Change position = [](ingest::Frame&) {}; // all frames
   Scene scene = {};
   TrainerConfig trainer = short_training();
 };
@@ -61,7 +61,7 @@ Outcome learn_ball(const Trial& trial) {
   PixelStore store(1'000'000, kFrames);
   for (int i = 0; i < kFrames; ++i) {
     ingest::Frame frame = trial.scene.frame(i, 0.05 * i - 0.3);
-    trial.place(frame);
+    trial.position(frame);
     trial.disturb(frame);
     store.add(frame, i);
   }
@@ -71,7 +71,7 @@ Outcome learn_ball(const Trial& trial) {
   const DrawableField ball(
       train_field({store, kBall, still}, choose_field_config({store, kBall, still}), trial.trainer, progress, &report));
   ingest::Frame held_out = trial.scene.frame(0, kHeldOutAngle);
-  trial.place(held_out);
+  trial.position(held_out);
   const PosedField posed = pose(ball, motion::Warp(SE3::Identity()));
   const Picture picture = render({&posed, 1}, held_out.camera);
   const ImageMetrics metrics = compare_images(picture.color, held_out.color, held_out.labels);
@@ -154,7 +154,7 @@ TEST(DisturbedTraining, BearsFlickerOfTwentyPercent) {
 }
 
 TEST(DisturbedTraining, LearnsALayerOfTwoCentimetres) {
-  EXPECT_GT(learn_ball({.place = scaled(0.01 / 0.3)}).psnr, kAlike - 2);
+  EXPECT_GT(learn_ball({.position = scaled(0.01 / 0.3)}).psnr, kAlike - 2);
 }
 
 TEST(DisturbedTraining, LearnsALayerOfTwentyMetres) {
@@ -165,7 +165,7 @@ TEST(DisturbedTraining, DoesNotMindBeingAKilometreAway) {
   const auto move = [](ingest::Frame& frame) {
     frame.camera.camera_to_world.translation() += Eigen::Vector3d(1000, -1000, 1000);
   };
-  EXPECT_GT(learn_ball({.place = move}).psnr, kAlike - 0.5);
+  EXPECT_GT(learn_ball({.position = move}).psnr, kAlike - 0.5);
 }
 
 TEST(DisturbedTraining, KeepsAStructureOfOnePixel) {

@@ -39,7 +39,7 @@ BodyState person_at(int frame) {
 
 SE3 box_at(int frame, bool is_let_go) {
   const BodyState state = person_at(is_let_go ? std::min(frame, kLetGo) : frame);
-  return place_bones(state.pose, state.shape)[kRightWrist] * Eigen::Translation3d(-0.22, 0, 0);
+  return forward_kinematics(state.pose, state.shape)[kRightWrist] * Eigen::Translation3d(-0.22, 0, 0);
 }
 
 ingest::Frame frame_at(int frame, bool is_let_go) {
@@ -87,8 +87,8 @@ std::vector<motion::Motion::Pose> follow(bool is_let_go) {
     auto missed = box.track(frame).missed;
     const auto object = nearby_object(box);
     person.track(frame, std::span(object ? &*object : nullptr, object ? 1 : 0));
-    const auto motion = person.carried(2);
-    if (missed && motion) box.carry(frame, std::move(*missed), *motion);
+    const auto motion = person.contact_motion_of(2);
+    if (missed && motion) box.move_with_contact(frame, std::move(*missed), *motion);
     poses.push_back(box.poses().back());
   }
   return poses;

@@ -51,11 +51,11 @@ TEST_P(JumpingPersons, IsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Jumps, JumpingPersons,
                          ::testing::Values(Case{"person30Centimetres", Jump::kPersonShift, 0.30, 0.010, kTrials},
-                                           Case{"person30Degrees", Jump::kPersonTurn, 30, 0.010, kTrials},
+                                           Case{"person30Degrees", Jump::kPersonRotation, 30, 0.010, kTrials},
                                            Case{"hand5Centimetres", Jump::kHandShift, 0.05, 0.010, kTrials},
                                            Case{"hand20Centimetres", Jump::kHandShift, 0.20, 0.030, 4},
-                                           Case{"forearm15Degrees", Jump::kForearmTurn, 15, 0.010, kTrials},
-                                           Case{"forearm40Degrees", Jump::kForearmTurn, 40, 0.040, 5}),
+                                           Case{"forearm15Degrees", Jump::kForearmRotation, 15, 0.010, kTrials},
+                                           Case{"forearm40Degrees", Jump::kForearmRotation, 40, 0.040, 5}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(JumpingPerson, EndsWithTheSameBitsOnOneThreadAndTwo) {

@@ -23,9 +23,10 @@ Plate plate_at(int frame, double degrees) {
   const double t = is_back ? 0 : std::min(1.0, std::max(0, frame - 4) / (kBefore - 6.0));
   Plate plate;
   plate.curvature = 4 * (1 - t);
-  const double turn = degrees * (1 - t) * std::numbers::pi / 180;
-  const Eigen::Vector3d place = is_back ? Eigen::Vector3d(0.15, 0.06, 1.1) : Eigen::Vector3d(-0.1, 0, 1);
-  plate.to_world = SE3(Eigen::Translation3d(place) * Eigen::AngleAxisd(turn, Eigen::Vector3d(0, 0.3, 1).normalized()));
+  const double rotation = degrees * (1 - t) * std::numbers::pi / 180;
+  const Eigen::Vector3d position = is_back ? Eigen::Vector3d(0.15, 0.06, 1.1) : Eigen::Vector3d(-0.1, 0, 1);
+  plate.to_world =
+      SE3(Eigen::Translation3d(position) * Eigen::AngleAxisd(rotation, Eigen::Vector3d(0, 0.3, 1).normalized()));
   return plate;
 }
 
@@ -59,8 +60,8 @@ TEST_P(LostLayer, IsFoundAgainBentAndTurnedAsBefore) {
   int count = 0;
   for (double x = -0.2; x < 0.21; x += 0.08) {
     for (double y = -0.15; y < 0.16; y += 0.06) {
-      const auto track = motion::track_point(motion, kCount, 0, plate_at(0, GetParam()).place(x, y));
-      sum += (track.back() - plate_at(kCount - 1, GetParam()).place(x, y)).norm();
+      const auto track = motion::track_point(motion, kCount, 0, plate_at(0, GetParam()).position(x, y));
+      sum += (track.back() - plate_at(kCount - 1, GetParam()).position(x, y)).norm();
       ++count;
     }
   }

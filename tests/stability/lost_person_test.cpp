@@ -58,12 +58,12 @@ TEST(LostPerson, IsFoundAgainElsewhereInAnotherPose) {
   for (const Mark& mark : {Mark{kChest, {0, 0.1, 0.12}, 0.04}, Mark{kHead, {0, 0.1, 0.1}, 0.04},
                            Mark{kLeftShoulder, {0.13, 0, 0.04}, 0.04}, Mark{kLeftElbow, {0.13, 0, 0.035}, 0.15},
                            Mark{kRightElbow, {-0.13, 0, 0.035}, 0.04}, Mark{kLeftKnee, {0, -0.2, 0.05}, 0.04}}) {
-    const auto place = [&](int frame) {
+    const auto position = [&](int frame) {
       const BodyState state = person_at(frame);
-      return Vec(place_bones(state.pose, state.shape)[mark.bone] * mark.local);
+      return Vec(forward_kinematics(state.pose, state.shape)[mark.bone] * mark.local);
     };
-    const auto track = motion::track_point(motion, kCount, 0, place(0));
-    EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
+    const auto track = motion::track_point(motion, kCount, 0, position(0));
+    EXPECT_LT((track.back() - position(kCount - 1)).norm(), mark.bound) << mark.bone;
   }
 }
 
@@ -100,12 +100,12 @@ TEST_P(TurnedLostPerson, IsFoundAgainInAPoseSeenBefore) {
         Mark{kLeftShoulder, {0.13, 0, back ? -0.04 : 0.04}, 0.04},
         Mark{kLeftElbow, {0.13, 0, back ? -0.035 : 0.035}, 0.03},
         Mark{kLeftKnee, {0, -0.2, back ? -0.05 : 0.05}, 0.04}}) {
-    const auto place = [&](int frame) {
+    const auto position = [&](int frame) {
       const BodyState state = turning_person_at(frame, GetParam());
-      return Vec(place_bones(state.pose, state.shape)[mark.bone] * mark.local);
+      return Vec(forward_kinematics(state.pose, state.shape)[mark.bone] * mark.local);
     };
-    const auto track = motion::track_point(motion, kCount, 0, place(0));
-    EXPECT_LT((track.back() - place(kCount - 1)).norm(), mark.bound) << mark.bone;
+    const auto track = motion::track_point(motion, kCount, 0, position(0));
+    EXPECT_LT((track.back() - position(kCount - 1)).norm(), mark.bound) << mark.bone;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Turns, TurnedLostPerson, ::testing::Values(90, 160));

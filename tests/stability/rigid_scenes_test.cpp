@@ -23,7 +23,7 @@ public:
   using RigidTracker::RigidTracker;
   RigidThing(RigidThing&&) = delete;
   RigidThing& operator=(RigidThing&&) = delete;
-  ~RigidThing() { EXPECT_FALSE(bend()); }
+  ~RigidThing() { EXPECT_FALSE(non_rigidity()); }
 };
 
 struct Errors {
@@ -51,24 +51,24 @@ SceneOptions noisy() {
 }
 
 // Carried about and turned, one metre away.
-SE3 carried(int i) {
+SE3 moving_pose(int i) {
   return pose_at({0.08 * std::sin(0.15 * i), 0.05 * std::cos(0.1 * i), 1 + 0.05 * std::sin(0.1 * i)}, 20 + 1.5 * i,
                  30 + 20 * std::sin(0.1 * i), 0.5 * i);
 }
 
 // How much of a direction lies in those that were left to the motion prior: 1 is all. Of two directions, of that
 // between them which lies in most.
-double weak_share(const RigidTrackingResult& result, int i, int j) {
+double degenerate_share(const RigidTrackingResult& result, int i, int j) {
   Eigen::Matrix2d shares = Eigen::Matrix2d::Zero();
-  for (const Twist& weak : result.weak) {
-    const Eigen::Vector2d part(weak[i], weak[j]);
+  for (const Twist& degenerate : result.degenerate) {
+    const Eigen::Vector2d part(degenerate[i], degenerate[j]);
     shares += part * part.transpose();
   }
   return shares.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
 }
-double weak_share(const RigidTrackingResult& result, int i) {
+double degenerate_share(const RigidTrackingResult& result, int i) {
   double sum = 0;
-  for (const Twist& weak : result.weak) sum += weak[i] * weak[i];
+  for (const Twist& degenerate : result.degenerate) sum += degenerate[i] * degenerate[i];
   return sum;
 }
 
@@ -85,10 +85,10 @@ TEST(RigidScene, APlaneMaySlideButNeitherRiseNorTilt) {
     EXPECT_GT(motion.linear().col(2).dot(pose.linear().col(2)), std::cos(0.5 / kDegrees)) << "frame " << i;
     EXPECT_LT(motion.translation().head<2>().norm(), 0.02) << "what nothing shows does not run away";
     if (i == 0) continue;
-    EXPECT_EQ(result.weak_directions, 3) << "frame " << i;
-    EXPECT_GT(weak_share(result, 0), 0.9);
-    EXPECT_GT(weak_share(result, 1), 0.9);
-    EXPECT_GT(weak_share(result, 5), 0.9);
+    EXPECT_EQ(result.degenerate_directions, 3) << "frame " << i;
+    EXPECT_GT(degenerate_share(result, 0), 0.9);
+    EXPECT_GT(degenerate_share(result, 1), 0.9);
+    EXPECT_GT(degenerate_share(result, 5), 0.9);
   }
 }
 
@@ -105,9 +105,9 @@ TEST(RigidScene, ACylinderMaySlideAndTurnAlongItsAxisAlone) {
     EXPECT_LT(across.norm(), 0.003) << "frame " << i;
     EXPECT_GT(motion.linear().col(1).dot(pose.linear().col(1)), std::cos(0.7 / kDegrees)) << "frame " << i;
     if (i == 0) continue;
-    EXPECT_EQ(result.weak_directions, 2) << "frame " << i;
-    EXPECT_GT(weak_share(result, 1), 0.9);
-    EXPECT_GT(weak_share(result, 0, 4), 0.9) << "the axis lies behind the middle of what is seen";
+    EXPECT_EQ(result.degenerate_directions, 2) << "frame " << i;
+    EXPECT_GT(degenerate_share(result, 1), 0.9);
+    EXPECT_GT(degenerate_share(result, 0, 4), 0.9) << "the axis lies behind the middle of what is seen";
   }
 }
 
@@ -127,7 +127,7 @@ TEST(RigidScene, TextureResolvesWhatShapeLeavesOpen) {
     for (int i = 0; i < 10; ++i, pose = pose * cases[kind].step) {
       const auto result = tracker.track(render_frame(cases[kind].shape, pose, SE3::Identity(), i, noisy()));
       expect_tracked(result, first, pose, {0.003, 1.0}, i);
-      EXPECT_EQ(result.weak_directions, 0) << "frame " << i;
+      EXPECT_EQ(result.degenerate_directions, 0) << "frame " << i;
     }
   }
 }
@@ -171,7 +171,7 @@ TEST(RigidScene, LightOnAPlainBallIsNotTakenForItsPrint) {
     const auto result = tracker.track(frame);
     ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     if (i > 0) {
-      EXPECT_EQ(result.weak_directions, 3) << "frame " << i;
+      EXPECT_EQ(result.degenerate_directions, 3) << "frame " << i;
     }
     const Eigen::Vector3d centre = result.pose.canonical_to_world * Eigen::Vector3d(0, 0, 1);
     EXPECT_LT((centre - pose.translation()).norm(), 0.003) << "frame " << i;
@@ -203,7 +203,7 @@ TEST(RigidScene, HoldsAThingOfTwoCentimetresAndOneOfTwoMetres) {
 
 TEST(RigidScene, IsNeverWrongWhileItIsHiddenAndFoundAgainAfterwards) {
   RigidThing tracker(2);
-  const SE3 first = carried(0);
+  const SE3 first = moving_pose(0);
   const auto label_pixels = [](const ingest::Frame& frame) {
     const auto values = frame.labels.values();
     return static_cast<double>(std::count(values.begin(), values.end(), 2));
@@ -211,14 +211,14 @@ TEST(RigidScene, IsNeverWrongWhileItIsHiddenAndFoundAgainAfterwards) {
   double most_hidden = 0;
   for (int i = 0; i < 40; ++i) {
     SceneOptions options = noisy();
-    const double whole = label_pixels(render_frame({}, carried(i), SE3::Identity(), i, options));
+    const double whole = label_pixels(render_frame({}, moving_pose(i), SE3::Identity(), i, options));
     options.occluded_columns = i < 5 ? 0 : 75 + static_cast<int>(76 * std::sin((i - 5) * 3.14159265 / 34));
-    const ingest::Frame frame = render_frame({}, carried(i), SE3::Identity(), i, options);
+    const ingest::Frame frame = render_frame({}, moving_pose(i), SE3::Identity(), i, options);
     const double hidden = 1 - label_pixels(frame) / whole;
     most_hidden = std::max(most_hidden, hidden);
     const auto result = tracker.track(frame);
-    const Errors errors = error_of(result, first, carried(i));
-    if (hidden < (i < 22 ? 0.8 : 0.75)) expect_tracked(result, first, carried(i), {0.004, 1.5}, i);
+    const Errors errors = error_of(result, first, moving_pose(i));
+    if (hidden < (i < 22 ? 0.8 : 0.75)) expect_tracked(result, first, moving_pose(i), {0.004, 1.5}, i);
     if (result.pose.health != motion::Health::kTracked) continue;
     EXPECT_LT(errors.metres, 0.01) << "frame " << i << ", hidden " << hidden;
     EXPECT_LT(errors.degrees, 4) << "frame " << i << ", hidden " << hidden;
@@ -318,7 +318,7 @@ TEST(RigidScene, OneThingIsSetDownAndAnotherPickedUp) {
 TEST(RigidScene, IsHeldWhileDepthIsMissingOnAllOfIt) {
   RigidThing tracker(2);
   for (int i = 0; i < 24; ++i) {
-    ingest::Frame frame = render_frame({}, carried(i), SE3::Identity(), i, noisy());
+    ingest::Frame frame = render_frame({}, moving_pose(i), SE3::Identity(), i, noisy());
     const bool glass = i >= 8 && i < 18;
     if (glass) {
       for (std::size_t k = 0; k < frame.labels.pixel_count(); ++k) {
@@ -331,7 +331,7 @@ TEST(RigidScene, IsHeldWhileDepthIsMissingOnAllOfIt) {
       EXPECT_EQ(result.pose.health, motion::Health::kHeld) << "frame " << i;
       EXPECT_EQ(result.pose.canonical_to_world.matrix(), tracker.poses()[7].canonical_to_world.matrix());
     } else {
-      expect_tracked(result, carried(0), carried(i), {0.003, 1.5}, i);
+      expect_tracked(result, moving_pose(0), moving_pose(i), {0.003, 1.5}, i);
     }
   }
 }
@@ -344,8 +344,8 @@ TEST(RigidScene, BlackAndPlainThingsAreFollowedByTheirShape) {
     RigidThing tracker(2);
     for (int i = 0; i < 16; ++i) {
       const Shape shape{ShapeKind::kBox, {0.12, 0.09, 0.07}, light == 0};
-      const auto result = tracker.track(render_frame(shape, carried(i), SE3::Identity(), i, options));
-      expect_tracked(result, carried(0), carried(i), {0.005, 2}, i);
+      const auto result = tracker.track(render_frame(shape, moving_pose(i), SE3::Identity(), i, options));
+      expect_tracked(result, moving_pose(0), moving_pose(i), {0.005, 2}, i);
     }
   }
 }
@@ -353,14 +353,14 @@ TEST(RigidScene, BlackAndPlainThingsAreFollowedByTheirShape) {
 TEST(RigidScene, AHighlightThatStaysWhileTheThingTurnsMisleadsLittle) {
   RigidThing tracker(2);
   for (int i = 0; i < 16; ++i) {
-    ingest::Frame frame = render_frame({}, carried(i), SE3::Identity(), i, noisy());
+    ingest::Frame frame = render_frame({}, moving_pose(i), SE3::Identity(), i, noisy());
     for (int v = 70; v < 100; ++v) {
       for (int u = 100; u < 135; ++u) {
         if (frame.labels.at(u, v) != 2) continue;
         for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = 255;
       }
     }
-    expect_tracked(tracker.track(frame), carried(0), carried(i), {0.004, 1.5}, i);
+    expect_tracked(tracker.track(frame), moving_pose(0), moving_pose(i), {0.004, 1.5}, i);
   }
 }
 
@@ -371,7 +371,7 @@ TEST(RigidScene, ThreeTimesTheNoiseBendsNothing) {
     SCOPED_TRACE(static_cast<int>(kind));
     RigidThing tracker(2);
     for (int i = 0; i < 16; ++i) {
-      tracker.track(render_frame({kind, {0.12, 0.09, 0.07}, true}, carried(i), SE3::Identity(), i, options));
+      tracker.track(render_frame({kind, {0.12, 0.09, 0.07}, true}, moving_pose(i), SE3::Identity(), i, options));
     }
   }
 }
@@ -381,8 +381,8 @@ TEST(RigidScene, LightThatIsHalvedMovesNothing) {
   for (int i = 0; i < 16; ++i) {
     SceneOptions options = noisy();
     options.light = i < 8 ? 1 : 0.5;
-    const auto result = tracker.track(render_frame({}, carried(i), SE3::Identity(), i, options));
-    expect_tracked(result, carried(0), carried(i), {0.002, 1}, i);
+    const auto result = tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i, options));
+    expect_tracked(result, moving_pose(0), moving_pose(i), {0.002, 1}, i);
   }
 }
 
@@ -393,7 +393,7 @@ TEST(RigidScene, OneThreadAndTwoGiveTheSameBitsAcrossAJump) {
     RigidThing tracker(2);
     for (int i = 0; i < 10; ++i) {
       const SE3 jump = i < 5 ? SE3::Identity() : pose_at({0.15, -0.05, 0.1}, 0, 0);
-      const SE3 pose = jump * carried(i) * pose_at({0, 0, 0}, 0, i < 5 ? 0 : 35);
+      const SE3 pose = jump * moving_pose(i) * pose_at({0, 0, 0}, 0, i < 5 ? 0 : 35);
       tracker.track(render_frame({}, pose, SE3::Identity(), i, noisy()));
     }
     runs.push_back(tracker.poses());

@@ -8,10 +8,10 @@ from include_rule import LOOK, MAKE, PLAY, RULES, seen_from, violations
 
 TREE = [
     "src/core/image.h", "src/host/plugin_table.h", "src/ingest/frame/frame.h", "src/motion/motion.h",
-    "src/motion/skinning/blend.h", "src/tracking/view/layer_view.h", "src/tracking/rigid/icp.h",
+    "src/motion/skinning/blend.h", "src/tracking/view/projected_layer.h", "src/tracking/rigid/icp.h",
     "src/tracking/solver/pcg.h", "src/tracking/deforming/tracker.h", "src/fields/model/field.h",
     "src/fields/training/trainer.h", "src/fields/rendering/renderer.h", "src/clip/clip.h",
-    "src/clip/coding/range_coder.h", "src/encode/pipeline.h", "src/player/player.h", "src/evaluate/truth.h",
+    "src/clip/coding/range_coder.h", "src/encode/pipeline.h", "src/player/player.h", "src/evaluate/ground_truth_comparison.h",
     "src/bake/surface.h", "src/cli/info.h", "include/kinora/plugin.h", "formats/png/png.h", "formats/mp4/mp4.h",
     "formats/common/files.h",
 ]
@@ -38,7 +38,7 @@ class IncludeRule(unittest.TestCase):
             ("src/cli/encode.cpp", '"player/player.h"'),
             ("src/cli/convert.cpp", '"bake/surface.h"'),
             ("src/bake/surface.cpp", '"clip/clip.h"'),
-            ("src/evaluate/truth.cpp", '"ingest/frame/frame.h"'),
+            ("src/evaluate/ground_truth_comparison.cpp", '"ingest/frame/frame.h"'),
             ("src/host/loader.cpp", '"kinora/plugin.h"'),
             ("formats/png/reader.cpp", '"png.h"'),
             ("formats/png/reader.cpp", '"core/image.h"'),
@@ -46,7 +46,7 @@ class IncludeRule(unittest.TestCase):
             ("formats/table.cpp", '"png/png.h"'),
             ("formats/png/reader.cpp", '<kinora/plugin.h>'),
             ("src/core/parallel.cpp", "<oneapi/tbb/parallel_for.h>"),
-            ("src/fields/rendering/march_simd.cpp", "<hwy/highway.h>"),
+            ("src/fields/rendering/ray_marching_simd.cpp", "<hwy/highway.h>"),
             ("src/fields/rendering/march.cpp", "<Eigen/Core>"),
         ]:
             self.assertEqual(self.violations_of(path, include), [], f"{path} includes {include}")
@@ -56,13 +56,13 @@ class IncludeRule(unittest.TestCase):
             ("src/core/image.cpp", '"ingest/frame/frame.h"'),
             ("src/core/image.cpp", '"kinora/plugin.h"'),
             ("src/motion/motion.cpp", '"motion/skinning/blend.h"'),
-            ("src/motion/motion.cpp", '"tracking/view/layer_view.h"'),
+            ("src/motion/motion.cpp", '"tracking/view/projected_layer.h"'),
             ("src/clip/coding/range_coder.cpp", '"clip/clip.h"'),
             ("src/clip/coding/range_coder.cpp", '"fields/model/field.h"'),
             ("src/fields/rendering/renderer.cpp", '"fields/training/trainer.h"'),
             ("src/tracking/rigid/icp.cpp", '"fields/model/field.h"'),
             ("src/tracking/rigid/icp.cpp", '"../solver/pcg.h"'),
-            ("src/tracking/view/layer_view.cpp", '"tracking/deforming/tracker.h"'),
+            ("src/tracking/view/projected_layer.cpp", '"tracking/deforming/tracker.h"'),
             ("src/ingest/frame/frame.cpp", "<clip/clip.h>"),
             ("src/player/player.cpp", '"cli/info.h"'),
             ("src/player/player.cpp", '"ingest/frame/frame.h"'),

@@ -22,11 +22,12 @@ public:
     left_ -= bytes;
     return true;
   }
-  /// Throws Error(kCorruptInput) naming `place` if that much is not left.
-  void take(std::uint64_t bytes, const std::string& place) {
+  /// Throws Error(kCorruptInput) naming `location` if that much is not left.
+  void take(std::uint64_t bytes, const std::string& location) {
     if (try_take(bytes)) return;
-    throw Error(ErrorCode::kCorruptInput,
-                fmt::format("{}: asks for {} MB of memory, which a file of this size cannot need", place, bytes >> 20));
+    throw Error(
+        ErrorCode::kCorruptInput,
+        fmt::format("{}: asks for {} MB of memory, which a file of this size cannot need", location, bytes >> 20));
   }
 
 private:

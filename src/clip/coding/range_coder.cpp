@@ -56,7 +56,8 @@ std::vector<std::byte> RangeEncoder::finish() {
   return std::move(out_);
 }
 
-RangeDecoder::RangeDecoder(std::span<const std::byte> bytes, const std::string& place) : bytes_(bytes), place_(place) {
+RangeDecoder::RangeDecoder(std::span<const std::byte> bytes, const std::string& location)
+    : bytes_(bytes), location_(location) {
   for (int i = 0; i < 4; ++i) code_ = (code_ << 8) | next_byte();
 }
 
@@ -64,7 +65,7 @@ std::uint32_t RangeDecoder::next_byte() {
   const std::size_t at = read_++;
   if (at < bytes_.size()) return std::to_integer<std::uint32_t>(bytes_[at]);
   if (at >= bytes_.size() + 4) {
-    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: arithmetic code ends too early", place_));
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: arithmetic code ends too early", location_));
   }
   return 0;
 }
@@ -89,7 +90,7 @@ bool RangeDecoder::code(BitModel& model, bool /*bit*/) {
 void RangeDecoder::finish() const {
   if (read_ < bytes_.size()) {
     throw Error(ErrorCode::kCorruptInput,
-                fmt::format("{}: {} bytes follow the end of an arithmetic code", place_, bytes_.size() - read_));
+                fmt::format("{}: {} bytes follow the end of an arithmetic code", location_, bytes_.size() - read_));
   }
 }
 

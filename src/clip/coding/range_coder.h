@@ -38,10 +38,10 @@ private:
   std::uint32_t high_ = ~0U;
 };
 
-/// Safe for untrusted bytes. `place` must outlive the decoder. Throws Error(kCorruptInput) naming it.
+/// Safe for untrusted bytes. `location` must outlive the decoder. Throws Error(kCorruptInput) naming it.
 class RangeDecoder {
 public:
-  RangeDecoder(std::span<const std::byte> bytes, const std::string& place);
+  RangeDecoder(std::span<const std::byte> bytes, const std::string& location);
   /// The next bit; the argument has no meaning. Throws when the code ends before.
   bool code(BitModel& model, bool /*bit*/ = false);
   /// Throws unless the code ends here.
@@ -51,7 +51,7 @@ private:
   std::uint32_t next_byte();
 
   std::span<const std::byte> bytes_;
-  const std::string& place_;
+  const std::string& location_;
   std::size_t read_ = 0; // bytes taken, counting the zeros that follow the last
   std::uint32_t low_ = 0;
   std::uint32_t high_ = ~0U;

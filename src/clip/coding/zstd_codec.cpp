@@ -22,9 +22,9 @@ Bytes compress(std::span<const std::byte> bytes) {
   return frame;
 }
 
-Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::string& place) {
-  const auto reject = [&place](const std::string& why) {
-    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: compressed data {}", place, why));
+Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::string& location) {
+  const auto reject = [&location](const std::string& why) {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: compressed data {}", location, why));
   };
   const unsigned long long announced = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (announced != size) reject(fmt::format("does not hold the {} bytes that it should", size));

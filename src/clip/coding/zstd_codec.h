@@ -14,7 +14,7 @@ using Bytes = std::vector<std::byte>;
 Bytes compress(std::span<const std::byte> bytes);
 
 /// The reverse, into exactly `size` bytes, which are allocated only if the frame announces that many.
-/// Throws Error(kCorruptInput) naming `place` if it is anything but one frame of that size. Thread-safe.
-Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::string& place);
+/// Throws Error(kCorruptInput) naming `location` if it is anything but one frame of that size. Thread-safe.
+Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::string& location);
 
 } // namespace kinora::clip

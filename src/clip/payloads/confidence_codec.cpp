@@ -40,8 +40,8 @@ private:
 };
 
 // Writes or reads all levels.
-template <class Coder> void code_levels(Coder& coder, Confidence& confidence, const std::string& place) {
-  std::array<IntegerModel, Confidence::kMost + 1> models; // by what is expected
+template <class Coder> void code_levels(Coder& coder, Confidence& confidence, const std::string& location) {
+  std::array<IntegerModel, Confidence::kMax + 1> models; // by what is expected
   const std::vector<std::uint64_t>& words = confidence.blocks().words();
   std::size_t block = 0;
   for (std::size_t w = 0; w < words.size(); ++w) {
@@ -52,8 +52,8 @@ template <class Coder> void code_levels(Coder& coder, Confidence& confidence, co
         const int expected = before.mean(n);
         const auto found =
             std::int64_t{expected} + code_integer(coder, models[static_cast<std::size_t>(expected)], level - expected);
-        if (found < 0 || found > Confidence::kMost) {
-          throw Error(ErrorCode::kCorruptInput, fmt::format("{}: a level of confidence is out of range", place));
+        if (found < 0 || found > Confidence::kMax) {
+          throw Error(ErrorCode::kCorruptInput, fmt::format("{}: a level of confidence is out of range", location));
         }
         level = static_cast<std::uint8_t>(found);
       }
@@ -80,15 +80,15 @@ Bytes encode_confidence(const Confidence& confidence) {
 }
 
 Confidence decode_confidence(std::span<const std::byte> payload, const fields::Occupancy& occupancy,
-                             const std::string& place, AllocationBudget& budget) {
+                             const std::string& location, AllocationBudget& budget) {
   if (payload.empty() || container::get<std::uint8_t>(payload, 0) != kVersion) {
     throw Error(ErrorCode::kCorruptInput,
-                fmt::format("{}: confidence has no version that this Kinora reads ({})", place, kVersion));
+                fmt::format("{}: confidence has no version that this Kinora reads ({})", location, kVersion));
   }
-  budget.take(memory_of(coarsened(occupancy, Confidence::kBlock)), place);
+  budget.take(memory_of(coarsened(occupancy, Confidence::kBlock)), location);
   Confidence confidence(occupancy);
-  RangeDecoder decoder(payload.subspan(1), place);
-  code_levels(decoder, confidence, place);
+  RangeDecoder decoder(payload.subspan(1), location);
+  code_levels(decoder, confidence, location);
   decoder.finish();
   return confidence;
 }

@@ -15,9 +15,9 @@ namespace kinora::clip {
 Bytes encode_confidence(const fields::Confidence& confidence);
 
 /// `occupancy`: of the field that the payload belongs to. Safe for untrusted input; allocates at most what `budget`
-/// gives. Thread-safe. Throws Error(kCorruptInput) naming `place`.
+/// gives. Thread-safe. Throws Error(kCorruptInput) naming `location`.
 fields::Confidence decode_confidence(std::span<const std::byte> payload, const fields::Occupancy& occupancy,
-                                     const std::string& place, AllocationBudget& budget);
+                                     const std::string& location, AllocationBudget& budget);
 
 /// Bytes that decode_confidence takes from its budget.
 std::uint64_t decoding_memory(const fields::Confidence& confidence);

@@ -25,8 +25,8 @@ constexpr std::size_t kPayloadHeaderBytes = 2;
 constexpr double kSmallestRadius = 1e-4; // metres
 constexpr double kLargestRadius = 1e3;
 
-[[noreturn]] void reject(const std::string& place, const std::string& why) {
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+[[noreturn]] void reject(const std::string& location, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
 
 bool is_radius(double metres) { return metres >= kSmallestRadius && metres <= kLargestRadius; }
@@ -78,8 +78,8 @@ Bytes encode_graph(const DeformationGraph& graph) {
   const auto refuse = [](const std::string& why) {
     throw Error(ErrorCode::kFailure, fmt::format("a deformation graph cannot be stored: {}", why));
   };
-  if (graph.nodes().size() > kMostNodes) {
-    refuse(fmt::format("it has {} nodes, and {} are the most", graph.nodes().size(), kMostNodes));
+  if (graph.nodes().size() > kMaxNodes) {
+    refuse(fmt::format("it has {} nodes, and {} are the most", graph.nodes().size(), kMaxNodes));
   }
   if (!is_radius(graph.weight_radius()) || !is_radius(graph.influence_radius())) {
     refuse(fmt::format("its radii are {} m and {} m", graph.weight_radius(), graph.influence_radius()));
@@ -98,24 +98,25 @@ Bytes encode_graph(const DeformationGraph& graph) {
 }
 
 std::shared_ptr<const DeformationGraph> decode_graph(std::span<const std::byte> private_data,
-                                                     const std::string& place) {
-  if (private_data.size() < kGraphHeaderBytes) reject(place, "the private data of a deforming layer has no graph");
+                                                     const std::string& location) {
+  if (private_data.size() < kGraphHeaderBytes) reject(location, "the private data of a deforming layer has no graph");
   if (const auto version = get<std::uint8_t>(private_data, 0); version != kGraphVersion) {
-    reject(place, fmt::format("a graph has version {}; this Kinora reads version {}", version, kGraphVersion));
+    reject(location, fmt::format("a graph has version {}; this Kinora reads version {}", version, kGraphVersion));
   }
   const auto count = get<std::uint32_t>(private_data, 4);
-  if (count == 0 || count > kMostNodes || private_data.size() != kGraphHeaderBytes + kNodeBytes * count) {
-    reject(place, fmt::format("{} bytes are no graph of {} nodes", private_data.size(), count));
+  if (count == 0 || count > kMaxNodes || private_data.size() != kGraphHeaderBytes + kNodeBytes * count) {
+    reject(location, fmt::format("{} bytes are no graph of {} nodes", private_data.size(), count));
   }
   const double weight_radius = get_double(private_data, 8);
   const double influence_radius = get_double(private_data, 16);
-  if (!is_radius(weight_radius) || !is_radius(influence_radius)) reject(place, "a radius of a graph is out of range");
+  if (!is_radius(weight_radius) || !is_radius(influence_radius))
+    reject(location, "a radius of a graph is out of range");
   std::vector<Eigen::Vector3d> nodes;
   for (std::size_t at = kGraphHeaderBytes; at < private_data.size(); at += kNodeBytes) {
     RestPosition rest{};
     for (std::size_t a = 0; a < 3; ++a) {
       rest[a] = get<std::int32_t>(private_data, at + 4 * a);
-      if (rest[a] < -kFarthestRest || rest[a] > kFarthestRest) reject(place, "a node of a graph is too far away");
+      if (rest[a] < -kFarthestRest || rest[a] > kFarthestRest) reject(location, "a node of a graph is too far away");
     }
     nodes.push_back(dequantise(rest));
   }
@@ -130,12 +131,12 @@ DeformationCoding::DeformationCoding(const DeformationGraph& graph)
     : rest_(quantise_rest(graph.nodes())), predictor_(rest_) {}
 
 template <class Coder>
-void DeformationCoding::code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& place) {
+void DeformationCoding::code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& location) {
   if (key) models_ = {};
   const std::vector<NodeState>& reference = key ? predictor_.rest() : last_;
   for (const std::uint32_t i : predictor_.order()) {
     code_node(coder, models_, predictor_.predict(i, reference, nodes), nodes[i]);
-    if (!is_valid(nodes[i])) reject(place, fmt::format("node {} is turned or moved impossibly", i));
+    if (!is_valid(nodes[i])) reject(location, fmt::format("node {} is turned or moved impossibly", i));
   }
   last_ = nodes;
 }
@@ -154,19 +155,21 @@ DeformationEncoder::Coded DeformationEncoder::encode(const Motion::Deformation& 
   return {key, std::move(out)};
 }
 
-Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payload, bool key, const std::string& place) {
-  if (payload.size() < kPayloadHeaderBytes) reject(place, "a deformation is too short");
+Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payload, bool key,
+                                               const std::string& location) {
+  if (payload.size() < kPayloadHeaderBytes) reject(location, "a deformation is too short");
   if (const auto version = get<std::uint8_t>(payload, 0); version != kPayloadVersion) {
-    reject(place, fmt::format("a deformation has version {}; this Kinora reads version {}", version, kPayloadVersion));
+    reject(location,
+           fmt::format("a deformation has version {}; this Kinora reads version {}", version, kPayloadVersion));
   }
   const auto health = get<std::uint8_t>(payload, 1);
   if (health > static_cast<std::uint8_t>(motion::Health::kLost)) {
-    reject(place, "a deformation is neither tracked nor held nor lost");
+    reject(location, "a deformation is neither tracked nor held nor lost");
   }
-  if (!key && !started_) reject(place, "a deformation without an earlier one to which it refers");
-  RangeDecoder coder(payload.subspan(kPayloadHeaderBytes), place);
+  if (!key && !started_) reject(location, "a deformation without an earlier one to which it refers");
+  RangeDecoder coder(payload.subspan(kPayloadHeaderBytes), location);
   std::vector<NodeState> nodes(rest_.size());
-  code(coder, key, nodes, place);
+  code(coder, key, nodes, location);
   coder.finish();
   started_ = true;
   Motion::Deformation deformation;

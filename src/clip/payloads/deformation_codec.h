@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "clip/coding/node_lattice.h"
+#include "clip/coding/node_quantiser.h"
 #include "clip/coding/range_coder.h"
 #include "clip/coding/zstd_codec.h"
 #include "motion/motion.h"
 
 namespace kinora::clip {
 
-inline constexpr std::size_t kMostNodes = 16384;
+inline constexpr std::size_t kMaxNodes = 16384;
 /// Every so many frames a payload is understood without those before it.
 inline constexpr std::size_t kKeyInterval = 30;
 
@@ -24,9 +24,9 @@ inline constexpr std::size_t kKeyInterval = 30;
 Bytes encode_graph(const motion::DeformationGraph& graph);
 
 /// encode_graph(decode_graph(b)) = b for every b that encode_graph wrote. Safe for untrusted input. Thread-safe.
-/// Throws Error(kCorruptInput) naming `place`.
+/// Throws Error(kCorruptInput) naming `location`.
 std::shared_ptr<const motion::DeformationGraph> decode_graph(std::span<const std::byte> private_data,
-                                                             const std::string& place);
+                                                             const std::string& location);
 
 /// Memory that a motion takes once it is decoded.
 std::uint64_t decoding_memory(const motion::DeformationGraph& graph, std::size_t frames);
@@ -43,7 +43,7 @@ struct DeformationModels {
 class DeformationCoding {
 protected:
   explicit DeformationCoding(const motion::DeformationGraph& graph);
-  template <class Coder> void code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& place);
+  template <class Coder> void code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& location);
 
   std::vector<RestPosition> rest_;
 
@@ -76,8 +76,8 @@ class DeformationDecoder : DeformationCoding {
 public:
   explicit DeformationDecoder(const motion::DeformationGraph& graph) : DeformationCoding(graph) {}
 
-  /// Throws Error(kCorruptInput) naming `place`; then nothing but a key payload may follow.
-  motion::Motion::Deformation decode(std::span<const std::byte> payload, bool key, const std::string& place);
+  /// Throws Error(kCorruptInput) naming `location`; then nothing but a key payload may follow.
+  motion::Motion::Deformation decode(std::span<const std::byte> payload, bool key, const std::string& location);
 
 private:
   bool started_ = false;

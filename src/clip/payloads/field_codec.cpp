@@ -47,7 +47,7 @@ std::uint16_t half_bits(float value) {
 void put_header(Bytes& out, const Header& header) {
   const FieldConfig& c = header.config;
   const bool has_distances = c.geometry == Geometry::kSignedDistance;
-  constexpr float kMost = fields::FieldLimits::kMaxSharpness;
+  constexpr float kMax = fields::FieldLimits::kMaxSharpness;
   put(out, has_distances ? kSignedDistanceVersion : kDensityVersion);
   put(out, static_cast<std::uint8_t>(c.levels));
   put(out, static_cast<std::uint8_t>(c.log2_table_size));
@@ -59,7 +59,7 @@ void put_header(Bytes& out, const Header& header) {
   put(out, static_cast<std::uint8_t>(FieldConfig::kGeometry));
   put(out, static_cast<std::uint8_t>(FieldConfig::kColorHidden));
   put(out, static_cast<std::uint8_t>(FieldConfig::kColorOutputs));
-  put(out, has_distances ? half_bits(std::clamp(header.sharpness, -kMost, kMost)) : std::uint16_t{0});
+  put(out, has_distances ? half_bits(std::clamp(header.sharpness, -kMax, kMax)) : std::uint16_t{0});
   for (int a = 0; a < 3; ++a) put(out, c.box.origin[a]);
   put(out, c.box.side);
   put(out, static_cast<std::uint32_t>(header.occupancy_bytes));
@@ -72,29 +72,30 @@ void put_header(Bytes& out, const Header& header) {
   }
 }
 
-[[noreturn]] void corrupt(const std::string& place, const std::string& why) {
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+[[noreturn]] void corrupt(const std::string& location, const std::string& why) {
+  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
 
-float get_half(std::span<const std::byte> bytes, std::size_t at, const std::string& place) {
+float get_half(std::span<const std::byte> bytes, std::size_t at, const std::string& location) {
   const auto value = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(get<std::uint16_t>(bytes, at)));
-  if (!std::isfinite(value)) corrupt(place, "a field holds parameters that are not finite");
+  if (!std::isfinite(value)) corrupt(location, "a field holds parameters that are not finite");
   return value;
 }
 
-Header get_header(std::span<const std::byte> payload, const std::string& place) {
-  if (payload.size() < kFixedHeaderBytes) corrupt(place, "a field is too short for its header");
+Header get_header(std::span<const std::byte> payload, const std::string& location) {
+  if (payload.size() < kFixedHeaderBytes) corrupt(location, "a field is too short for its header");
   const auto version = get<std::uint8_t>(payload, 0);
   if (version != kDensityVersion && version != kSignedDistanceVersion) {
-    corrupt(place, fmt::format("a field has version {}; this Kinora reads versions {} and {}, encode its capture again",
-                               version, kDensityVersion, kSignedDistanceVersion));
+    corrupt(location,
+            fmt::format("a field has version {}; this Kinora reads versions {} and {}, encode its capture again",
+                        version, kDensityVersion, kSignedDistanceVersion));
   }
   if (get<std::uint8_t>(payload, 3) != FieldConfig::kFeatures ||
       get<std::uint8_t>(payload, 10) != FieldConfig::kHidden ||
       get<std::uint8_t>(payload, 11) != FieldConfig::kGeometry ||
       get<std::uint8_t>(payload, 12) != FieldConfig::kColorHidden ||
       get<std::uint8_t>(payload, 13) != FieldConfig::kColorOutputs) {
-    corrupt(place, "a field has networks of a shape that this Kinora does not know");
+    corrupt(location, "a field has networks of a shape that this Kinora does not know");
   }
   Header header;
   FieldConfig& c = header.config;
@@ -105,27 +106,27 @@ Header get_header(std::span<const std::byte> payload, const std::string& place) 
   c.occupancy_resolution = get<std::uint16_t>(payload, 8);
   for (std::size_t a = 0; a < 3; ++a) c.box.origin[static_cast<Eigen::Index>(a)] = get_double(payload, 16 + 8 * a);
   c.box.side = get_double(payload, 40);
-  c.validate(place);
+  c.validate(location);
   if (version == kSignedDistanceVersion) {
     c.geometry = Geometry::kSignedDistance;
-    header.sharpness = get_half(payload, 14, place);
+    header.sharpness = get_half(payload, 14, location);
     if (std::abs(header.sharpness) > fields::FieldLimits::kMaxSharpness)
-      corrupt(place, "a field's sharpness is out of range");
+      corrupt(location, "a field's sharpness is out of range");
   }
   header.occupancy_bytes = get<std::uint32_t>(payload, 48);
   header.parameter_bytes = get<std::uint32_t>(payload, 52);
 
   const std::size_t header_bytes = kFixedHeaderBytes + kBytesPerLevel * static_cast<std::size_t>(c.levels);
   if (payload.size() != header_bytes + header.occupancy_bytes + header.parameter_bytes) {
-    corrupt(place, "a field's parts do not add up to its size");
+    corrupt(location, "a field's parts do not add up to its size");
   }
   std::size_t at = kFixedHeaderBytes;
   for (const GridLevel& level : fields::grid_levels(c)) {
     if (get<std::uint16_t>(payload, at) != level.resolution)
-      corrupt(place, "a field's levels do not grow geometrically");
+      corrupt(location, "a field's levels do not grow geometrically");
     header.exponents.push_back(get<std::int8_t>(payload, at + 2));
     if (header.exponents.back() < kMinExponent || header.exponents.back() > kMaxExponent) {
-      corrupt(place, "a field's scale is out of range");
+      corrupt(location, "a field's scale is out of range");
     }
     at += kBytesPerLevel;
   }
@@ -162,8 +163,8 @@ void put_halves(Bytes& out, std::span<const float> values) {
   for (const float value : values) put(out, half_bits(value));
 }
 
-void get_halves(std::span<const std::byte> bytes, std::span<float> values, const std::string& place) {
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = get_half(bytes, 2 * i, place);
+void get_halves(std::span<const std::byte> bytes, std::span<float> values, const std::string& location) {
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = get_half(bytes, 2 * i, location);
 }
 
 Bytes occupancy_bytes_of(const fields::Occupancy& occupancy) {
@@ -208,9 +209,9 @@ Bytes encode_field(const Field& field) {
   return out;
 }
 
-Field decode_field(std::span<const std::byte> payload, const std::string& place, AllocationBudget& budget) {
-  const Header header = get_header(payload, place);
-  budget.take(decoding_memory(header.config), place);
+Field decode_field(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget) {
+  const Header header = get_header(payload, location);
+  budget.take(decoding_memory(header.config), location);
   Field field(header.config);
   field.sharpness = header.sharpness;
 
@@ -218,14 +219,14 @@ Field decode_field(std::span<const std::byte> payload, const std::string& place,
   const std::span<const std::byte> stored_occupancy =
       payload.subspan(payload.size() - header.parameter_bytes - header.occupancy_bytes, header.occupancy_bytes);
   std::vector<std::uint64_t>& words = field.occupancy.words();
-  const Bytes occupancy = decompress(stored_occupancy, words.size() * 8, place);
+  const Bytes occupancy = decompress(stored_occupancy, words.size() * 8, location);
   for (std::size_t w = 0; w < words.size(); ++w) words[w] = get<std::uint64_t>(occupancy, 8 * w);
 
   const std::vector<std::vector<std::uint32_t>> touched = touched_entries(header.config, field.occupancy);
   std::size_t plane_bytes = 0;
   for (const std::vector<std::uint32_t>& level : touched) plane_bytes += level.size() * kFeatures;
   const std::size_t net_values = field.density_net.size() + field.color_net.size();
-  const Bytes parameters = decompress(stored_parameters, 2 * (plane_bytes + net_values), place);
+  const Bytes parameters = decompress(stored_parameters, 2 * (plane_bytes + net_values), location);
 
   const std::vector<GridLevel> levels = fields::grid_levels(header.config);
   std::size_t at = 0;
@@ -241,8 +242,8 @@ Field decode_field(std::span<const std::byte> payload, const std::string& place,
     }
   }
   const std::span<const std::byte> nets = std::span(parameters).subspan(2 * plane_bytes);
-  get_halves(nets, field.density_net, place);
-  get_halves(nets.subspan(2 * field.density_net.size()), field.color_net, place);
+  get_halves(nets, field.density_net, location);
+  get_halves(nets.subspan(2 * field.density_net.size()), field.color_net, location);
   return field;
 }
 

@@ -18,8 +18,8 @@ Bytes encode_field(const fields::Field& field);
 
 /// Entries that no occupied cell touches come back as zero. encode_field(decode_field(b)) = b for every b that
 /// encode_field wrote. Safe for untrusted input; allocates at most what `budget` gives. Thread-safe.
-/// Throws Error(kCorruptInput) naming `place`.
-fields::Field decode_field(std::span<const std::byte> payload, const std::string& place, AllocationBudget& budget);
+/// Throws Error(kCorruptInput) naming `location`.
+fields::Field decode_field(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
 
 /// Bytes that decode_field takes from its budget.
 std::uint64_t decoding_memory(const fields::FieldConfig& config);

@@ -20,14 +20,14 @@ namespace {
 
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kHeaderBytes = 2;
-constexpr std::size_t kMostJoints = 64;
+constexpr std::size_t kMaxJoints = 64;
 constexpr std::size_t kLongestName = 32;
-constexpr double kUnit = 1.0 / 512;             // metres
-constexpr std::int32_t kFarthest = 1 << 23;     // units
-constexpr const char* kOwnPlace = "the joints"; // of what is written
+constexpr double kUnit = 1.0 / 512;                   // metres
+constexpr std::int32_t kFarthest = 1 << 23;           // units
+constexpr const char* kWriterLocation = "the joints"; // of what is written
 
-using Place = std::array<std::int32_t, 3>;
-using Frame = std::vector<Place>; // one for each joint
+using QuantisedPosition = std::array<std::int32_t, 3>;
+using Frame = std::vector<QuantisedPosition>; // one for each joint
 
 bool is_name(const std::string& name) {
   const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
@@ -38,7 +38,7 @@ bool is_name(const std::string& name) {
 // have moved. In the first frame all are expected where the one coded before is.
 template <class Coder>
 void code_frame(Coder& coder, std::array<IntegerModel, 3>& models, const Frame& last, Frame& now,
-                const std::string& place) {
+                const std::string& location) {
   for (std::size_t j = 0; j < now.size(); ++j) {
     for (std::size_t a = 0; a < 3; ++a) {
       std::int32_t expected = last.empty() ? 0 : last[j][a];
@@ -48,7 +48,7 @@ void code_frame(Coder& coder, std::array<IntegerModel, 3>& models, const Frame& 
       const std::int32_t difference = code_integer(coder, models[a], now[j][a] - expected);
       now[j][a] = expected + std::clamp(difference, -3 * kFarthest, 3 * kFarthest);
       if (std::abs(now[j][a]) > kFarthest) {
-        throw Error(ErrorCode::kCorruptInput, fmt::format("{}: joint {} is too far away", place, j));
+        throw Error(ErrorCode::kCorruptInput, fmt::format("{}: joint {} is too far away", location, j));
       }
     }
   }
@@ -63,16 +63,16 @@ void check(const JointPaths& joints) {
   const auto refuse = [](const std::string& why) {
     throw Error(ErrorCode::kFailure, fmt::format("the joints of a layer cannot be stored: {}", why));
   };
-  if (joints.names.empty() || joints.names.size() > kMostJoints) {
-    refuse(fmt::format("they are {}, and 1 to {} can be", joints.names.size(), kMostJoints));
+  if (joints.names.empty() || joints.names.size() > kMaxJoints) {
+    refuse(fmt::format("they are {}, and 1 to {} can be", joints.names.size(), kMaxJoints));
   }
   for (const std::string& name : joints.names) {
     if (!is_name(name)) refuse(fmt::format("\"{}\" is no name for one", name));
   }
-  for (const std::vector<Eigen::Vector3d>& frame : joints.places) {
+  for (const std::vector<Eigen::Vector3d>& frame : joints.positions) {
     if (frame.size() != joints.names.size()) refuse("a frame has not one place for each");
-    for (const Eigen::Vector3d& place : frame) {
-      if (!((place.array().abs() <= kUnit * kFarthest).all())) refuse("one is too far away");
+    for (const Eigen::Vector3d& position : frame) {
+      if (!((position.array().abs() <= kUnit * kFarthest).all())) refuse("one is too far away");
     }
   }
 }
@@ -92,14 +92,14 @@ Bytes encode_joints(const JointPaths& joints) {
   RangeEncoder coder;
   std::array<IntegerModel, 3> models;
   Frame last;
-  for (const std::vector<Eigen::Vector3d>& places : joints.places) {
-    Frame now(places.size());
-    for (std::size_t j = 0; j < places.size(); ++j) {
+  for (const std::vector<Eigen::Vector3d>& positions : joints.positions) {
+    Frame now(positions.size());
+    for (std::size_t j = 0; j < positions.size(); ++j) {
       for (std::size_t a = 0; a < 3; ++a) {
-        now[j][a] = static_cast<std::int32_t>(std::lround(places[j][static_cast<Eigen::Index>(a)] / kUnit));
+        now[j][a] = static_cast<std::int32_t>(std::lround(positions[j][static_cast<Eigen::Index>(a)] / kUnit));
       }
     }
-    code_frame(coder, models, last, now, kOwnPlace);
+    code_frame(coder, models, last, now, kWriterLocation);
     last = std::move(now);
   }
   const Bytes coded = coder.finish();
@@ -107,18 +107,18 @@ Bytes encode_joints(const JointPaths& joints) {
   return out;
 }
 
-JointPaths decode_joints(std::span<const std::byte> payload, std::size_t frames, const std::string& place,
+JointPaths decode_joints(std::span<const std::byte> payload, std::size_t frames, const std::string& location,
                          AllocationBudget& budget) {
-  const auto reject = [&place](const std::string& why) {
-    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+  const auto reject = [&location](const std::string& why) {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
   };
   if (payload.size() < kHeaderBytes) reject("joints are too short");
   if (const auto version = get<std::uint8_t>(payload, 0); version != kVersion) {
     reject(fmt::format("joints have version {}; this Kinora reads version {}", version, kVersion));
   }
   const std::size_t count = get<std::uint8_t>(payload, 1);
-  if (count == 0 || count > kMostJoints) reject(fmt::format("a skeleton has {} joints", count));
-  budget.take(memory_of(count, frames), place);
+  if (count == 0 || count > kMaxJoints) reject(fmt::format("a skeleton has {} joints", count));
+  budget.take(memory_of(count, frames), location);
   JointPaths joints;
   std::size_t at = kHeaderBytes;
   for (std::size_t j = 0; j < count; ++j) {
@@ -129,20 +129,22 @@ JointPaths decode_joints(std::span<const std::byte> payload, std::size_t frames,
     if (!is_name(joints.names.back())) reject(fmt::format("joint {} has an impossible name", j));
     at += 1 + size;
   }
-  RangeDecoder coder(payload.subspan(at), place);
+  RangeDecoder coder(payload.subspan(at), location);
   std::array<IntegerModel, 3> models;
   Frame last;
   for (std::size_t f = 0; f < frames; ++f) {
     Frame now(count);
-    code_frame(coder, models, last, now, place);
-    std::vector<Eigen::Vector3d>& places = joints.places.emplace_back();
-    for (const Place& p : now) places.push_back(kUnit * Eigen::Vector3d(p[0], p[1], p[2]));
+    code_frame(coder, models, last, now, location);
+    std::vector<Eigen::Vector3d>& positions = joints.positions.emplace_back();
+    for (const QuantisedPosition& p : now) positions.push_back(kUnit * Eigen::Vector3d(p[0], p[1], p[2]));
     last = std::move(now);
   }
   coder.finish();
   return joints;
 }
 
-std::uint64_t decoding_memory(const JointPaths& joints) { return memory_of(joints.names.size(), joints.places.size()); }
+std::uint64_t decoding_memory(const JointPaths& joints) {
+  return memory_of(joints.names.size(), joints.positions.size());
+}
 
 } // namespace kinora::clip

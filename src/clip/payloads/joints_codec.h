@@ -16,8 +16,8 @@ namespace kinora::clip {
 Bytes encode_joints(const motion::JointPaths& joints);
 
 /// `frames`: of the clip. Safe for untrusted input; allocates at most what `budget` gives. Thread-safe. Throws
-/// Error(kCorruptInput) naming `place`.
-motion::JointPaths decode_joints(std::span<const std::byte> payload, std::size_t frames, const std::string& place,
+/// Error(kCorruptInput) naming `location`.
+motion::JointPaths decode_joints(std::span<const std::byte> payload, std::size_t frames, const std::string& location,
                                  AllocationBudget& budget);
 
 /// Bytes that decode_joints takes from its budget.

@@ -63,8 +63,8 @@ Eigen::Quaterniond unpack(const SmallestThree& packed) {
 // Rounding may still make another component the largest; packing what was unpacked then settles it.
 SmallestThree pack_stable(const SE3& pose) {
   SmallestThree packed = pack(Eigen::Quaterniond(pose.linear()).normalized());
-  constexpr int kMostRounds = 8;
-  for (int round = 0; round < kMostRounds; ++round) {
+  constexpr int kMaxRounds = 8;
+  for (int round = 0; round < kMaxRounds; ++round) {
     const SmallestThree again = pack(Eigen::Quaterniond(unpack(packed).toRotationMatrix()).normalized());
     if (again == packed) break;
     packed = again;
@@ -91,9 +91,9 @@ Bytes encode_pose(const motion::Motion::Pose& pose) {
   return out;
 }
 
-motion::Motion::Pose decode_pose(std::span<const std::byte> payload, const std::string& place) {
-  const auto reject = [&place](const std::string& why) {
-    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", place, why));
+motion::Motion::Pose decode_pose(std::span<const std::byte> payload, const std::string& location) {
+  const auto reject = [&location](const std::string& why) {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
   };
   if (payload.size() != kPoseBytes)
     reject(fmt::format("a pose has {} bytes instead of {}", payload.size(), kPoseBytes));
@@ -110,8 +110,8 @@ motion::Motion::Pose decode_pose(std::span<const std::byte> payload, const std::
     packed.others[i] = get<std::int32_t>(payload, 4 + 4 * i);
     squares += std::pow(packed.others[i] / kQuaternionScale, 2);
   }
-  constexpr double kMostOfOthers = 0.75 + 1e-6; // the omitted component is the largest of four
-  if (squares > kMostOfOthers) reject("a pose holds no unit quaternion");
+  constexpr double kMaxOthers = 0.75 + 1e-6; // the omitted component is the largest of four
+  if (squares > kMaxOthers) reject("a pose holds no unit quaternion");
   motion::Motion::Pose pose;
   pose.health = static_cast<motion::Health>(health);
   pose.canonical_to_world.linear() = unpack(packed).toRotationMatrix();

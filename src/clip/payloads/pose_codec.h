@@ -17,7 +17,7 @@ namespace kinora::clip {
 Bytes encode_pose(const motion::Motion::Pose& pose);
 
 /// encode_pose(decode_pose(b)) = b for every b that encode_pose wrote. Safe for untrusted input. Thread-safe.
-/// Throws Error(kCorruptInput) naming `place`.
-motion::Motion::Pose decode_pose(std::span<const std::byte> payload, const std::string& place);
+/// Throws Error(kCorruptInput) naming `location`.
+motion::Motion::Pose decode_pose(std::span<const std::byte> payload, const std::string& location);
 
 } // namespace kinora::clip

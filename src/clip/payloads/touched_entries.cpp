@@ -39,7 +39,7 @@ std::vector<std::uint32_t> touched_in_level(const fields::GridLevel& level, cons
                                             std::uint64_t occupied) {
   std::vector<std::uint32_t> touched;
   const auto widest = static_cast<std::uint64_t>(level.resolution / occupancy.resolution()) + 3;
-  if (occupied > kMostVisits / (widest * widest * widest)) {
+  if (occupied > kMaxVisits / (widest * widest * widest)) {
     touched.resize(level.size);
     std::iota(touched.begin(), touched.end(), 0U);
     return touched;

@@ -52,8 +52,8 @@ int Confidence::block_at(int x, int y, int z) const {
 
 Eigen::Vector3f Confidence::normal(std::size_t number) {
   const int from_first = static_cast<int>(number);
-  const int place = from_first < kMiddle ? from_first : from_first + 1;
-  return Eigen::Vector3i(place % 3 - 1, place / 3 % 3 - 1, place / 9 - 1).cast<float>().normalized();
+  const int index = from_first < kMiddle ? from_first : from_first + 1;
+  return Eigen::Vector3i(index % 3 - 1, index / 3 % 3 - 1, index / 9 - 1).cast<float>().normalized();
 }
 
 Confidence::Near Confidence::near(const std::array<float, 3>& position) const {
@@ -80,20 +80,20 @@ float Confidence::at(const std::array<float, 3>& position, const Eigen::Vector3f
   if (!(longest > 0)) return 0;
   // On the surface of the cube, so that its middle has no share.
   const Cell cell(Eigen::Vector3f(normal / longest).array() + 1);
-  const Near around = near(position);
+  const Near blocks_around = near(position);
   float level = 0;
   for (int c = 0; c < 8; ++c) {
     const float share = cell.share(c);
     if (!(share > 0)) continue;
     const Eigen::Vector3i corner = cell.corner(c);
-    const int place = (corner.z() * 3 + corner.y()) * 3 + corner.x();
-    const auto number = static_cast<std::size_t>(place < kMiddle ? place : place - 1);
+    const int index = (corner.z() * 3 + corner.y()) * 3 + corner.x();
+    const auto number = static_cast<std::size_t>(index < kMiddle ? index : index - 1);
     for (std::size_t i = 0; i < 8; ++i) {
-      if (around.shares[i] > 0)
-        level += share * around.shares[i] * static_cast<float>(levels_[around.blocks[i]][number]);
+      if (blocks_around.shares[i] > 0)
+        level += share * blocks_around.shares[i] * static_cast<float>(levels_[blocks_around.blocks[i]][number]);
     }
   }
-  return level / static_cast<float>(kMost);
+  return level / static_cast<float>(kMax);
 }
 
 } // namespace kinora::fields

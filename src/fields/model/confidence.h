@@ -13,13 +13,13 @@ namespace kinora::fields {
 
 /// Canonical space in blocks of kBlock³ cells of the occupancy: those that hold an occupied cell, in order of their
 /// index. Each has, for kNormals normals that a surface in it may have, a level from 0, no camera ever saw that side,
-/// to kMost. n looks along the normal give kMost · n / (n + 1), where one look is one frame that shows as much surface
+/// to kMax. n looks along the normal give kMax · n / (n + 1), where one look is one frame that shows as much surface
 /// as a block's face: what was seen once, face to face, has one half. From aside it is that times the cosine to the
 /// normal, the share of the pixels that are left; of all angles the one counts that gives most. Thread-safe to read.
 class Confidence {
 public:
   static constexpr int kBlock = 4;
-  static constexpr int kMost = 15;
+  static constexpr int kMax = 15;
   /// Normals point from the middle of a cube of 3³ places to the others: x, y, z of −1, 0 and 1, x fastest.
   static constexpr std::size_t kNormals = 26;
   using Levels = std::array<std::uint8_t, kNormals>;

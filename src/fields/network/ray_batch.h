@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 
 namespace kinora::fields {
 
@@ -17,12 +17,12 @@ struct RaySample {
 };
 
 struct RayTarget {
-  std::array<float, 3> color{}; ///< sRGB in [0, 1]
-  float depth = 0;              ///< metres; 0: not measured here
-  float inverse_band = 0;       ///< 1 / (metres within which the surface is expected around `depth`)
-  float lengths_per_depth = 0;  ///< units of length (RaySample) of the ray for each metre of depth
-  Turn turn = kNoTurn;          ///< of the surface
-  bool own = true;              ///< false: the pixel shows something behind; all samples should be empty
+  std::array<float, 3> color{};    ///< sRGB in [0, 1]
+  float depth = 0;                 ///< metres; 0: not measured here
+  float inverse_band = 0;          ///< 1 / (metres within which the surface is expected around `depth`)
+  float lengths_per_depth = 0;     ///< units of length (RaySample) of the ray for each metre of depth
+  Rotation rotation = kNoRotation; ///< of the surface
+  bool foreground = true;          ///< false: the pixel shows something behind; all samples should be empty
 };
 
 /// Rays of one step. Ray r has samples first_sample[r] … first_sample[r + 1] − 1; it may have none.

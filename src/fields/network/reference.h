@@ -5,7 +5,7 @@
 // signed distance with g₀ = ln(Ψ(−exp(k) s)) + k its raw density (signed_distance.h; Ψ of Laplace's distribution, k the
 // sharpness); σ = exp(min(g₀, kMaxRawDensity)); g₁…g₁₅ are features. A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 −
 // exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([R F / (A + ε), 1])), where R turns
-// the vectors among the features as the layer is turned (turn.h).
+// the vectors among the features as the layer is turned (vector_features.h).
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 #include "fields/model/field.h"
 #include "fields/model/grid_vertex.h"
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 #include "fields/network/volume_density.h"
 
 namespace kinora::fields::reference {

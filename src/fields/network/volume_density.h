@@ -17,7 +17,7 @@ namespace kernels {
 
 /// For n points whose raw densities are every kGeometry-th float of `geometry`: density = exp(min(raw,
 /// kMaxRawDensity)) and passing = exp(−density · length), the share of light that a piece of ray lets through.
-void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* passing);
+void densities(const float* geometry, const float* lengths, std::size_t n, float* density, float* transmittance);
 
 } // namespace kernels
 

@@ -9,43 +9,43 @@
 namespace kinora::fields {
 namespace {
 
-constexpr std::size_t kJudgedFrames = 3;
+constexpr std::size_t kValidationFrames = 3;
 constexpr std::size_t kTrialPixels = 1'000'000; // of all layers, that a trial trains on
 constexpr double kShareOfRays = 1.0 / 40;       // of a whole training, for each geometry
-constexpr std::size_t kFewestRays = 250'000;
+constexpr std::size_t kMinRays = 250'000;
 
 /// Frames in which the layer is seen and its place is known.
-std::vector<std::size_t> useful_frames(const LayerObservations& layer) {
+std::vector<std::size_t> usable_frames(const LayerObservations& layer) {
   const PixelStore& pixels = layer.pixels;
-  std::vector<std::size_t> useful;
+  std::vector<std::size_t> usable;
   for (std::size_t f = 0; f < pixels.frames().size(); ++f) {
     const StoredFrame& frame = pixels.frames()[f];
     const auto first = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.begin);
     const auto end = pixels.pixels().begin() + static_cast<std::ptrdiff_t>(frame.end);
-    const auto is_own = [&layer](const StoredPixel& pixel) {
+    const auto is_measured_foreground = [&layer](const StoredPixel& pixel) {
       return layer.is_foreground(pixel) && pixel.depth.is_measured();
     };
-    if (!layer.is_lost(frame) && std::any_of(first, end, is_own)) useful.push_back(f);
+    if (!layer.is_lost(frame) && std::any_of(first, end, is_measured_foreground)) usable.push_back(f);
   }
-  return useful;
+  return usable;
 }
 
 /// Frames to be left out: spread over the clip, and not its ends, which have neighbours on one side alone.
-std::vector<std::size_t> judged_frames(const std::vector<std::size_t>& useful) {
-  std::vector<std::size_t> judged;
-  if (useful.size() < 2 * kJudgedFrames) return judged;
-  for (std::size_t i = 0; i < kJudgedFrames; ++i) {
-    judged.push_back(useful[(2 * i + 1) * useful.size() / (2 * kJudgedFrames)]);
+std::vector<std::size_t> choose_validation_frames(const std::vector<std::size_t>& usable) {
+  std::vector<std::size_t> validation_frames;
+  if (usable.size() < 2 * kValidationFrames) return validation_frames;
+  for (std::size_t i = 0; i < kValidationFrames; ++i) {
+    validation_frames.push_back(usable[(2 * i + 1) * usable.size() / (2 * kValidationFrames)]);
   }
-  return judged;
+  return validation_frames;
 }
 
 /// What a field of the layer draws for one frame, against the frame's pixels.
-class Judge {
+class Validation {
 public:
-  explicit Judge(const LayerObservations& layer) : layer_(layer) {}
+  explicit Validation(const LayerObservations& layer) : layer_(layer) {}
 
-  DrawingError judge(const Field& field, const std::vector<std::size_t>& frames) {
+  DrawingError evaluate(const Field& field, const std::vector<std::size_t>& frames) {
     const DrawableField drawable(field, layer_.motion.graph().get());
     for (const std::size_t f : frames) {
       const StoredFrame& frame = layer_.pixels.frames()[f];
@@ -55,7 +55,7 @@ public:
     }
     const auto middle = depths_.begin() + static_cast<std::ptrdiff_t>(depths_.size() / 2);
     std::nth_element(depths_.begin(), middle, depths_.end());
-    return {std::sqrt(squares_ / static_cast<double>(3 * std::max<std::size_t>(own_pixels_, 1))),
+    return {std::sqrt(squares_ / static_cast<double>(3 * std::max<std::size_t>(foreground_pixels_, 1))),
             depths_.empty() ? 0 : static_cast<double>(*middle)};
   }
 
@@ -63,30 +63,30 @@ private:
   void compare(const Picture& picture, const StoredPixel& pixel) {
     const std::uint8_t* drawn = picture.color.pixel(pixel.u, pixel.v);
     const double opacity = drawn[3] / 255.0;
-    const bool own = layer_.is_foreground(pixel);
-    if (own && !pixel.depth.is_known()) return; // nothing tells whether there is anything to be drawn
+    const bool foreground = layer_.is_foreground(pixel);
+    if (foreground && !pixel.depth.is_known()) return; // nothing tells whether there is anything to be drawn
     const float depth = picture.depth.at(pixel.u, pixel.v);
-    if (!own && depth >= empty_until(pixel)) return; // it may well be there, behind what the pixel shows
+    if (!foreground && depth >= free_space_until(pixel)) return; // it may well be there, behind what the pixel shows
     for (std::size_t c = 0; c < 3; ++c) {
-      const double difference = opacity * drawn[c] - (own ? pixel.color[c] : 0);
+      const double difference = opacity * drawn[c] - (foreground ? pixel.color[c] : 0);
       squares_ += difference * difference;
     }
-    if (own) ++own_pixels_;
-    if (own && pixel.depth.is_measured()) depths_.push_back(std::abs(depth - pixel.depth.metres()));
+    if (foreground) ++foreground_pixels_;
+    if (foreground && pixel.depth.is_measured()) depths_.push_back(std::abs(depth - pixel.depth.metres()));
   }
 
   LayerObservations layer_;
   double squares_ = 0;
-  std::size_t own_pixels_ = 0;
+  std::size_t foreground_pixels_ = 0;
   std::vector<float> depths_;
 };
 
 } // namespace
 
 Geometry better_geometry(const DrawingError& density, const DrawingError& signed_distance) {
-  constexpr double kAlike = 0.003;
+  constexpr double kEqualErrors = 0.003;
   const double difference = signed_distance.color - density.color;
-  const bool alike = std::abs(difference) < kAlike * density.color;
+  const bool alike = std::abs(difference) < kEqualErrors * density.color;
   const bool better = alike ? signed_distance.depth < density.depth : difference < 0;
   return better ? Geometry::kSignedDistance : Geometry::kDensity;
 }
@@ -94,12 +94,12 @@ Geometry better_geometry(const DrawingError& density, const DrawingError& signed
 GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& config, const TrainerConfig& trainer,
                              Progress& progress) {
   GeometryTrial trial;
-  const std::vector<std::size_t> judged = judged_frames(useful_frames(layer));
-  trial.frames = judged.size();
-  if (judged.empty()) return trial;
-  const PixelStore part = layer.pixels.thinned(judged, kTrialPixels);
+  const std::vector<std::size_t> validation_frames = choose_validation_frames(usable_frames(layer));
+  trial.frames = validation_frames.size();
+  if (validation_frames.empty()) return trial;
+  const PixelStore part = layer.pixels.thinned(validation_frames, kTrialPixels);
   TrainerConfig shorter = trainer;
-  shorter.rays = std::max(kFewestRays, static_cast<std::size_t>(kShareOfRays * static_cast<double>(trainer.rays)));
+  shorter.rays = std::max(kMinRays, static_cast<std::size_t>(kShareOfRays * static_cast<double>(trainer.rays)));
   for (auto [geometry, error] :
        {std::pair(Geometry::kDensity, &trial.density), std::pair(Geometry::kSignedDistance, &trial.signed_distance)}) {
     FieldConfig tried = config;
@@ -107,7 +107,7 @@ GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& 
     TrainingReport report;
     const Field field = train_field({part, layer.label, layer.motion}, tried, shorter, progress, &report);
     trial.rays += report.rays;
-    *error = Judge(layer).judge(field, judged);
+    *error = Validation(layer).evaluate(field, validation_frames);
   }
   trial.chosen = better_geometry(trial.density, trial.signed_distance);
   return trial;

@@ -21,7 +21,7 @@ static_assert(DensityBricks::kLowest + 255 * DensityBricks::kStep == kMaxRawDens
 std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolution) {
   const int per_side = (resolution + kSide - 1) / kSide;
   const double lattice_per_cell = static_cast<double>(resolution) / occupancy.resolution();
-  std::vector<std::uint8_t> wanted(static_cast<std::size_t>(per_side) * per_side * per_side, 0);
+  std::vector<std::uint8_t> needed(static_cast<std::size_t>(per_side) * per_side * per_side, 0);
   const auto range = [&](int cell) {
     const int low = static_cast<int>(std::floor((cell * lattice_per_cell - 1) / kSide));
     const int high = static_cast<int>(std::floor(((cell + 1) * lattice_per_cell + 1) / kSide));
@@ -37,23 +37,23 @@ std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolu
         for (int k = z0; k <= z1; ++k) {
           for (int j = y0; j <= y1; ++j) {
             const std::size_t row = static_cast<std::size_t>(k * per_side + j) * static_cast<std::size_t>(per_side);
-            std::fill(wanted.begin() + static_cast<std::ptrdiff_t>(row) + x0,
-                      wanted.begin() + static_cast<std::ptrdiff_t>(row) + x1 + 1, std::uint8_t{1});
+            std::fill(needed.begin() + static_cast<std::ptrdiff_t>(row) + x0,
+                      needed.begin() + static_cast<std::ptrdiff_t>(row) + x1 + 1, std::uint8_t{1});
           }
         }
       }
     }
   }
-  std::vector<std::array<int, 3>> places;
+  std::vector<std::array<int, 3>> coordinates;
   for (int z = 0; z < per_side; ++z) {
     for (int y = 0; y < per_side; ++y) {
       for (int x = 0; x < per_side; ++x) {
-        const int place = (z * per_side + y) * per_side + x;
-        if (wanted[static_cast<std::size_t>(place)] != 0) places.push_back({x, y, z});
+        const int index = (z * per_side + y) * per_side + x;
+        if (needed[static_cast<std::size_t>(index)] != 0) coordinates.push_back({x, y, z});
       }
     }
   }
-  return places;
+  return coordinates;
 }
 
 std::uint8_t quantised(float raw) {
@@ -68,7 +68,7 @@ public:
       : field_(field), levels_(grid_levels(field.config)), resolution_(resolution) {}
 
   /// Fills bytes() for the brick; false if it is as good as empty.
-  bool sample(const std::array<int, 3>& place) {
+  bool sample(const std::array<int, 3>& coordinates) {
     for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
     at_.clear();
     bytes_.fill(0);
@@ -77,7 +77,7 @@ public:
       const std::array<int, 3> local{number % kLevels, number / kLevels % kLevels, number / (kLevels * kLevels)};
       std::array<float, 3> position{};
       for (std::size_t a = 0; a < 3; ++a) {
-        position[a] = static_cast<float>(place[a] * kSide + local[a]) / static_cast<float>(resolution_);
+        position[a] = static_cast<float>(coordinates[a] * kSide + local[a]) / static_cast<float>(resolution_);
       }
       if (!is_reached(position)) continue;
       x_.push_back(position[0]);
@@ -86,13 +86,13 @@ public:
       at_.push_back(i);
     }
     evaluate_points(field_, levels_, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
-    std::uint8_t most = 0;
+    std::uint8_t max_byte = 0;
     for (std::size_t k = 0; k < at_.size(); ++k) {
       const std::uint8_t byte = quantised(points_.geometry[k * FieldConfig::kGeometry]);
       bytes_[at_[k]] = byte;
-      most = std::max(most, byte);
+      max_byte = std::max(max_byte, byte);
     }
-    return most >= DensityBricks::kVisible;
+    return max_byte >= DensityBricks::kVisible;
   }
 
   void write_pairs(std::uint16_t* pairs) const {
@@ -143,11 +143,11 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
   constexpr int kFine = 512;
   while (4 * resolution_ <= kFine) resolution_ *= 2; // what nets bend within the cells of small fields
   // Large fields are trained with samples as far apart as the sensor's noise asks for, some cells.
-  for (int most = kFine; resolution_ > most; most = kMostResolution) resolution_ = (resolution_ + 1) / 2;
+  for (int limit = kFine; resolution_ > limit; limit = kMaxResolution) resolution_ = (resolution_ + 1) / 2;
   const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);
   constexpr std::size_t kChunk = 64;
   struct Part {
-    std::vector<std::array<int, 3>> places;
+    std::vector<std::array<int, 3>> coordinates;
     std::vector<std::uint16_t> pairs;
   };
   std::vector<Part> parts(chunk_count(candidates.size(), kChunk));
@@ -156,19 +156,19 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
     Part& part = parts[chunk.index];
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (!sampler.sample(candidates[i])) continue;
-      part.places.push_back(candidates[i]);
+      part.coordinates.push_back(candidates[i]);
       part.pairs.resize(part.pairs.size() + kPairs);
       sampler.write_pairs(part.pairs.data() + part.pairs.size() - kPairs);
     }
   });
   for (const Part& part : parts) {
-    places_.insert(places_.end(), part.places.begin(), part.places.end());
+    coordinates_.insert(coordinates_.end(), part.coordinates.begin(), part.coordinates.end());
     pairs_.insert(pairs_.end(), part.pairs.begin(), part.pairs.end());
   }
   const auto per_side = static_cast<std::size_t>(bricks_per_side());
   index_.assign(per_side * per_side * per_side, -1);
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const auto [x, y, z] = places_[i];
+  for (std::size_t i = 0; i < coordinates_.size(); ++i) {
+    const auto [x, y, z] = coordinates_[i];
     index_[(static_cast<std::size_t>(z) * per_side + static_cast<std::size_t>(y)) * per_side +
            static_cast<std::size_t>(x)] = static_cast<std::int32_t>(i);
   }
@@ -177,22 +177,22 @@ DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.fine
 int DensityBricks::brick_at(int x, int y, int z) const {
   const int n = bricks_per_side();
   if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) return -1;
-  const int place = (z * n + y) * n + x;
-  return index_[static_cast<std::size_t>(place)];
+  const int index = (z * n + y) * n + x;
+  return index_[static_cast<std::size_t>(index)];
 }
 
 std::uint8_t DensityBricks::largest(std::size_t brick, const std::array<int, 3>& low, int side) const {
   const std::uint16_t* pairs = pairs_.data() + brick * kPairs;
-  int most = 0;
+  int max_byte = 0;
   for (int z = low[2]; z <= low[2] + side; ++z) {
     for (int y = low[1]; y < low[1] + side; ++y) {
       for (int x = low[0]; x <= low[0] + side; ++x) {
         const int pair = pairs[(z * kSide + y) * kLevels + x];
-        most = std::max({most, pair & 255, pair >> 8});
+        max_byte = std::max({max_byte, pair & 255, pair >> 8});
       }
     }
   }
-  return static_cast<std::uint8_t>(most);
+  return static_cast<std::uint8_t>(max_byte);
 }
 
 float DensityBricks::raw_density(const std::array<float, 3>& at) const {

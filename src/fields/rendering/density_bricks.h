@@ -23,7 +23,7 @@ public:
   static constexpr int kLevels = kSide + 1;
   /// Pairs per brick: x, then y, then z fastest to slowest; y from 0 to 7, x and z from 0 to 8.
   static constexpr int kPairs = kLevels * kSide * kLevels;
-  static constexpr int kMostResolution = 1024;
+  static constexpr int kMaxResolution = 1024;
   /// A byte b stands for the raw density kLowest + b · kStep; 0 for what is empty.
   static constexpr float kLowest = -8.0F;
   static constexpr float kStep = 19.0F / 255.0F; ///< the largest is kMaxRawDensity
@@ -37,9 +37,9 @@ public:
 
   int resolution() const { return resolution_; }
   int bricks_per_side() const { return (resolution_ + kSide - 1) / kSide; }
-  std::size_t count() const { return places_.size(); }
+  std::size_t count() const { return coordinates_.size(); }
   /// Coordinates of brick `brick`, in bricks.
-  const std::array<int, 3>& place(std::size_t brick) const { return places_[brick]; }
+  const std::array<int, 3>& coordinates(std::size_t brick) const { return coordinates_[brick]; }
   /// Number of the brick there, or −1; anywhere outside too.
   int brick_at(int x, int y, int z) const;
 
@@ -58,7 +58,7 @@ public:
 private:
   int resolution_ = 0;
   std::vector<std::int32_t> index_;
-  std::vector<std::array<int, 3>> places_;
+  std::vector<std::array<int, 3>> coordinates_;
   LargeBuffer<std::uint16_t> pairs_;
 };
 

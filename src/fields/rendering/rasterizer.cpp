@@ -7,24 +7,24 @@ TriangleBins::TriangleBins(const Intrinsics& intrinsics)
     : intrinsics_(intrinsics), columns_((intrinsics.width + kTile - 1) / kTile),
       rows_((intrinsics.height + kTile - 1) / kTile) {}
 
-void TriangleBins::add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const HullFace> faces) {
-  constexpr std::size_t kFaces = kPart / 2;
-  const std::size_t first = parts_.size();
-  parts_.resize(first + chunk_count(faces.size(), kFaces));
+void TriangleBins::add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const ProxyFace> faces) {
+  constexpr std::size_t kFaces = kBatch / 2;
+  const std::size_t first = batches_.size();
+  batches_.resize(first + chunk_count(faces.size(), kFaces));
   parallel_for(faces.size(), kFaces, [&](const Chunk& chunk) {
     add_front(intrinsics_, corners.data(), faces.subspan(chunk.begin, chunk.end - chunk.begin), layer,
-              parts_[first + chunk.index]);
+              batches_[first + chunk.index]);
   });
 }
 
 template <class Visit> void TriangleBins::for_triangles_and_tiles(const Visit& visit) const {
-  for (std::uint32_t part = 0; part < parts_.size(); ++part) {
-    for (std::uint32_t i = 0; i < parts_[part].size(); ++i) {
-      const auto& bounds = parts_[part][i].bounds;
+  for (std::uint32_t batch = 0; batch < batches_.size(); ++batch) {
+    for (std::uint32_t i = 0; i < batches_[batch].size(); ++i) {
+      const auto& bounds = batches_[batch][i].bounds;
       for (int row = bounds[2] / kTile; row <= bounds[3] / kTile; ++row) {
         for (int column = bounds[0] / kTile; column <= bounds[1] / kTile; ++column) {
           const int tile = row * columns_ + column;
-          visit(part * kPart + i, static_cast<std::size_t>(tile));
+          visit(batch * kBatch + i, static_cast<std::size_t>(tile));
         }
       }
     }

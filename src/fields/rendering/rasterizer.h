@@ -12,13 +12,13 @@
 #include <Eigen/Core>
 
 #include "core/camera.h"
-#include "fields/rendering/brick_hull.h"
+#include "fields/rendering/proxy_mesh.h"
 
 namespace kinora::fields {
 
 /// Barycentric coordinates of the point that a pixel's ray meets, times 1 / depth, are rows · (x, y, 1), with (x, y, 1)
 /// the pixel's ray in the camera's frame; their sum is 1 / depth.
-struct HullTriangle {
+struct ProxyTriangle {
   std::array<std::array<float, 3>, 3> rows;
   std::array<std::uint32_t, 3> corners;
   std::array<std::int16_t, 4> bounds; ///< pixels: first and last column, first and last row
@@ -33,34 +33,34 @@ public:
   explicit TriangleBins(const Intrinsics& intrinsics);
 
   /// Adds the front faces of a layer, at corners in the camera's frame; layers in ascending order.
-  void add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const HullFace> faces);
+  void add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const ProxyFace> faces);
   /// To be called once, after all layers.
   void sort();
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  const HullTriangle& triangle(std::uint32_t index) const { return parts_[index / kPart][index % kPart]; }
+  const ProxyTriangle& triangle(std::uint32_t index) const { return batches_[index / kBatch][index % kBatch]; }
   /// Indices of the tile's triangles, in the order in which they were added.
   std::span<const std::uint32_t> of_tile(int column, int row) const;
 
 private:
-  static constexpr std::uint32_t kPart = 2048; // triangles at most
+  static constexpr std::uint32_t kBatch = 2048; // triangles at most
   template <class Visit> void for_triangles_and_tiles(const Visit& visit) const;
 
   Intrinsics intrinsics_;
   int columns_;
   int rows_;
-  std::vector<std::vector<HullTriangle>> parts_;
+  std::vector<std::vector<ProxyTriangle>> batches_;
   std::vector<std::uint32_t> begin_; // per tile, into members_; one more at the end
   std::vector<std::uint32_t> members_;
 };
 
-/// Up to kMost values for each pixel of a tile, nearest first; of more the farthest are dropped. The nearest of all
+/// Up to kMax values for each pixel of a tile, nearest first; of more the farthest are dropped. The nearest of all
 /// pixels lie together, as most have few.
-template <class T, int kMost> class PixelLists {
+template <class T, int kMax> class PixelLists {
 public:
   static constexpr std::size_t kPixels = TriangleBins::kTile * TriangleBins::kTile;
-  static constexpr std::size_t kMostOfAPixel = kMost;
+  static constexpr std::size_t kMaxPerPixel = kMax;
 
   void clear() { counts_.fill(0); }
   std::size_t count(std::size_t pixel) const { return counts_[pixel]; }
@@ -68,7 +68,7 @@ public:
   /// T has a member `depth`.
   void insert(std::size_t pixel, const T& value) {
     std::size_t number = counts_[pixel];
-    if (number == kMost) {
+    if (number == kMax) {
       if (!(value.depth < at(pixel, number - 1).depth)) return;
       --number;
     } else {
@@ -81,7 +81,7 @@ public:
   }
 
 private:
-  std::unique_ptr<T[]> values_{new T[kPixels * kMost]}; // without initial values
+  std::unique_ptr<T[]> values_{new T[kPixels * kMax]}; // without initial values
   std::array<std::uint8_t, kPixels> counts_{};
 };
 
@@ -93,8 +93,8 @@ struct Entry {
 using Entries = PixelLists<Entry, 8>;
 
 /// Appends the front faces among `faces`, two triangles each.
-void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
-               std::uint8_t layer, std::vector<HullTriangle>& out);
+void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const ProxyFace> faces,
+               std::uint8_t layer, std::vector<ProxyTriangle>& out);
 
 /// The rays of a tile's pixels, (x, y, 1) in the camera's frame.
 struct TileRays {
@@ -105,6 +105,6 @@ struct TileRays {
 TileRays tile_rays(const Intrinsics& intrinsics, int left, int top);
 
 /// Adds the entries of one triangle into the pixels of a tile.
-void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries);
+void rasterize(const ProxyTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries);
 
 } // namespace kinora::fields

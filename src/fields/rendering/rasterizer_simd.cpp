@@ -34,10 +34,10 @@ struct Corner {
   Mask behind;
 };
 
-/// Triangles of as many faces as there are lanes: fields of HullTriangle.
+/// Triangles of as many faces as there are lanes: fields of ProxyTriangle.
 struct Triangles {
-  HWY_ALIGN float rows[9][kMostLanes];
-  HWY_ALIGN std::int32_t bounds[4][kMostLanes];
+  HWY_ALIGN float rows[9][kMaxLanes];
+  HWY_ALIGN std::int32_t bounds[4][kMaxLanes];
   std::uint32_t seen = 0; ///< bits
 };
 
@@ -58,9 +58,9 @@ HWY_INLINE void set_up(const Corner& a, const Corner& b, const Corner& c, const 
     const F low = hn::Ceil(hn::Sub(hn::Min(p, hn::Min(q, r)), constant(0.01F)));
     return hn::Max(zero(), hn::IfThenZeroElse(any_behind, low));
   };
-  const auto highest = [&](F p, F q, F r, F most) HWY_ATTR {
+  const auto highest = [&](F p, F q, F r, F limit) HWY_ATTR {
     const F high = hn::Floor(hn::Add(hn::Max(p, hn::Max(q, r)), constant(0.01F)));
-    return hn::Min(most, hn::IfThenElse(any_behind, most, high));
+    return hn::Min(limit, hn::IfThenElse(any_behind, limit, high));
   };
   const F bounds[4] = {lowest(a.u, b.u, c.u), highest(a.u, b.u, c.u, right), lowest(a.v, b.v, c.v),
                        highest(a.v, b.v, c.v, bottom)};
@@ -81,12 +81,12 @@ HWY_INLINE void set_up(const Corner& a, const Corner& b, const Corner& c, const 
 }
 
 /// Of faces[0] … faces[count − 1] those with an odd or even number.
-HWY_INLINE void append(const Triangles& triangles, std::span<const HullFace> faces, std::size_t second,
-                       std::uint8_t layer, std::vector<HullTriangle>& out) {
+HWY_INLINE void append(const Triangles& triangles, std::span<const ProxyFace> faces, std::size_t second,
+                       std::uint8_t layer, std::vector<ProxyTriangle>& out) {
   for (std::uint32_t seen = triangles.seen; seen != 0; seen &= seen - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(seen));
     if (i >= faces.size()) return;
-    HullTriangle& triangle = out.emplace_back();
+    ProxyTriangle& triangle = out.emplace_back();
     for (std::size_t r = 0; r < 3; ++r) {
       for (std::size_t k = 0; k < 3; ++k) triangle.rows[r][k] = triangles.rows[3 * r + k][i];
     }
@@ -96,12 +96,12 @@ HWY_INLINE void append(const Triangles& triangles, std::span<const HullFace> fac
   }
 }
 
-void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
-               std::uint8_t layer, std::vector<HullTriangle>& out) {
+void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const ProxyFace> faces,
+               std::uint8_t layer, std::vector<ProxyTriangle>& out) {
   const Floats df;
   const Ints di;
   const std::size_t lanes = hn::Lanes(df);
-  HWY_ALIGN std::int32_t index[4][kMostLanes] = {};
+  HWY_ALIGN std::int32_t index[4][kMaxLanes] = {};
   Triangles triangles{};
   for (std::size_t begin = 0; begin < faces.size(); begin += lanes) {
     const auto some = faces.subspan(begin, HWY_MIN(lanes, faces.size() - begin));
@@ -127,7 +127,7 @@ void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std
   }
 }
 
-void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries) {
+void rasterize(const ProxyTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries) {
   constexpr int kTile = TriangleBins::kTile;
   const Floats df;
   const auto& bounds = triangle.bounds;
@@ -137,9 +137,9 @@ void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays
   const int last_row = HWY_MIN(bounds[3] - rays.top, kTile - 1);
   const auto& m = triangle.rows;
   const auto lanes = static_cast<int>(hn::Lanes(df));
-  HWY_ALIGN float depths[kMostLanes];
+  HWY_ALIGN float depths[kMaxLanes];
   for (int left = first_column / lanes * lanes; left <= last_column; left += lanes) {
-    const std::uint32_t wanted = (2U << (last_column - left)) - (1U << HWY_MAX(first_column - left, 0));
+    const std::uint32_t column_mask = (2U << (last_column - left)) - (1U << HWY_MAX(first_column - left, 0));
     const F x = hn::MulAdd(hn::Iota(df, static_cast<float>(left)), constant(rays.dx), constant(rays.x));
     const F along[3] = {hn::Mul(constant(m[0][0]), x), hn::Mul(constant(m[1][0]), x), hn::Mul(constant(m[2][0]), x)};
     for (int row = first_row; row <= last_row; ++row) {
@@ -148,9 +148,9 @@ void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays
       const F e1 = hn::Add(along[1], constant(m[1][1] * y + m[1][2]));
       const F e2 = hn::Add(along[2], constant(m[2][1] * y + m[2][2]));
       const F inverse_depth = hn::Add(e0, hn::Add(e1, e2));
-      const F least = hn::Mul(constant(-kSlack), inverse_depth);
-      const Mask inside = hn::And(hn::Ge(hn::Min(e0, hn::Min(e1, e2)), least), hn::Gt(inverse_depth, zero()));
-      std::uint32_t bits = bits_of(inside) & wanted;
+      const F min_weight = hn::Mul(constant(-kSlack), inverse_depth);
+      const Mask inside = hn::And(hn::Ge(hn::Min(e0, hn::Min(e1, e2)), min_weight), hn::Gt(inverse_depth, zero()));
+      std::uint32_t bits = bits_of(inside) & column_mask;
       if (bits == 0) continue;
       hn::Store(hn::Div(constant(1), inverse_depth), df, depths);
       const int begin = row * kTile + left;
@@ -171,12 +171,12 @@ namespace kinora::fields {
 HWY_EXPORT(add_front);
 HWY_EXPORT(rasterize);
 
-void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const HullFace> faces,
-               std::uint8_t layer, std::vector<HullTriangle>& out) {
+void add_front(const Intrinsics& intrinsics, const Eigen::Vector3f* corners, std::span<const ProxyFace> faces,
+               std::uint8_t layer, std::vector<ProxyTriangle>& out) {
   HWY_DYNAMIC_DISPATCH(add_front)(intrinsics, corners, faces, layer, out);
 }
 
-void rasterize(const HullTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries) {
+void rasterize(const ProxyTriangle& triangle, std::uint32_t index, const TileRays& rays, Entries& entries) {
   HWY_DYNAMIC_DISPATCH(rasterize)(triangle, index, rays, entries);
 }
 

@@ -5,11 +5,11 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/rendering/enlarging.h"
-#include "fields/rendering/layer_view.h"
+#include "fields/rendering/projected_layer.h"
 #include "fields/rendering/tile_marcher.h"
 #include "fields/rendering/tile_samples.h"
 #include "fields/rendering/tile_shader.h"
+#include "fields/rendering/upsampling.h"
 
 namespace kinora::fields {
 
@@ -19,8 +19,8 @@ DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph,
   derived->surface_matrix = surface_matrix(field);
   derived->vector_matrix = vector_matrix(field);
   derived->bricks = DensityBricks(field);
-  derived->hull = BrickHull(derived->bricks, field.config.box);
-  if (graph != nullptr) derived->hull.follow(*graph);
+  derived->proxy_mesh = ProxyMesh(derived->bricks, field.config.box);
+  if (graph != nullptr) derived->proxy_mesh.bind_to(*graph);
   derived->field = std::move(field);
   derived->confidence = std::move(confidence);
   derived_ = std::move(derived);
@@ -29,28 +29,28 @@ const Field& DrawableField::field() const { return derived_->field; }
 
 PosedField pose(const DrawableField& field, const motion::Warp& warp) {
   if (warp.is_rigid()) return {&field, warp.rigid()};
-  const BrickHull& hull = field.derived().hull;
-  if (hull.influences().count != hull.corner_count()) {
+  const ProxyMesh& proxy_mesh = field.derived().proxy_mesh;
+  if (proxy_mesh.influences().count != proxy_mesh.corner_count()) {
     throw Error(ErrorCode::kFailure, "a field that was not made to deform cannot be drawn deformed");
   }
-  return {&field, SE3::Identity(), std::make_shared<const PosedHull>(hull, warp),
+  return {&field, SE3::Identity(), std::make_shared<const PosedProxyMesh>(proxy_mesh, warp),
           std::make_shared<const motion::Warp>(warp)};
 }
 
 namespace {
 
 constexpr int kTile = TriangleBins::kTile;
-constexpr int kMostSide = 16384;
-static_assert(kTile % DrawOptions::kMostSamples == 0);
+constexpr int kMaxSide = 16384;
+static_assert(kTile % DrawOptions::kMaxSamples == 0);
 
 /// Draws tiles; buffers are kept.
 class TileRenderer {
 public:
   /// `intrinsics`: of the samples, `per_side`² of which make a pixel.
-  TileRenderer(std::span<const LayerView> views, const TriangleBins& bins, const Intrinsics& intrinsics, int per_side,
-               const DrawOptions& options, Picture& picture)
+  TileRenderer(std::span<const ProjectedLayer> views, const TriangleBins& bins, const Intrinsics& intrinsics,
+               int per_side, const DrawOptions& options, Picture& picture)
       : views_(views), bins_(bins), intrinsics_(intrinsics), per_side_(per_side), options_(options), picture_(picture) {
-    for (const LayerView& view : views) {
+    for (const ProjectedLayer& view : views) {
       marchers_.emplace_back(view, static_cast<std::uint32_t>(marchers_.size()), bins);
       shaders_.emplace_back(view.layer());
     }
@@ -94,20 +94,20 @@ private:
 
   // False if no layer has anything here.
   bool find_entries(std::span<const std::uint32_t> triangles) {
-    const auto holds_camera = [](const LayerView& view) { return view.holds_camera(); };
-    if (triangles.empty() && std::none_of(views_.begin(), views_.end(), holds_camera)) return false;
+    const auto contains_camera = [](const ProjectedLayer& view) { return view.contains_camera(); };
+    if (triangles.empty() && std::none_of(views_.begin(), views_.end(), contains_camera)) return false;
     const TileRays tile = tile_rays(intrinsics_, left_, top_);
     find_rays(tile);
     for (std::size_t l = 0; l < views_.size(); ++l) {
       Entries& entries = marchers_[l].entries();
       entries.clear();
-      if (!views_[l].holds_camera()) continue;
+      if (!views_[l].contains_camera()) continue;
       for (std::size_t p = 0; p < Entries::kPixels; ++p) entries.insert(p, {kNearDepth, kInside});
     }
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       constexpr std::size_t kAhead = 4; // they are scattered, and asked for before they are needed
       if (i + kAhead < triangles.size()) __builtin_prefetch(&bins_.triangle(triangles[i + kAhead]));
-      const HullTriangle& triangle = bins_.triangle(triangles[i]);
+      const ProxyTriangle& triangle = bins_.triangle(triangles[i]);
       rasterize(triangle, triangles[i], tile, marchers_[triangle.layer].entries());
     }
     return true;
@@ -132,14 +132,16 @@ private:
     float transmittance = 1;
     for (std::size_t i = 0; i < surfaces_.count(p); ++i) {
       const Surface& surface = surfaces_.at(p, i);
-      const LayerView& view = views_[surface.layer];
-      const auto place = [&] { return view.from_box(surface.position); };
+      const ProjectedLayer& view = views_[surface.layer];
+      const auto lattice_position = [&] { return view.from_box(surface.position); };
       float weight = transmittance * surface.opacity;
-      if (options_.unseen == Unseen::kFade && weight > kNegligible) weight *= view.seen_share(place(), rays_[p].way);
-      if (weight > kNegligible) {
+      if (options_.unseen == Unseen::kFade && weight > kMinShare)
+        weight *= view.visible_share(lattice_position(), rays_[p].view_vector);
+      if (weight > kMinShare) {
         shaders_[surface.layer].add(p, surface, weight);
-        if (options_.normals) sample.normal += weight * view.normal_at(place());
-        if (options_.confidence) sample.confidence += weight * view.confidence_at(place(), rays_[p].way);
+        if (options_.normals) sample.normal += weight * view.normal_at(lattice_position());
+        if (options_.confidence)
+          sample.confidence += weight * view.confidence_at(lattice_position(), rays_[p].view_vector);
       }
       if (transmittance > 0.5F && transmittance - weight <= 0.5F) sample.depth = surface.depth;
       transmittance -= weight;
@@ -147,7 +149,7 @@ private:
     }
     // Towards the camera where none is known.
     if (options_.normals && sample.depth > 0) {
-      if (sample.normal.squaredNorm() <= 1e-12F) sample.normal = -rays_[p].way;
+      if (sample.normal.squaredNorm() <= 1e-12F) sample.normal = -rays_[p].view_vector;
       sample.normal.normalize();
     }
   }
@@ -205,14 +207,14 @@ private:
   // What is not met is farthest; the more opaque is before it.
   static bool is_nearer(const Sample* a, const Sample* b) {
     if (a->depth > 0 && b->depth > 0) return a->depth < b->depth;
-    return a->depth > 0 || (!(b->depth > 0) && a->most > b->most);
+    return a->depth > 0 || (!(b->depth > 0) && a->max_share > b->max_share);
   }
 
   static std::uint8_t to_byte(float value) {
     return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(value, 0.0F, 1.0F)));
   }
 
-  std::span<const LayerView> views_;
+  std::span<const ProjectedLayer> views_;
   const TriangleBins& bins_;
   const Intrinsics& intrinsics_;
   int per_side_;
@@ -238,7 +240,7 @@ Picture render_fast(std::span<const PosedField> layers, const Camera& camera, Dr
   const Intrinsics& intrinsics = camera.intrinsics;
   Camera half = camera;
   half.intrinsics = intrinsics.resized((intrinsics.width + 1) / 2, (intrinsics.height + 1) / 2);
-  return enlarged(render(layers, half, options), intrinsics.width, intrinsics.height);
+  return upsampled(render(layers, half, options), intrinsics.width, intrinsics.height);
 }
 
 } // namespace
@@ -246,18 +248,18 @@ Picture render_fast(std::span<const PosedField> layers, const Camera& camera, Dr
 Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options) {
   constexpr std::size_t kMaxLayers = 255;
   const Intrinsics& intrinsics = camera.intrinsics;
-  if (intrinsics.width < 1 || intrinsics.height < 1 || intrinsics.width > kMostSide || intrinsics.height > kMostSide) {
+  if (intrinsics.width < 1 || intrinsics.height < 1 || intrinsics.width > kMaxSide || intrinsics.height > kMaxSide) {
     throw Error(ErrorCode::kUsage, "a picture must have between 1 and 16384 pixels on each side");
   }
   if (layers.size() > kMaxLayers) throw Error(ErrorCode::kUsage, "at most 255 layers can be drawn together");
   if (options.quality == DrawQuality::kFast) return render_fast(layers, camera, options);
-  std::vector<LayerView> views;
+  std::vector<ProjectedLayer> views;
   for (const PosedField& posed : layers) views.emplace_back(posed, camera);
   int per_side = options.samples;
-  if (per_side < 1 || per_side > DrawOptions::kMostSamples || kTile % per_side != 0) {
+  if (per_side < 1 || per_side > DrawOptions::kMaxSamples || kTile % per_side != 0) {
     throw Error(ErrorCode::kUsage, "a pixel is drawn with 1, 2, 4 or 8 samples along each side");
   }
-  while (per_side * std::max(intrinsics.width, intrinsics.height) > kMostSide) per_side /= 2;
+  while (per_side * std::max(intrinsics.width, intrinsics.height) > kMaxSide) per_side /= 2;
   const Intrinsics fine = intrinsics.resized(per_side * intrinsics.width, per_side * intrinsics.height);
   TriangleBins bins(fine);
   for (std::size_t l = 0; l < views.size(); ++l) {

@@ -1,7 +1,7 @@
 // Layers seen from any camera, all in one pass, in correct order of depth. A pixel's ray enters a layer where the hull
-// of its density bricks, carried by the motion, is rasterised (brick_hull.h); from there it runs straight through
-// canonical space until the bricks' densities make it opaque (march.h); the field itself is evaluated only at the
-// surfaces that are found.
+// of its density bricks, carried by the motion, is rasterised (proxy_mesh.h); from there it runs straight through
+// canonical space until the bricks' densities make it opaque (ray_marching.h); the field itself is evaluated only at
+// the surfaces that are found.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 #include "core/image.h"
 #include "fields/model/confidence.h"
 #include "fields/model/field.h"
-#include "fields/rendering/brick_hull.h"
+#include "fields/rendering/proxy_mesh.h"
 #include "motion/warp.h"
 
 namespace kinora::fields {
@@ -36,7 +36,7 @@ private:
 struct PosedField {
   const DrawableField* field = nullptr; ///< must outlive this
   SE3 canonical_to_world = SE3::Identity();
-  std::shared_ptr<const PosedHull> hull = nullptr; ///< of a layer that deforms; its own place is then in it
+  std::shared_ptr<const PosedProxyMesh> proxy_mesh = nullptr; ///< of a layer that deforms; its own place is then in it
   /// World points back to canonical ones near the camera, where it stands inside of a deforming layer.
   std::shared_ptr<const motion::Warp> warp = nullptr;
 };
@@ -75,7 +75,7 @@ struct DrawOptions {
   bool normals = false;
   bool confidence = false;
   Unseen unseen = Unseen::kKeep;
-  static constexpr int kMostSamples = 8;
+  static constexpr int kMaxSamples = 8;
   /// Along each side of a pixel: 1, 2, 4 or 8, fewer where the picture would have more than 16384 of them on a side.
   /// Colours are averaged by their opacity, in sRGB; depth is that of the sample in the middle of all from near to
   /// far, so that it is never averaged across an edge; `front` is the same sample's.

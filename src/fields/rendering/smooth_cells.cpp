@@ -5,14 +5,14 @@
 namespace kinora::fields {
 namespace {
 
-Surface between(const Surface& a, const Surface& b, float share) {
+Surface interpolate(const Surface& a, const Surface& b, float share) {
   const auto mix = [share](float from, float to) { return from + share * (to - from); };
   Surface surface = a;
   surface.depth = mix(a.depth, b.depth);
   surface.opacity = mix(a.opacity, b.opacity);
   for (std::size_t i = 0; i < 3; ++i) {
     surface.position[i] = mix(a.position[i], b.position[i]);
-    surface.spread[i] = mix(a.spread[i], b.spread[i]);
+    surface.sigma[i] = mix(a.sigma[i], b.sigma[i]);
   }
   return surface;
 }
@@ -21,22 +21,23 @@ Surface between(const Surface& a, const Surface& b, float share) {
 
 // The edge between two neighbours in a row of anchors: straight if it goes on as the row does before or after it. A
 // step of depth would be seen from both sides.
-bool SmoothCells::is_straight(std::size_t from, std::size_t stride, std::size_t place, float tolerance) const {
-  const auto bends = [&](std::size_t first) {
+bool SmoothCells::is_straight(std::size_t from, std::size_t stride, std::size_t index, float tolerance) const {
+  const auto is_curved = [&](std::size_t first) {
     const std::size_t middle = first + stride;
     const std::size_t last = middle + stride;
     if (!solid_[first] || !solid_[middle] || !solid_[last]) return true;
     float sum = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-      const float bend = surfaces_[first].position[a] - 2 * surfaces_[middle].position[a] + surfaces_[last].position[a];
-      sum += bend * bend;
+      const float curvature =
+          surfaces_[first].position[a] - 2 * surfaces_[middle].position[a] + surfaces_[last].position[a];
+      sum += curvature * curvature;
     }
     return !(sum <= tolerance * tolerance);
   };
-  return (place > 0 && !bends(from - stride)) || (place + 2 < kAnchors && !bends(from));
+  return (index > 0 && !is_curved(from - stride)) || (index + 2 < kAnchors && !is_curved(from));
 }
 
-void SmoothCells::judge(float tolerance) {
+void SmoothCells::find_smooth_cells(float tolerance) {
   constexpr std::size_t kSide = kAnchors;
   smooth_.fill(false);
   for (std::size_t y = 0; y + 1 < kSide; ++y) {
@@ -59,8 +60,8 @@ std::optional<Surface> SmoothCells::at(std::uint32_t pixel) const {
   if (!smooth_[i]) return std::nullopt;
   const float along = static_cast<float>(u - kStep * x) / kStep;
   const float down = static_cast<float>(v - kStep * y) / kStep;
-  return between(between(surfaces_[i], surfaces_[i + 1], along),
-                 between(surfaces_[i + kAnchors], surfaces_[i + kAnchors + 1], along), down);
+  return interpolate(interpolate(surfaces_[i], surfaces_[i + 1], along),
+                     interpolate(surfaces_[i + kAnchors], surfaces_[i + kAnchors + 1], along), down);
 }
 
 } // namespace kinora::fields

@@ -39,7 +39,7 @@ public:
   }
   /// Finds the cells whose corners lie on one smooth surface: none of their edges bends by more than `tolerance`,
   /// relative to the field's box.
-  void judge(float tolerance);
+  void find_smooth_cells(float tolerance);
   /// The surface at a pixel that is no anchor, if its cell is smooth.
   std::optional<Surface> at(std::uint32_t pixel) const;
 
@@ -48,7 +48,7 @@ private:
     constexpr std::uint32_t kTile = TriangleBins::kTile;
     return pixel / kTile / kStep * kAnchors + pixel % kTile / kStep;
   }
-  bool is_straight(std::size_t from, std::size_t stride, std::size_t place, float tolerance) const;
+  bool is_straight(std::size_t from, std::size_t stride, std::size_t index, float tolerance) const;
 
   std::array<bool, kAnchors * kAnchors> solid_{};
   std::array<bool, kAnchors * kAnchors> smooth_{}; // by the cell's first anchor

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 
 namespace kinora::fields {
 
@@ -12,9 +12,9 @@ struct Surface {
   float depth; ///< metres
   float opacity;
   std::uint32_t layer;
-  std::array<float, 3> position; ///< relative to the field's box, where the light is taken away in the mean
-  std::array<float, 3> spread;   ///< its standard deviation along the ray
-  Turn turn = kNoTurn;           ///< of the layer there
+  std::array<float, 3> position;   ///< relative to the field's box, where the light is taken away in the mean
+  std::array<float, 3> sigma;      ///< its standard deviation along the ray
+  Rotation rotation = kNoRotation; ///< of the layer there
 };
 
 } // namespace kinora::fields

@@ -6,33 +6,33 @@
 namespace kinora::fields {
 namespace {
 
-constexpr float kSamePlace = 2;      // lattice steps: an entry that near to a ray that is under way belongs to it
-constexpr float kTouching = 1e-3F;   // metres: the way to a corner that near says nothing of where a ray goes
-constexpr float kStandstill = 0.01F; // lattice steps per sample: so little comes of corners turned against each other
-constexpr float kHullReach = 16; // lattice steps between a hull and its surface; farther, something stands before it
+constexpr float kSameEntry = 2;         // lattice steps: an entry that near to a ray that is under way belongs to it
+constexpr float kMinViewVector = 1e-3F; // metres: the way to a corner that near says nothing of where a ray goes
+constexpr float kMinProgress = 0.01F; // lattice steps per sample: so little comes of corners turned against each other
+constexpr float kProxyReach = 16; // lattice steps between a hull and its surface; farther, something stands before it
 
 } // namespace
 
 bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, float& begin) const {
   while (ray.next < entries_.count(ray.pixel)) {
     Entry entry = entries_.at(ray.pixel, ray.next);
-    if (entry.depth < kTouching) entry = {kTouching, kInside};
-    const LayerView::Place place = view_->place_of(entry, *bins_, pixel_ray.way);
+    if (entry.depth < kMinViewVector) entry = {kMinViewVector, kInside};
+    const ProjectedLayer::EntryPoint entry_point = view_->entry_point(entry, *bins_, pixel_ray.view_vector);
     if (ray.next++ > 0 && entry.depth < until_depth) {
       const Eigen::Vector3f before = ray.origin + (entry.depth - ray.entry_depth) / ray.depth_step * ray.direction;
-      if ((place.at - before).squaredNorm() < kSamePlace * kSamePlace) continue;
+      if ((entry_point.at - before).squaredNorm() < kSameEntry * kSameEntry) continue;
     }
     const float depth_step = view_->step() * pixel_ray.inverse_length;
     const float steps = entry.depth / depth_step; // from the camera
-    const Eigen::Vector3f direction = place.way / steps;
-    if (!(direction.squaredNorm() > kStandstill * kStandstill)) continue; // it would never leave
+    const Eigen::Vector3f direction = entry_point.view_vector / steps;
+    if (!(direction.squaredNorm() > kMinProgress * kMinProgress)) continue; // it would never leave
     ray.depth_step = depth_step;
     ray.direction = direction;
-    ray.turn = place.turn;
+    ray.rotation = entry_point.rotation;
     // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
     const float rung = std::ceil(steps - 0.5F);
     ray.entry_depth = rung * ray.depth_step;
-    ray.origin = place.at + (rung - steps) * ray.direction;
+    ray.origin = entry_point.at + (rung - steps) * ray.direction;
     begin = ray.entry_depth < kNearDepth ? std::ceil((kNearDepth - ray.entry_depth) / ray.depth_step) : 0;
     return true;
   }
@@ -40,7 +40,7 @@ bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, 
 }
 
 void TileMarcher::begin(const PixelRay& pixel_ray, std::uint32_t pixel) {
-  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNoTurn};
+  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNoRotation};
   float begin = 0;
   if (!enter(pixel_ray, 0, ray, begin)) return;
   rays_.push_back(ray);
@@ -53,11 +53,11 @@ void TileMarcher::march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces)
     if (entries_.count(p) > 0) begin(pixel_rays[p], p);
   }
   follow(pixel_rays, surfaces);
-  cells_.judge(view_->step() / static_cast<float>(view_->layer().field.config.box.side));
+  cells_.find_smooth_cells(view_->step() / static_cast<float>(view_->layer().field.config.box.side));
 }
 
 void TileMarcher::march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, Surfaces& surfaces) {
-  const float reach = kHullReach * view_->lattice_step();
+  const float reach = kProxyReach * view_->lattice_step();
   for (const std::uint32_t p : pixels) {
     if (entries_.count(p) == 0 || SmoothCells::is_anchor(p)) continue;
     const auto surface = cells_.at(p);
@@ -72,7 +72,7 @@ void TileMarcher::march(const PixelRays& pixel_rays, std::span<const std::uint32
 
 // All rays that have begun, to their ends.
 void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
-  const LayerView& view = *view_;
+  const ProjectedLayer& view = *view_;
   while (!rays_.empty()) {
     const std::size_t n = rays_.size();
     march_rays_.resize(n);
@@ -84,26 +84,26 @@ void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
     }
     fields::march(view.layer().bricks, march_rays_.data(), begin_.data(), n, view.optical_length(), runs_.data());
     points_.resize(n);
-    places_.resize(n);
+    positions_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Ray& ray = rays_[i];
-      places_.set(i, ray.origin + runs_[i].mean * ray.direction);
-      points_.set(i, (ray.entry_depth + runs_[i].mean * ray.depth_step) * pixel_rays[ray.pixel].way);
+      positions_.set(i, ray.origin + runs_[i].mean * ray.direction);
+      points_.set(i, (ray.entry_depth + runs_[i].mean * ray.depth_step) * pixel_rays[ray.pixel].view_vector);
     }
-    if (view.deforms()) view.refine(n, points_, places_);
+    if (view.deforms()) view.refine(n, points_, positions_);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < n; ++i) {
       Ray ray = rays_[i];
       const MarchRun& run = runs_[i];
-      if (run.opacity > kNegligible) {
+      if (run.opacity > kMinShare) {
         const Surface surface{
-            ray.entry_depth + run.median * ray.depth_step, run.opacity, layer_, view.to_box(places_.at(i)),
-            view.to_box(run.spread * ray.direction),       ray.turn};
+            ray.entry_depth + run.median * ray.depth_step, run.opacity, layer_, view.to_box(positions_.at(i)),
+            view.to_box(run.sigma * ray.direction),        ray.rotation};
         surfaces.insert(ray.pixel, surface);
-        if (ray.alone && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
+        if (ray.is_unobstructed && run.reason == RunEnd::kOpaque && SmoothCells::is_anchor(ray.pixel)) {
           cells_.set(ray.pixel, surface);
         }
-        ray.alone = false;
+        ray.is_unobstructed = false;
       }
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;

@@ -6,20 +6,20 @@
 #include <span>
 #include <vector>
 
-#include "fields/rendering/layer_view.h"
-#include "fields/rendering/march.h"
+#include "fields/rendering/projected_layer.h"
 #include "fields/rendering/rasterizer.h"
+#include "fields/rendering/ray_marching.h"
 #include "fields/rendering/smooth_cells.h"
 #include "fields/rendering/surface.h"
 
 namespace kinora::fields {
 
 /// Share of a pixel's light below which a surface is not looked at.
-inline constexpr float kNegligible = 0.004F;
+inline constexpr float kMinShare = 0.004F;
 
 /// A pixel's ray in the camera's frame.
 struct PixelRay {
-  Eigen::Vector3f way; ///< (x, y, 1)
+  Eigen::Vector3f view_vector; ///< (x, y, 1)
   float inverse_length;
 };
 using PixelRays = std::array<PixelRay, Entries::kPixels>;
@@ -29,7 +29,7 @@ using Surfaces = PixelLists<Surface, 8>;
 class TileMarcher {
 public:
   /// What it is made from must outlive it.
-  TileMarcher(const LayerView& view, std::uint32_t layer, const TriangleBins& bins)
+  TileMarcher(const ProjectedLayer& view, std::uint32_t layer, const TriangleBins& bins)
       : view_(&view), bins_(&bins), layer_(layer) {}
 
   /// To be filled before anything is marched.
@@ -42,12 +42,12 @@ public:
 private:
   struct Ray {
     std::uint32_t pixel;
-    std::size_t next; // entry
-    bool alone;       // has met nothing yet
+    std::size_t next;     // entry
+    bool is_unobstructed; // has met nothing yet
     float entry_depth;
     float depth_step;
     Eigen::Vector3f origin, direction;
-    Turn turn;
+    Rotation rotation;
   };
   // Stands the ray at its next entry that is not one of where it comes from; false if there is none.
   bool enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, float& begin) const;
@@ -55,7 +55,7 @@ private:
   void begin(const PixelRay& pixel_ray, std::uint32_t pixel);
   void follow(const PixelRays& pixel_rays, Surfaces& surfaces);
 
-  const LayerView* view_;
+  const ProjectedLayer* view_;
   const TriangleBins* bins_;
   std::uint32_t layer_;
   Entries entries_;
@@ -64,7 +64,7 @@ private:
   std::vector<MarchRay> march_rays_;
   std::vector<float> begin_;
   std::vector<MarchRun> runs_;
-  kernels::PointLanes points_, places_; // of what the rays have met
+  kernels::PointLanes points_, positions_; // of what the rays have met
 };
 
 } // namespace kinora::fields

@@ -15,7 +15,7 @@ namespace kinora::fields {
 
 struct Sample {
   Eigen::Array4f color = Eigen::Array4f::Zero(); ///< sRGB times opacity, then opacity
-  float most = 0;                                ///< opacity of the layer `front`
+  float max_share = 0;                           ///< opacity of the layer `front`
   std::uint8_t front = 0;                        ///< 1 + the layer that contributes most; 0: none
   float depth = 0;
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -26,8 +26,8 @@ struct Sample {
     Eigen::Array4f more = share * rgb;
     more[3] = share;
     color += more;
-    if (share <= most) return;
-    most = share;
+    if (share <= max_share) return;
+    max_share = share;
     front = static_cast<std::uint8_t>(layer + 1);
   }
 };

@@ -33,7 +33,7 @@ void TileShader::shade() {
     for (std::size_t h = 0; h < kHidden; ++h) {
       for (int v = 0; v < kSurfaceVectors; ++v) vectors[v] += input[h] * *matrix++;
     }
-    turn_vectors(turns_[row], vectors);
+    rotate_vectors(rotations_[row], vectors);
   }
   evaluate_surface_colors(layer_->field, layer_->surface_matrix, pixels_.size(), color_);
   colors_.resize(4 * pixels_.size());

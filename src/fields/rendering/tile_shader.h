@@ -22,8 +22,8 @@ public:
   void clear() {
     count_ = 0;
     opacities_.clear();
-    turns_.clear();
-    most_.clear();
+    rotations_.clear();
+    max_weights_.clear();
     pixels_.clear();
   }
   /// Pixels in ascending order.
@@ -31,16 +31,16 @@ public:
     if (pixels_.empty() || pixels_.back() != pixel) {
       pixels_.push_back(pixel);
       opacities_.push_back(0);
-      turns_.push_back(surface.turn);
-      most_.push_back(0);
+      rotations_.push_back(surface.rotation);
+      max_weights_.push_back(0);
     }
-    if (weight > most_.back()) {
-      most_.back() = weight;
-      turns_.back() = surface.turn;
+    if (weight > max_weights_.back()) {
+      max_weights_.back() = weight;
+      rotations_.back() = surface.rotation;
     }
     opacities_.back() += weight;
     // Features hardly change there.
-    const auto& s = surface.spread;
+    const auto& s = surface.sigma;
     if (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] < near_ * near_) return add_point(surface, 0, weight);
     add_point(surface, -1, 0.5F * weight);
     add_point(surface, 1, 0.5F * weight);
@@ -56,16 +56,16 @@ public:
 
 private:
   void add_point(const Surface& surface, float side, float weight) {
-    for (std::size_t a = 0; a < 3; ++a) points_->at[a][count_] = surface.position[a] + side * surface.spread[a];
+    for (std::size_t a = 0; a < 3; ++a) points_->at[a][count_] = surface.position[a] + side * surface.sigma[a];
     points_->weight[count_] = weight;
     points_->row[count_++] = static_cast<std::uint32_t>(pixels_.size() - 1);
   }
 
-  static constexpr std::size_t kMostPoints = 2 * Surfaces::kPixels * Surfaces::kMostOfAPixel;
+  static constexpr std::size_t kMaxPoints = 2 * Surfaces::kPixels * Surfaces::kMaxPerPixel;
   struct Points {
-    std::array<std::array<float, kMostPoints>, 3> at; // relative to the field's box
-    std::array<float, kMostPoints> weight;
-    std::array<std::uint32_t, kMostPoints> row;
+    std::array<std::array<float, kMaxPoints>, 3> at; // relative to the field's box
+    std::array<float, kMaxPoints> weight;
+    std::array<std::uint32_t, kMaxPoints> row;
   };
 
   const DrawableField::Derived* layer_;
@@ -75,8 +75,8 @@ private:
   std::size_t count_ = 0;                      // points
   std::vector<std::uint32_t> pixels_;          // per row
   std::vector<float> opacities_;               // per row
-  std::vector<Turn> turns_;                    // per row, of the surface that weighs most
-  std::vector<float> most_;                    // per row: what that weighs
+  std::vector<Rotation> rotations_;            // per row, of the surface that weighs most
+  std::vector<float> max_weights_;             // per row: what that weighs
   PointBatch batch_;
   ColorBatch color_;
   std::vector<float> colors_; // rows × 4

@@ -20,7 +20,7 @@ std::array<float, 3> to_array(const Eigen::Vector3d& v) {
 constexpr float kReach = 0.01F; // metres; what the way back is like beside the point is not asked for
 
 // Carries world points and ways to the camera back through a deformation; those without a way back are no numbers.
-void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size_t first) {
+void warp_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size_t first) {
   parallel_for(points.size() - first, 4096, [&](const Chunk& chunk) {
     std::vector<BulkWarp::Ray> rays;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -40,12 +40,12 @@ void carry_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size
 
 } // namespace
 
-std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most) {
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t max_points) {
   const PixelStore& store = layer.pixels;
   const motion::Motion& motion = layer.motion;
   const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth.is_measured(); };
   const auto all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
-  const std::size_t stride = std::max<std::size_t>(1, all / most);
+  const std::size_t stride = std::max<std::size_t>(1, all / max_points);
   std::shared_ptr<const motion::InfluenceTable> table;
   if (motion.graph() != nullptr) table = std::make_shared<const motion::InfluenceTable>(motion.graph());
   std::vector<LayerPoint> points;
@@ -66,7 +66,7 @@ std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::siz
     }
     const motion::Warp warp = motion.warp(frame.frame);
     if (table != nullptr) {
-      carry_back(BulkWarp(table, warp), points, first);
+      warp_back(BulkWarp(table, warp), points, first);
     } else {
       const SE3 world_to_canonical = warp.rigid().inverse();
       for (std::size_t i = first; i < points.size(); ++i) {

@@ -18,8 +18,8 @@ struct LayerPoint {
   std::size_t frame;              ///< index into PixelStore::frames()
 };
 
-/// At most about `most` of the layer's pixels with measured depth, evenly spread over all frames; none of frames in
-/// which the layer is lost, or where no way back is found.
-std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t most);
+/// At most about `max_points` of the layer's pixels with measured depth, evenly spread over all frames; none of frames
+/// in which the layer is lost, or where no way back is found.
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t max_points);
 
 } // namespace kinora::fields

@@ -11,14 +11,14 @@ namespace kinora::fields {
 
 /// Rays with some points on each, in columns.
 struct RayPoints {
-  static constexpr std::size_t kMostRays = 64;
-  static constexpr std::size_t kMostPoints = 12; ///< on each ray
-  template <class T> using Column = std::array<T, kMostRays>;
+  static constexpr std::size_t kMaxRays = 64;
+  static constexpr std::size_t kMaxPoints = 12; ///< on each ray
+  template <class T> using Column = std::array<T, kMaxRays>;
 
   std::size_t rays = 0;
   std::array<Column<float>, 3> origin{}, direction{}; ///< FieldRay
   Column<std::int32_t> points{};                      ///< on each ray
-  std::array<Column<float>, kMostPoints> depth{};     ///< of the first points, the second, …; metres
+  std::array<Column<float>, kMaxPoints> depth{};      ///< of the first points, the second, …; metres
   Column<std::uint32_t> occupied{};                   ///< bit k: whether the ray's k-th point is in an occupied cell
 
   /// Adds a ray without points.

@@ -42,7 +42,7 @@ void find(const Occupancy& coarse, const Occupancy& fine, RayPoints& p) {
   const I last = hn::Set(di, fine.resolution() - 1);
   const I nowhere = hn::Set(di, -1);
   const std::int32_t* fine_words = words_of(fine);
-  HWY_ALIGN std::int32_t bits[RayPoints::kMostPoints][RayPoints::kMostRays]; // in the fine cells; −1 where empty
+  HWY_ALIGN std::int32_t bits[RayPoints::kMaxPoints][RayPoints::kMaxRays]; // in the fine cells; −1 where empty
   for (std::size_t i = 0; i < p.rays; i += hn::Lanes(di)) {
     const I points = hn::LoadU(di, p.points.data() + i);
     for (std::int32_t k = 0; k < hn::GetLane(hn::MaxOfLanes(di, points)); ++k) {

@@ -54,20 +54,20 @@ float guessed_depth(const ingest::Frame& frame, int u, int v) {
   const float measured = frame.depth.at(u, v);
   const int label = frame.label_at(u, v);
   float best = 0;
-  float least = std::numeric_limits<float>::infinity();
+  float min_cost = std::numeric_limits<float>::infinity();
   for (int y = std::max(v - kReach, 0); y <= std::min(v + kReach, frame.depth.height() - 1); ++y) {
     for (int x = std::max(u - kReach, 0); x <= std::min(u + kReach, frame.depth.width() - 1); ++x) {
       const float clean = frame.clean_depth.at(x, y);
       if (!(clean > 0) || frame.label_at(x, y) != label) continue;
       const auto distance = static_cast<float>((x - u) * (x - u) + (y - v) * (y - v));
       const float cost = measured > 0 ? std::abs(clean - measured) : distance;
-      if (cost < least) {
-        least = cost;
+      if (cost < min_cost) {
+        min_cost = cost;
         best = clean;
       }
     }
   }
-  return measured > 0 && least <= kSensorNoise.three_sigma(best) ? measured : best;
+  return measured > 0 && min_cost <= kSensorNoise.three_sigma(best) ? measured : best;
 }
 
 } // namespace

@@ -8,22 +8,22 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "fields/sampling/ray_order.h"
+#include "fields/sampling/morton_order.h"
 
 namespace kinora::fields {
 namespace {
 
-constexpr std::size_t kLooksOfColumn = 16;
+constexpr std::size_t kObservationsPerColumn = 16;
 
 // About an exact depth (docs/experiments/fields.md).
 constexpr float kCloseBand = 0.3F;
 constexpr int kCloseSamples = 3;
 
 // Takes every so many-th of a list, at most about four thousand, and leaves the others in order.
-template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
-  constexpr std::size_t kMost = 4096;
-  constexpr std::size_t kLeastStride = 32;
-  const std::size_t stride = std::max(kLeastStride, rays.size() / kMost);
+template <class Rays, class Take> void take_every_nth(Rays& rays, const Take& take) {
+  constexpr std::size_t kMaxTaken = 4096;
+  constexpr std::size_t kMinStride = 32;
+  const std::size_t stride = std::max(kMinStride, rays.size() / kMaxTaken);
   std::size_t left = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (i % stride == stride - 1) {
@@ -40,61 +40,62 @@ template <class Rays, class Take> void take_some(Rays& rays, const Take& take) {
 RaySampler::RaySampler(const LayerObservations& layer, const FieldConfig& config, const SamplingConfig& sampling,
                        SensorNoise noise)
     : layer_(layer), config_(config), sampling_(sampling), noise_(noise),
-      per_density_length_(static_cast<float>(1 / config.density_length())), least_band_(least_band(config)),
+      per_density_length_(static_cast<float>(1 / config.density_length())), min_band_(min_band(config)),
       occupancy_(config.occupancy_resolution) {
   if (std::max({sampling.free_samples + sampling.surface_samples, sampling.unmeasured_samples,
-                sampling.emptiness_samples}) > static_cast<int>(RayPoints::kMostPoints)) {
-    throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples", RayPoints::kMostPoints));
+                sampling.free_space_ray_samples}) > static_cast<int>(RayPoints::kMaxPoints)) {
+    throw Error(ErrorCode::kUsage, fmt::format("a ray has at most {} samples", RayPoints::kMaxPoints));
   }
   if (layer.deforms()) {
-    warped_own_ = warp_measured_pixels(layer, config, noise);
-    arrange(warped_own_, [](const WarpedPixel& own) { return own; });
+    warped_foreground_ = warp_measured_pixels(layer, config, noise);
+    arrange(warped_foreground_, [](const WarpedPixel& foreground) { return foreground; });
   } else {
-    list_own();
-    arrange(own_, [this](const PixelRef& own) { return whole_ray(own); });
+    list_foreground();
+    arrange(foreground_, [this](const PixelRef& foreground) { return full_ray(foreground); });
   }
   occupied_.emplace(occupancy_);
-  space_ = see_occupied_space(layer, config, occupancy_, sampling.near_depth, noise);
+  space_ = observe_occupied_space(layer, config, occupancy_, sampling.near_depth, noise);
 }
 
-void RaySampler::list_own() {
+void RaySampler::list_foreground() {
   for (const StoredFrame& stored : layer_.pixels.frames()) frames_.push_back(frame_rays(stored));
-  own_.reserve(layer_.pixels.pixels().size());
+  foreground_.reserve(layer_.pixels.pixels().size());
   for (std::uint32_t f = 0; f < layer_.pixels.frames().size(); ++f) {
     const StoredFrame& stored = layer_.pixels.frames()[f];
     if (layer_.is_lost(stored)) continue;
     for (std::size_t i = stored.begin; i < stored.end; ++i) {
       const StoredPixel& pixel = stored_pixel(static_cast<std::uint32_t>(i));
-      if (layer_.is_foreground(pixel) && pixel.depth.is_known()) own_.push_back({f, static_cast<std::uint32_t>(i)});
+      if (layer_.is_foreground(pixel) && pixel.depth.is_known())
+        foreground_.push_back({f, static_cast<std::uint32_t>(i)});
     }
   }
 }
 
 // Sorts measured pixels by what they see, marks that space as occupied and holds some of them apart.
-template <class Rays, class Whole> void RaySampler::arrange(Rays& rays, const Whole& whole) {
-  const std::vector<std::size_t> ends = order_by_place(rays, [&](const auto& own) {
-    const WarpedPixel ray = whole(own);
+template <class Rays, class FullRay> void RaySampler::arrange(Rays& rays, const FullRay& full_ray_of) {
+  const std::vector<std::size_t> ends = sort_by_morton_code(rays, [&](const auto& foreground) {
+    const WarpedPixel ray = full_ray_of(foreground);
     return point_at(ray.ray, stored_pixel(ray.pixel).depth.metres());
   });
   // A place is looked at again and again, from much the same sides: so many looks for each column of its cells tell
   // all.
   const auto columns = static_cast<std::size_t>(std::max(occupancy_.resolution() / static_cast<int>(kOrderCells), 1));
-  const std::size_t most = kLooksOfColumn * columns * columns;
+  const std::size_t max_observations = kObservationsPerColumn * columns * columns;
   parallel_for(ends.size(), 4096, [&](const Chunk& chunk) {
-    for (std::size_t place = chunk.begin; place < chunk.end; ++place) {
-      const std::size_t begin = place == 0 ? 0 : ends[place - 1];
-      const std::size_t count = ends[place] - begin;
-      const std::size_t looks = std::min(count, most);
-      for (std::size_t k = 0; k < looks; ++k) mark(whole(rays[begin + k * count / looks]));
+    for (std::size_t cell = chunk.begin; cell < chunk.end; ++cell) {
+      const std::size_t begin = cell == 0 ? 0 : ends[cell - 1];
+      const std::size_t count = ends[cell] - begin;
+      const std::size_t observations = std::min(count, max_observations);
+      for (std::size_t k = 0; k < observations; ++k) mark(full_ray_of(rays[begin + k * count / observations]));
     }
   });
-  take_some(rays, [&](const auto& own) { held_apart_.push_back(whole(own)); });
+  take_every_nth(rays, [&](const auto& foreground) { validation_rays_.push_back(full_ray_of(foreground)); });
 }
 
-void RaySampler::mark(const WarpedPixel& own) {
-  const float depth = stored_pixel(own.pixel).depth.metres();
+void RaySampler::mark(const WarpedPixel& foreground) {
+  const float depth = stored_pixel(foreground.pixel).depth.metres();
   const float band = band_at(depth);
-  mark_occupied(occupancy_, own.ray, {depth - band, depth + band});
+  mark_occupied(occupancy_, foreground.ray, {depth - band, depth + band});
 }
 
 RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
@@ -104,13 +105,13 @@ RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
   FrameRays rays{};
   Eigen::Map<Eigen::Vector3f>(rays.origin.data()) =
       ((canonical_from_camera.translation() - config_.box.origin) / config_.box.side).cast<float>();
-  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rays.rotation.data()) =
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(rays.camera_to_box.data()) =
       (canonical_from_camera.linear() / config_.box.side).cast<float>();
   rays.per_fx = static_cast<float>(1 / k.fx);
   rays.per_fy = static_cast<float>(1 / k.fy);
   rays.cx = static_cast<float>(k.cx);
   rays.cy = static_cast<float>(k.cy);
-  rays.turn = packed(turn_of(layer_.motion.canonical_to_world(frame.frame).linear()));
+  rays.rotation = packed(rotation_of(layer_.motion.canonical_to_world(frame.frame).linear()));
   return rays;
 }
 
@@ -122,7 +123,8 @@ FieldRay RaySampler::ray_of(const PixelRef& ref) const {
   FieldRay ray{};
   ray.origin = frame.origin;
   for (std::size_t a = 0; a < 3; ++a) {
-    ray.direction[a] = frame.rotation[3 * a] * x + frame.rotation[3 * a + 1] * y + frame.rotation[3 * a + 2];
+    ray.direction[a] =
+        frame.camera_to_box[3 * a] * x + frame.camera_to_box[3 * a + 1] * y + frame.camera_to_box[3 * a + 2];
   }
   ray.metres_per_depth = std::sqrt(x * x + y * y + 1);
   return ray;
@@ -138,22 +140,22 @@ RaySampler::Draft RaySampler::draft_measured(const WarpedPixel& chosen) const {
   const float reach = stored.is_measured() ? band_at(depth) : 2 * band_at(depth);
   Draft draft{chosen, {}, true};
   // A deforming layer's space before the surface is taught by rays of its own: here the ray may have bent.
-  if (warped_own_.empty()) draft.sought[0] = {{sampling_.near_depth, depth - reach}, sampling_.free_samples};
+  if (warped_foreground_.empty()) draft.strata[0] = {{sampling_.near_depth, depth - reach}, sampling_.free_samples};
   if (stored.is_guessed()) {
-    draft.sought[1] = {{std::max(sampling_.near_depth, depth - reach), depth + reach}, sampling_.surface_samples};
+    draft.strata[1] = {{std::max(sampling_.near_depth, depth - reach), depth + reach}, sampling_.surface_samples};
   }
   return draft;
 }
 
-RaySampler::Draft RaySampler::draft(bool own, std::size_t index) const {
-  if (!own) {
-    const SeenPiece& empty = space_.empty[index];
-    return {{empty.pixel, empty.ray}, {{{empty.piece, sampling_.emptiness_samples}}}, false};
+RaySampler::Draft RaySampler::draft(bool foreground, std::size_t index) const {
+  if (!foreground) {
+    const RaySegment& free = space_.free_space[index];
+    return {{free.pixel, free.ray}, {{{free.segment, sampling_.free_space_ray_samples}}}, false};
   }
   if (index < measured_count()) return draft_measured(measured(index));
-  const UnmeasuredPiece& unmeasured = space_.unmeasured[index - measured_count()];
-  return {{unmeasured.pixel, unmeasured.ray, {}, unmeasured.turn},
-          {{{unmeasured.piece, sampling_.unmeasured_samples}}},
+  const UnmeasuredRaySegment& unmeasured = space_.unmeasured[index - measured_count()];
+  return {{unmeasured.pixel, unmeasured.ray, {}, unmeasured.rotation},
+          {{{unmeasured.segment, sampling_.unmeasured_samples}}},
           true};
 }
 
@@ -161,19 +163,19 @@ RaySampler::Draft RaySampler::draft(bool own, std::size_t index) const {
 // is thin: a sample stands for no more of it than two cells. Then those in the band about a measured depth.
 void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const {
   RayPoints points;
-  std::array<RayPoints::Column<float>, RayPoints::kMostPoints> lengths; // of the pieces that the points stand for
+  std::array<RayPoints::Column<float>, RayPoints::kMaxPoints> lengths; // of the pieces that the points stand for
   const auto two_cells = static_cast<float>(2 * config_.box.side / occupancy_.resolution());
   for (const Draft& draft : drafts) {
     const FieldRay& ray = draft.chosen.ray;
     const std::size_t r = points.rays;
     points.append(ray);
     std::size_t k = 0;
-    for (const Draft::Sought& sought : draft.sought) {
-      if (sought.samples == 0) continue;
-      const Interval inside = in_box(ray, sought.depths);
+    for (const Draft::DepthStratum& stratum : draft.strata) {
+      if (stratum.samples == 0) continue;
+      const Interval inside = in_box(ray, stratum.depths);
       if (!(inside.begin < inside.end)) continue;
-      const float step = (inside.end - inside.begin) / static_cast<float>(sought.samples);
-      for (int i = 0; i < sought.samples; ++i, ++k) {
+      const float step = (inside.end - inside.begin) / static_cast<float>(stratum.samples);
+      for (int i = 0; i < stratum.samples; ++i, ++k) {
         points.depth[k][r] = inside.begin + step * (static_cast<float>(i) + random.uniform());
         lengths[k][r] = std::min(step, two_cells / ray.metres_per_depth);
       }
@@ -188,11 +190,11 @@ void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& ran
       batch.samples.push_back(sample_at(draft.chosen.ray, points.depth[k][r], lengths[k][r]));
     }
     RayTarget target;
-    target.own = draft.own;
-    if (draft.own) {
+    target.foreground = draft.foreground;
+    if (draft.foreground) {
       const StoredPixel& pixel = stored_pixel(draft.chosen.pixel);
       for (std::size_t c = 0; c < 3; ++c) target.color[c] = static_cast<float>(pixel.color[c]) / 255.0F;
-      target.turn = unpacked(draft.chosen.turn);
+      target.rotation = unpacked(draft.chosen.rotation);
       if (pixel.depth.is_measured()) {
         append_band(draft.chosen, pixel.depth.metres(), closely, random, target, batch);
       }
@@ -202,8 +204,8 @@ void RaySampler::append(std::span<const Draft> drafts, bool closely, Random& ran
 }
 
 void RaySampler::append_all(std::span<const Draft> drafts, bool closely, Random& random, RayBatch& batch) const {
-  for (std::size_t begin = 0; begin < drafts.size(); begin += RayPoints::kMostRays) {
-    append(drafts.subspan(begin, std::min(RayPoints::kMostRays, drafts.size() - begin)), closely, random, batch);
+  for (std::size_t begin = 0; begin < drafts.size(); begin += RayPoints::kMaxRays) {
+    append(drafts.subspan(begin, std::min(RayPoints::kMaxRays, drafts.size() - begin)), closely, random, batch);
   }
 }
 
@@ -221,62 +223,62 @@ void RaySampler::append_band(const WarpedPixel& chosen, float depth, bool closel
     const float at = depth - half + step * (static_cast<float>(i) + random.uniform());
     batch.samples.push_back(sample_at(ray, at, step));
     const float behind = at - depth;
-    const std::array<float, 3>& bend = chosen.bends[behind > 0 ? 1 : 0];
-    for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * bend[a];
+    const std::array<float, 3>& curvature = chosen.curvatures[behind > 0 ? 1 : 0];
+    for (std::size_t a = 0; a < 3; ++a) batch.samples.back().position[a] += behind * behind * curvature[a];
   }
 }
 
-WarpedPixel RaySampler::whole_ray(const PixelRef& ref) const {
-  return {ref.pixel, ray_of(ref), {}, frames_[ref.frame].turn};
+WarpedPixel RaySampler::full_ray(const PixelRef& ref) const {
+  return {ref.pixel, ray_of(ref), {}, frames_[ref.frame].rotation};
 }
 
 WarpedPixel RaySampler::measured(std::size_t index) const {
-  return warped_own_.empty() ? whole_ray(own_[index]) : warped_own_[index];
+  return warped_foreground_.empty() ? full_ray(foreground_[index]) : warped_foreground_[index];
 }
 
 // What is read of a ray first.
-const void* RaySampler::memory_of(bool own, std::size_t index) const {
-  if (!own) return &space_.empty[index];
+const void* RaySampler::address_of(bool foreground, std::size_t index) const {
+  if (!foreground) return &space_.free_space[index];
   if (index >= measured_count()) return &space_.unmeasured[index - measured_count()];
-  return warped_own_.empty() ? static_cast<const void*>(&own_[index]) : &warped_own_[index];
+  return warped_foreground_.empty() ? static_cast<const void*>(&foreground_[index]) : &warped_foreground_[index];
 }
 
 // What a ray of a layer's own finds there of its pixel.
 std::uint32_t RaySampler::pixel_of(std::size_t index) const {
   if (index >= measured_count()) return space_.unmeasured[index - measured_count()].pixel;
-  return warped_own_.empty() ? own_[index].pixel : warped_own_[index].pixel;
+  return warped_foreground_.empty() ? foreground_[index].pixel : warped_foreground_[index].pixel;
 }
 
-void RaySampler::judge(std::size_t begin, std::size_t end, RayBatch& batch) const {
+void RaySampler::append_validation(std::size_t begin, std::size_t end, RayBatch& batch) const {
   Random random(0x7E57, begin);
   std::vector<Draft> drafts;
-  for (std::size_t i = begin; i < end; ++i) drafts.push_back(draft_measured(held_apart_[i]));
+  for (std::size_t i = begin; i < end; ++i) drafts.push_back(draft_measured(validation_rays_[i]));
   append_all(drafts, false, random, batch);
 }
 
-void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float empty_share,
+void RaySampler::draw(Random& random, std::size_t chunk, std::size_t chunks, std::size_t count, float free_space_share,
                       bool closely, RayBatch& batch) const {
-  const std::size_t empty =
-      space_.empty.empty() ? 0 : static_cast<std::size_t>(static_cast<float>(count) * empty_share);
+  const std::size_t free_count =
+      space_.free_space.empty() ? 0 : static_cast<std::size_t>(static_cast<float>(count) * free_space_share);
   std::vector<std::size_t> indices;
   std::vector<Draft> drafts;
-  for (const bool own : {false, true}) {
-    const std::size_t here = own ? count - empty : empty;
-    const std::size_t rays = own ? own_ray_count() : space_.empty.size();
+  for (const bool foreground : {false, true}) {
+    const std::size_t here = foreground ? count - free_count : free_count;
+    const std::size_t rays = foreground ? foreground_ray_count() : space_.free_space.size();
     indices.clear();
     const auto begin_of = [&](std::size_t part) { return rays * (chunk * here + part) / (here * chunks); };
     for (std::size_t i = 0, begin = 0, end = here > 0 ? begin_of(0) : 0; i < here; ++i) {
       begin = end;
       end = begin_of(i + 1);
-      const std::size_t spread = end > begin ? random.below(static_cast<std::uint32_t>(end - begin)) : 0;
-      indices.push_back(std::min(begin + spread, rays - 1));
-      __builtin_prefetch(memory_of(own, indices.back()));
+      const std::size_t offset = end > begin ? random.below(static_cast<std::uint32_t>(end - begin)) : 0;
+      indices.push_back(std::min(begin + offset, rays - 1));
+      __builtin_prefetch(address_of(foreground, indices.back()));
     }
-    if (own) {
+    if (foreground) {
       for (const std::size_t index : indices) __builtin_prefetch(&stored_pixel(pixel_of(index)));
     }
     drafts.clear();
-    for (const std::size_t index : indices) drafts.push_back(draft(own, index));
+    for (const std::size_t index : indices) drafts.push_back(draft(foreground, index));
     append_all(drafts, closely, random, batch);
   }
 }

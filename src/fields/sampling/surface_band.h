@@ -14,19 +14,19 @@ inline constexpr float kFarthest = 1e6F;
 
 /// Metres: the least half width of the band around a measured depth: four cells of the finest level, and room for a few
 /// centimetres of pose error where the layer is large.
-inline float least_band(const FieldConfig& config) {
+inline float min_band(const FieldConfig& config) {
   return static_cast<float>(std::max(4 * config.cell_size(), std::min(0.02, 0.02 * config.box.side)));
 }
 
 /// Metres: half width of the band around a measured depth, three standard deviations or the least.
 inline float surface_band(const FieldConfig& config, float depth, SensorNoise noise = {}) {
-  return std::max(noise.three_sigma(depth), least_band(config));
+  return std::max(noise.three_sigma(depth), min_band(config));
 }
 
 /// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
 /// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
-inline float empty_until(const StoredPixel& pixel, SensorNoise noise = {}) {
+inline float free_space_until(const StoredPixel& pixel, SensorNoise noise = {}) {
   const float depth = pixel.depth.metres();
   if (pixel.depth.is_measured()) return depth - noise.three_sigma(depth);
   if (pixel.depth.is_guessed()) return depth - 2 * noise.three_sigma(depth);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "fields/sampling/parts.h"
+#include "fields/sampling/parallel_append.h"
 #include "fields/sampling/surface_band.h"
 #include "motion/bulk_warp.h"
 
@@ -33,13 +33,13 @@ FieldRay relative_ray(const FieldBox& box, const Eigen::Vector3d& origin, const 
 LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, const FieldConfig& config,
                                               SensorNoise noise) {
   const PixelStore& pixels = layer.pixels;
-  Parts<WarpedPixel> own;
+  ParallelAppend<WarpedPixel> warped;
   const auto table = std::make_shared<const motion::InfluenceTable>(layer.motion.graph());
   for (const StoredFrame& frame : pixels.frames()) {
     if (layer.is_lost(frame)) continue;
     const BulkWarp warp(table, layer.motion.warp(frame.frame));
     const Eigen::Vector3d camera = frame.camera.camera_to_world.translation() - warp.world_origin();
-    own.append(frame.end - frame.begin, [&](const Chunk& chunk, std::vector<WarpedPixel>& part) {
+    warped.append(frame.end - frame.begin, [&](const Chunk& chunk, std::vector<WarpedPixel>& part) {
       std::vector<std::size_t> numbers;
       std::vector<BulkWarp::Ray> rays;
       for (std::size_t i = frame.begin + chunk.begin; i < frame.begin + chunk.end; ++i) {
@@ -62,13 +62,13 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, co
         const Eigen::Vector3d origin = to_vector(back.point) + warp.canonical_origin() - depth * direction;
         part.push_back({static_cast<std::uint32_t>(numbers[k]),
                         relative_ray(config.box, origin, direction, to_vector(rays[k].direction).norm()),
-                        {to_array(to_vector(back.bends[0]) / config.box.side),
-                         to_array(to_vector(back.bends[1]) / config.box.side)},
+                        {to_array(to_vector(back.curvatures[0]) / config.box.side),
+                         to_array(to_vector(back.curvatures[1]) / config.box.side)},
                         packed(back.rotation)});
       }
     });
   }
-  return own.joined();
+  return warped.joined();
 }
 
 } // namespace kinora::fields

@@ -7,7 +7,7 @@
 
 #include "core/sensor_noise.h"
 #include "fields/model/field.h"
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 #include "fields/sampling/layer_observations.h"
 #include "fields/sampling/occupancy.h"
 
@@ -17,8 +17,8 @@ struct WarpedPixel {
   std::uint32_t pixel; ///< index into PixelStore::pixels()
   FieldRay ray;        ///< its ray about the measured depth, relative to the field's box
   /// What the ray leaves its straight line by, for each squared metre of depth before and behind the measured surface.
-  std::array<std::array<float, 3>, 2> bends{};
-  PackedTurn turn{};
+  std::array<std::array<float, 3>, 2> curvatures{};
+  PackedRotation rotation{};
 };
 
 /// The layer's own pixels with measured (also doubtful) depth, their rays as they are about that depth. Pixels of lost

@@ -80,7 +80,7 @@ void adam(const AdamStep& step, std::size_t count, float* parameters, float* gra
   // A group is looked at while the one before it is updated: its memory is on the way by then, and no branch is guessed
   // wrong for each vector.
   constexpr std::size_t kGroup = 32;
-  const auto look = [&](std::size_t begin) HWY_ATTR {
+  const auto find_touched = [&](std::size_t begin) HWY_ATTR {
     std::uint32_t which = 0;
     const std::size_t vectors = begin < count ? std::min(kGroup, (count - begin) / kLanes) : 0;
     for (std::size_t i = 0; i < vectors; ++i) {
@@ -93,10 +93,10 @@ void adam(const AdamStep& step, std::size_t count, float* parameters, float* gra
     }
     return which;
   };
-  std::uint32_t next = look(head);
+  std::uint32_t next = find_touched(head);
   for (std::size_t begin = head; begin + kLanes <= count; begin += kGroup * kLanes) {
     std::uint32_t which = next;
-    next = look(begin + kGroup * kLanes);
+    next = find_touched(begin + kGroup * kLanes);
     for (; which != 0; which &= which - 1) {
       const std::size_t i = begin + static_cast<std::size_t>(std::countr_zero(which)) * kLanes;
       wide.update(parameters + i, gradients + i, first_moments + i, second_moments + i);

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "fields/training/optimizer.h"
+#include "fields/training/field_optimizer.h"
 
 namespace kinora::fields {
 

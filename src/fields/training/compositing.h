@@ -16,9 +16,9 @@ struct Composition {
   std::vector<float> density;       ///< per sample
   std::vector<float> depth_term;    ///< per sample
   std::vector<float> opacity;       ///< per ray
-  std::size_t own_rays = 0;
-  double own_opacity = 0; ///< sum over the own rays
-  double loss = 0;        ///< of the chunk, so far without that of the colours
+  std::size_t foreground_rays = 0;
+  double foreground_opacity = 0; ///< sum over the own rays
+  double loss = 0;               ///< of the chunk, so far without that of the colours
 };
 
 /// `geometry` rows are those of PointBatch, `lengths` those of the samples. Fills `inputs` with a row of ColorBatch for

@@ -31,7 +31,7 @@ void composite(const RayBatch& rays, const float* geometry, const LossWeights& w
   float* input = inputs;
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     const RayTarget& target = rays.targets[r];
-    const bool has_depth = target.own && target.depth > 0;
+    const bool has_depth = target.foreground && target.depth > 0;
     float transmittance = 1;
     float depth_loss = 0;
     hn::Vec<RowTag> features[kRowVectors];
@@ -49,13 +49,13 @@ void composite(const RayBatch& rays, const float* geometry, const LossWeights& w
       depth_loss += weight * c.depth_term[i];
     }
     const float opacity = c.opacity[r] = 1 - transmittance;
-    if (!target.own) {
-      c.loss += static_cast<double>(weights.emptiness * opacity);
+    if (!target.foreground) {
+      c.loss += static_cast<double>(weights.free_space * opacity);
       continue;
     }
     c.loss += static_cast<double>(weights.opacity * transmittance * transmittance + weights.depth * depth_loss);
-    c.own_opacity += static_cast<double>(opacity);
-    ++c.own_rays;
+    c.foreground_opacity += static_cast<double>(opacity);
+    ++c.foreground_rays;
     const auto normaliser = hn::Set(d, 1.0F / (opacity + kOpacityEpsilon));
     for (std::size_t v = 0; v < kRowVectors; ++v) {
       hn::Store(hn::Mul(features[v], normaliser), d, shifted.values + v * kRowLanes);
@@ -78,10 +78,10 @@ void composite_backward(const RayBatch& rays, const float* geometry, const LossW
   ShiftedRow shifted; // the first element belongs to no feature and stays zero
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     const RayTarget& target = rays.targets[r];
-    float opacity_gradient = scale * weights.emptiness;
+    float opacity_gradient = scale * weights.free_space;
     hn::Vec<RowTag> feature_gradient[kRowVectors];
     for (auto& g : feature_gradient) g = hn::Zero(d);
-    if (target.own) {
+    if (target.foreground) {
       const auto normaliser = hn::Set(d, 1.0F / (c.opacity[r] + kOpacityEpsilon));
       auto along = hn::Zero(d);
       for (std::size_t v = 0; v < kRowVectors; ++v) {
@@ -131,8 +131,8 @@ void composite(const RayBatch& rays, const std::vector<float>& lengths, const fl
     values->resize(n);
   }
   composition.opacity.resize(rays.ray_count());
-  composition.own_rays = 0;
-  composition.own_opacity = composition.loss = 0;
+  composition.foreground_rays = 0;
+  composition.foreground_opacity = composition.loss = 0;
   inputs.resize(rays.ray_count() * FieldConfig::kGeometry);
   kernels::densities(geometry, lengths.data(), n, composition.density.data(), composition.transmittance.data());
   HWY_DYNAMIC_DISPATCH(composite)(rays, geometry, weights, composition, inputs.data());

@@ -13,15 +13,15 @@
 namespace kinora::fields {
 
 /// The loss of an own ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)², depth_clamp), of
-/// any other emptiness·A, with wᵢ the compositing weights and A their sum. A field of signed distances sᵢ adds to an
+/// any other free_space·A, with wᵢ the compositing weights and A their sum. A field of signed distances sᵢ adds to an
 /// own ray's distance·Σᵢ ((sᵢ − (z* − zᵢ))/band)², over the samples in the band and in metres of depth along the ray.
-/// The loss of a step is the mean over its rays, of which `empty_rays` are a share.
+/// The loss of a step is the mean over its rays, of which `free_space_rays` are a share.
 struct LossWeights {
   float color = 1.0F;
   float opacity = 0.1F;
   float depth = 0.03F;
-  float emptiness = 0.5F;
-  float empty_rays = 0.25F; ///< that are not the layer's own, where there are any
+  float free_space = 0.5F;
+  float free_space_rays = 0.25F; ///< that are not the layer's own, where there are any
   float depth_clamp = 4.0F;
   float distance = 0.1F;
   SensorNoise noise; ///< of the layer's measured depths; bands widen with it

@@ -1,7 +1,8 @@
 // The loss of one ray and its gradient by every parameter, written once and plainly, for any scalar type: what
 // compositing.h and loss.h are tested against, and whose gradients are checked numerically in double.
 // A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 − exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour
-// = sigmoid(MLP([R F / (A + ε), 1])), where R turns the vectors among the features as the layer is turned (turn.h).
+// = sigmoid(MLP([R F / (A + ε), 1])), where R turns the vectors among the features as the layer is turned
+// (vector_features.h).
 #pragma once
 
 #include <span>
@@ -17,7 +18,7 @@ namespace kinora::fields::reference {
 /// outside of the band.
 template <class T> struct DistanceResidual { T value = 0, by_distance = 0; };
 template <class T> DistanceResidual<T> distance_residual(T distance, const RaySample& sample, const RayTarget& target) {
-  if (!target.own || !(target.depth > 0)) return {};
+  if (!target.foreground || !(target.depth > 0)) return {};
   const T measured = (T(target.depth) - T(sample.depth)) * T(target.inverse_band);
   if (std::abs(measured) > T(1)) return {};
   const T per_distance = T(target.inverse_band) / T(target.lengths_per_depth);
@@ -42,7 +43,7 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
     weight[i] = transmittance[i] - transmittance[i + 1];
     opacity += weight[i];
     for (int f = 1; f < kG; ++f) features[f - 1] += weight[i] * points[i].geometry[f];
-    if (target.own && target.depth > 0) {
+    if (target.foreground && target.depth > 0) {
       depth_terms[i] = depth_term(T(samples[i].depth), target, weights);
     }
   }
@@ -51,14 +52,14 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
   T loss = 0;
   T opacity_gradient = 0;
   array<T, kG> feature_gradient{};
-  if (target.own) {
+  if (target.foreground) {
     const T normaliser = T(1) / (opacity + T(kOpacityEpsilon));
     array<T, kG> input{};
     for (int f = 0; f < kG - 1; ++f) input[f] = features[f] * normaliser;
     input[kG - 1] = T(1);
-    array<T, kG> turned = input;
-    turn_vectors(target.turn, turned.data());
-    const ColorState<T> color = evaluate_color<T>(p.color_net, turned);
+    array<T, kG> rotated = input;
+    rotate_vectors(target.rotation, rotated.data());
+    const ColorState<T> color = evaluate_color<T>(p.color_net, rotated);
     array<T, 3> color_gradient{};
     for (int c = 0; c < 3; ++c) {
       const T difference = color.color[c] - T(target.color[c]);
@@ -74,7 +75,7 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
     }
     if (gradient) {
       array<T, kG> input_gradient = color_backward<T>(p.color_net, color, color_gradient, gradient->color_net);
-      turn_vectors(turned_back(target.turn), input_gradient.data());
+      rotate_vectors(inverse_rotation(target.rotation), input_gradient.data());
       opacity_gradient = -scale * T(2) * T(weights.opacity) * (T(1) - opacity);
       for (int f = 0; f < kG - 1; ++f) {
         feature_gradient[f] = input_gradient[f] * normaliser;
@@ -82,8 +83,8 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
       }
     }
   } else {
-    loss = T(weights.emptiness) * opacity;
-    opacity_gradient = scale * T(weights.emptiness);
+    loss = T(weights.free_space) * opacity;
+    opacity_gradient = scale * T(weights.free_space);
   }
   if (!gradient) return loss;
 

@@ -21,26 +21,26 @@ ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossW
   const hn::CappedTag<float, 4> d;
   const auto one = hn::Set(d, 1.0F);
   const auto factor = hn::Set(d, scale * 2 * weights.color);
-  constexpr float kMostNegative = 80; // beyond it the exponential is not defined, and the colour black
-  HWY_ALIGN float errors[4] = {};     // by channel, like the next two
+  constexpr float kMinLogit = 80; // beyond it the exponential is not defined, and the colour black
+  HWY_ALIGN float errors[4] = {}; // by channel, like the next two
   HWY_ALIGN float targets[4] = {};
   HWY_ALIGN float squares[4] = {};
   for (const RayTarget& target : rays.targets) {
-    if (!target.own) continue;
+    if (!target.foreground) continue;
     HWY_ALIGN const float wanted[4] = {target.color[0], target.color[1], target.color[2], 0};
     HWY_ALIGN constexpr float kColors[4] = {1, 1, 1, 0};
     for (std::size_t v = 0; v < 4; v += hn::Lanes(d)) {
       const auto add = [&](float* sums, auto a, auto b)
                            HWY_ATTR { hn::Store(hn::MulAdd(a, b, hn::Load(d, sums + v)), d, sums + v); };
       const auto aim = hn::Load(d, wanted + v);
-      const auto power = hn::Min(hn::Neg(hn::LoadU(d, outputs + v)), hn::Set(d, kMostNegative));
+      const auto power = hn::Min(hn::Neg(hn::LoadU(d, outputs + v)), hn::Set(d, kMinLogit));
       const auto value = hn::Div(one, hn::Add(one, hn::Exp(d, power)));
       const auto difference = hn::Mul(hn::Sub(value, aim), hn::Load(d, kColors + v));
       add(errors, difference, difference);
       add(targets, aim, one);
       add(squares, aim, aim);
-      const auto slope = hn::Mul(value, hn::Sub(one, value));
-      hn::StoreU(hn::Mul(hn::Mul(factor, difference), slope), d, gradient + v);
+      const auto sigmoid_derivative = hn::Mul(value, hn::Sub(one, value));
+      hn::StoreU(hn::Mul(hn::Mul(factor, difference), sigmoid_derivative), d, gradient + v);
     }
     outputs += FieldConfig::kColorOutputs;
     gradient += FieldConfig::kColorOutputs;
@@ -79,7 +79,7 @@ double distance_loss(const RayBatch& rays, const std::vector<float>& distances, 
   double loss = 0;
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     const RayTarget& target = rays.targets[r];
-    if (!target.own || !(target.depth > 0)) continue;
+    if (!target.foreground || !(target.depth > 0)) continue;
     const float per_distance = target.inverse_band / target.lengths_per_depth;
     for (std::size_t i = rays.first_sample[r]; i < rays.first_sample[r + 1]; ++i) {
       const float measured = (target.depth - rays.samples[i].depth) * target.inverse_band;

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "fields/model/field.h"
-#include "fields/network/turn.h"
+#include "fields/network/vector_features.h"
 
 namespace kinora::fields {
 
@@ -16,10 +16,10 @@ namespace kinora::fields {
 struct CanonicalRay {
   Eigen::Vector3d point; ///< metres
   Eigen::Vector3d direction;
-  std::array<Eigen::Vector3d, 2> bends;
+  std::array<Eigen::Vector3d, 2> curvatures;
   double reach;
   double metres_per_t;
-  Turn turn; ///< of the layer
+  Rotation rotation; ///< of the layer
 };
 
 struct RayResponse {
@@ -30,13 +30,13 @@ struct RayResponse {
 
   std::array<double, kValues> value{}; ///< red, green, blue in [0, 1], opacity, depth
   /// Derivative by a displacement of the ray, per metre; zero for colour and depth beside what is not opaque.
-  std::array<Eigen::Vector3d, kValues> by_place{};
+  std::array<Eigen::Vector3d, kValues> jacobian{};
   bool is_opaque = false; ///< at the ray and about it; else colour and depth mean nothing
 };
 
 /// Compositing as in training, over a few samples in occupied space; derivatives, if wanted, by central differences of
 /// a cell. Writes responses[i] for rays[i]. Thread-safe.
-void respond(const Field& field, std::span<const GridLevel> levels, std::span<const CanonicalRay> rays, bool by_place,
+void respond(const Field& field, std::span<const GridLevel> levels, std::span<const CanonicalRay> rays, bool jacobian,
              RayResponse* responses);
 
 } // namespace kinora::fields

@@ -11,9 +11,9 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "fields/network/field_batch.h"
-#include "fields/training/growth.h"
-#include "fields/training/stray_cells.h"
-#include "fields/training/transparent_cells.h"
+#include "fields/training/occupancy_pruning.h"
+#include "fields/training/space_carving.h"
+#include "fields/training/table_growth.h"
 
 namespace kinora::fields {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 /// Of a field of signed distances: density falls by half within 0.15 density_length(). It becomes sharper in training.
 constexpr float kFirstSharpness = 1.5F;
 
-/// Of the training: from then on the field knows surfaces better than one measurement does (refinement.h).
+/// Of the training: from then on the field knows surfaces better than one measurement does (ray_refinement.h).
 constexpr double kFused = 0.25;
 
 // Hash entries uniform in ±1e-4 (Müller et al. 2022), nets by Glorot & Bengio 2010.
@@ -62,17 +62,18 @@ std::size_t chunks_of_step(const TrainerConfig& config, double progress) {
 std::size_t bytes_of(const Field& field) { return 4 * sizeof(float) * field.parameter_count(); }
 
 /// A field on its way: how far its training has come, and how it goes on.
-class Run {
+class TrainingRun {
 public:
   /// `warm`: the field has parameters already; otherwise they are random numbers.
-  Run(const RaySampler& sampler, const TrainerConfig& trainer, Field field, bool warm)
-      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))), warm_(warm) {
+  TrainingRun(const RaySampler& sampler, const TrainerConfig& trainer, Field field, bool warm)
+      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))),
+        is_warm_start_(warm) {
     start();
   }
 
   /// The same with twice the entries in the tables.
-  Run grown() const {
-    Run larger(*this, std::make_unique<Field>(with_doubled_tables(*field_)));
+  TrainingRun with_growth() const {
+    TrainingRun larger(*this, std::make_unique<Field>(with_doubled_tables(*field_)));
     larger.draw();
     return larger;
   }
@@ -97,44 +98,44 @@ public:
       rate_ *= kRestartRate;
       report.restarts.push_back(*collapse);
       ++restarts_;
-      warm_ = false;
+      is_warm_start_ = false;
       start();
     }
     return taken;
   }
 
   /// Mean of ‖C − C*‖² over the rays held apart.
-  double judged_error() {
+  double validation_error() {
     constexpr std::size_t kRays = TrainerConfig::kRaysPerChunk;
-    const std::size_t count = sampler_->held_apart_count();
+    const std::size_t count = sampler_->validation_ray_count();
     FieldOptimizer::Gradient unused;
     const StepResult result =
         optimizer_->gradient({chunk_count(count, kRays),
                               [&](std::size_t chunk, RayBatch& batch) {
-                                sampler_->judge(chunk * kRays, std::min((chunk + 1) * kRays, count), batch);
+                                sampler_->append_validation(chunk * kRays, std::min((chunk + 1) * kRays, count), batch);
                               }},
                              unused);
     draw();
     return result.color_error;
   }
 
-  Field take_field() { return std::move(*field_); }
+  Field release_field() { return std::move(*field_); }
 
 private:
   static constexpr float kRestartRate = 0.3F; // of the learning rates before
   static constexpr std::size_t kMaxRestarts = 3;
 
-  Run(const Run& before, std::unique_ptr<Field> field)
+  TrainingRun(const TrainingRun& before, std::unique_ptr<Field> field)
       : sampler_(before.sampler_), trainer_(before.trainer_), field_(std::move(field)),
         optimizer_(std::make_unique<FieldOptimizer>(*field_, *before.optimizer_)), rays_(before.rays_),
-        steps_(before.steps_), restarts_(before.restarts_), warm_(before.warm_), rate_(before.rate_),
+        steps_(before.steps_), restarts_(before.restarts_), is_warm_start_(before.is_warm_start_), rate_(before.rate_),
         collapse_detector_(before.collapse_detector_) {}
 
   void start() {
     rays_ = steps_ = 0;
     collapse_detector_ = {};
-    if (!warm_) initialise(*field_, trainer_->seed + restarts_);
-    optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->negligible_gradient);
+    if (!is_warm_start_) initialise(*field_, trainer_->seed + restarts_);
+    optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->min_gradient);
     draw();
   }
 
@@ -143,7 +144,7 @@ private:
     return static_cast<double>(rays_) / static_cast<double>(std::max<std::size_t>(trainer_->rays, 1));
   }
   /// What a training from nothing would have done by now to know the shape as well.
-  double maturity() const { return warm_ ? std::max(0.5, share_done()) : share_done(); }
+  double maturity() const { return is_warm_start_ ? std::max(0.5, share_done()) : share_done(); }
   StepRays next_rays() const {
     const bool fused = maturity() >= kFused;
     const bool closely = fused && trainer_->exact_depth;
@@ -151,8 +152,8 @@ private:
     return {chunks,
             [this, step = steps_, chunks, closely](std::size_t chunk, RayBatch& batch) {
               Random random(mix64(trainer_->seed + 0x7241) + step, chunk);
-              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.empty_rays, closely,
-                             batch);
+              sampler_->draw(random, chunk, chunks, TrainerConfig::kRaysPerChunk, trainer_->loss.free_space_rays,
+                             closely, batch);
             },
             fused && !trainer_->exact_depth};
   }
@@ -164,49 +165,53 @@ private:
   std::size_t rays_ = 0; // since the last start
   std::size_t steps_ = 0;
   std::size_t restarts_ = 0;
-  bool warm_ = false;
+  bool is_warm_start_ = false;
   float rate_ = 1;
   CollapseDetector collapse_detector_;
 };
 
 // Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
 // that are full, and an error that can be seen.
-bool may_grow(Run& run, const RaySampler& sampler, const TrainerConfig& trainer) {
-  return trainer.rays >> run.field().config.log2_table_size >= trainer.growth.rays_per_entry &&
-         sampler.held_apart_count() >= trainer.growth.min_validation_rays && can_double_tables(run.field().config) &&
-         run.field().config.log2_table_size < trainer.largest_log2_table_size &&
-         run.table_fill() > trainer.growth.min_fill && run.judged_error() > trainer.growth.min_error;
+bool may_grow_tables(TrainingRun& training_run, const RaySampler& sampler, const TrainerConfig& trainer) {
+  return trainer.rays >> training_run.field().config.log2_table_size >= trainer.table_growth.rays_per_entry &&
+         sampler.validation_ray_count() >= trainer.table_growth.min_validation_rays &&
+         can_double_tables(training_run.field().config) &&
+         training_run.field().config.log2_table_size < trainer.max_log2_table_size &&
+         training_run.table_fill() > trainer.table_growth.min_fill &&
+         training_run.validation_error() > trainer.table_growth.min_error;
 }
 
 // Trains on until so many rays are done, with steps that fall as those of a whole training do, or until learning stops:
 // large steps hide what tables hold. Returns the error over the rays held apart.
-double error_after(std::size_t end, Run& run, Progress& progress, TrainingReport& report) {
-  const std::size_t begin = run.rays();
+double error_after(std::size_t end, TrainingRun& training_run, Progress& progress, TrainingReport& report) {
+  const std::size_t begin = training_run.rays();
   const std::size_t restarts = report.restarts.size();
-  while (run.rays() < end && report.restarts.size() == restarts) {
+  while (training_run.rays() < end && report.restarts.size() == restarts) {
     progress.check();
-    run.step(progress, report, static_cast<double>(run.rays() - begin) / static_cast<double>(end - begin));
+    training_run.step(progress, report,
+                      static_cast<double>(training_run.rays() - begin) / static_cast<double>(end - begin));
   }
-  return run.judged_error();
+  return training_run.validation_error();
 }
 
 // Returns whether larger tables paid; the run goes on with them then.
-bool try_growth(Run& run, const TrainerConfig& trainer, Progress& progress, TrainingReport& report) {
-  GrowthTrial trial;
-  trial.begin = run.rays();
-  trial.table_fill = run.table_fill();
-  trial.log2_table_size = run.field().config.log2_table_size;
-  trial.bytes = bytes_of(run.field());
-  Run larger = run.grown();
+bool try_table_growth(TrainingRun& training_run, const TrainerConfig& trainer, Progress& progress,
+                      TrainingReport& report) {
+  TableGrowthTrial trial;
+  trial.begin = training_run.rays();
+  trial.table_fill = training_run.table_fill();
+  trial.log2_table_size = training_run.field().config.log2_table_size;
+  trial.bytes = bytes_of(training_run.field());
+  TrainingRun larger = training_run.with_growth();
   trial.grown_bytes = bytes_of(larger.field());
-  const std::size_t end = run.rays() + std::min(trainer.rays / 8, trainer.growth.max_rays);
+  const std::size_t end = training_run.rays() + std::min(trainer.rays / 8, trainer.table_growth.max_rays);
   TrainingReport aside;
-  trial.error = error_after(end, run, progress, report);
+  trial.error = error_after(end, training_run, progress, report);
   trial.grown_error = error_after(end, larger, progress, aside);
-  trial.price = larger.rays() - trial.begin;
-  trial.kept = aside.restarts.empty() && trial.grown_error < trainer.growth.worthwhile * trial.error;
-  if (trial.kept) run = std::move(larger);
-  report.growth.push_back(trial);
+  trial.discarded_rays = larger.rays() - trial.begin;
+  trial.kept = aside.restarts.empty() && trial.grown_error < trainer.table_growth.worthwhile * trial.error;
+  if (trial.kept) training_run = std::move(larger);
+  report.table_growth.push_back(trial);
   return trial.kept;
 }
 
@@ -222,26 +227,27 @@ Field train_field(const LayerObservations& layer, const FieldConfig& config, con
     throw Error(ErrorCode::kUsage, "a training can only begin with a field of its own configuration");
   }
   untrained.occupancy = sampler.occupancy();
-  if (sampler.own_ray_count() == 0) {
+  if (sampler.foreground_ray_count() == 0) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }
   TrainingReport result;
-  Run run(sampler, trainer, std::move(untrained), begin_with != nullptr);
+  TrainingRun training_run(sampler, trainer, std::move(untrained), begin_with != nullptr);
   bool growing = true;
   std::size_t next_trial = trainer.rays / 4;
-  for (std::size_t step = 1; run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
+  for (std::size_t step = 1; training_run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
     progress.check();
-    if (growing && run.rays() >= next_trial) {
-      growing = may_grow(run, sampler, trainer) && try_growth(run, trainer, progress, result);
+    if (growing && training_run.rays() >= next_trial) {
+      growing =
+          may_grow_tables(training_run, sampler, trainer) && try_table_growth(training_run, trainer, progress, result);
       next_trial += trainer.rays / 8;
     }
-    const StepResult taken = run.step(progress, result);
-    if (step % 64 == 0) progress.advance(run.rays(), fmt::format("loss {:.4f}", taken.loss));
+    const StepResult taken = training_run.step(progress, result);
+    if (step % 64 == 0) progress.advance(training_run.rays(), fmt::format("loss {:.4f}", taken.loss));
   }
-  progress.advance(run.rays(), fmt::format("loss {:.4f}", result.final_loss));
-  Field field = run.take_field();
-  drop_transparent_cells(field);
-  if (trainer.drop_stray_cells) result.stray_cells = drop_stray_cells(layer, field);
+  progress.advance(training_run.rays(), fmt::format("loss {:.4f}", result.final_loss));
+  Field field = training_run.release_field();
+  prune_occupancy(field);
+  if (trainer.carve_free_space) result.carved_cells = carve_free_space(layer, field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;

@@ -2,22 +2,22 @@
 
 #include <array>
 
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 
 namespace kinora::ingest {
 namespace {
 
 constexpr int kColumns = 96; ///< of the grid of pixels that are looked at
 constexpr int kRows = 72;
-constexpr std::size_t kLeastPixels = 200; ///< to tell a gain
-constexpr float kDark = 0.01F;            ///< linear; darker is noise
-constexpr float kBright = 0.9F;           ///< brighter may be saturated
-constexpr double kMotion = 0.05;          ///< log ratio at which a pixel shows something else
-constexpr double kChange = 0.03;          ///< gain that counts as a change of exposure
-constexpr int kMaxShift = 5;              ///< frames
-constexpr std::size_t kLeastFrames = 24;  ///< to tell a time offset
-constexpr double kLeastCorrelation = 0.7;
-constexpr double kLeastVariation = 0.3; ///< of a motion signal: standard deviation over mean
+constexpr std::size_t kMinPixels = 200; ///< to tell a gain
+constexpr float kDark = 0.01F;          ///< linear; darker is noise
+constexpr float kBright = 0.9F;         ///< brighter may be saturated
+constexpr double kMotion = 0.05;        ///< log ratio at which a pixel shows something else
+constexpr double kChange = 0.03;        ///< gain that counts as a change of exposure
+constexpr int kMaxShift = 5;            ///< frames
+constexpr std::size_t kMinFrames = 24;  ///< to tell a time offset
+constexpr double kMinCorrelation = 0.7;
+constexpr double kMinVariation = 0.3; ///< of a motion signal: standard deviation over mean
 
 float linear_of(std::uint8_t value) {
   static const std::array<float, 256> table = [] {
@@ -56,7 +56,7 @@ bool varies(const std::vector<double>& signal) {
   for (const double value : signal) sum += value, squares += value * value;
   const auto count = static_cast<double>(signal.size());
   const double mean = sum / count;
-  return mean > 0 && std::sqrt(std::max(0.0, squares / count - mean * mean)) > kLeastVariation * mean;
+  return mean > 0 && std::sqrt(std::max(0.0, squares / count - mean * mean)) > kMinVariation * mean;
 }
 
 } // namespace
@@ -86,7 +86,7 @@ std::optional<double> StreamEstimates::gain_against(const Sample& sample, const 
     if (both ? std::abs(z - sample.depth[i]) > same_surface_tolerance(z) : z > 0 || sample.depth[i] > 0) continue;
     ratios.push_back(std::log(*sample.brightness[i] / *reference.brightness[i]));
   }
-  if (ratios.size() < kLeastPixels) return std::nullopt;
+  if (ratios.size() < kMinPixels) return std::nullopt;
   return std::exp(median_of(ratios));
 }
 
@@ -128,15 +128,15 @@ StreamReport StreamEstimates::report() const {
   report.gains = gains_;
   report.exposure_changes =
       std::any_of(gains_.begin(), gains_.end(), [](double gain) { return std::abs(gain - 1) > kChange; });
-  if (times_.size() < kLeastFrames || !varies(color_motion_) || !varies(depth_motion_)) return report;
+  if (times_.size() < kMinFrames || !varies(color_motion_) || !varies(depth_motion_)) return report;
   std::array<double, 2 * kMaxShift + 1> scores{};
   for (int shift = -kMaxShift; shift <= kMaxShift; ++shift)
     scores[static_cast<std::size_t>(shift) + kMaxShift] = correlation(color_motion_, depth_motion_, shift);
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-  if (scores[best] < kLeastCorrelation || best == 0 || best + 1 == scores.size()) return report;
+  if (scores[best] < kMinCorrelation || best == 0 || best + 1 == scores.size()) return report;
   const double left = scores[best - 1], middle = scores[best], right = scores[best + 1];
-  const double bend = left - 2 * middle + right;
-  const double fraction = bend < 0 ? 0.5 * (left - right) / bend : 0;
+  const double curvature = left - 2 * middle + right;
+  const double fraction = curvature < 0 ? 0.5 * (left - right) / curvature : 0;
   const double interval = (times_.back() - times_.front()) / static_cast<double>(times_.size() - 1);
   report.time_offset = (static_cast<double>(best) - kMaxShift + fraction) * interval;
   return report;

@@ -6,31 +6,31 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 #include "ingest/opencv/opencv_functions.h"
 
 namespace kinora::ingest {
 namespace {
 
-constexpr std::size_t kMostFrames = 600;
-constexpr std::size_t kMostViews = 24;
+constexpr std::size_t kMaxFrames = 600;
+constexpr std::size_t kMaxViews = 24;
 constexpr std::size_t kNeighbours = 10; ///< later views that a view is compared with
 constexpr double kNewViewAngle = 0.05;  ///< radians that the camera must have turned since the last view …
 constexpr double kNewViewMove = 0.05;   ///< … or metres that it must have moved
 constexpr double kPointsPerView = 3000; ///< that are looked up in other views
-constexpr std::size_t kLeastPoints = 200;
+constexpr std::size_t kMinPoints = 200;
 constexpr std::array<double, 4> kBlurs{80, 160, 320, 640}; ///< image widths per standard deviation, coarse to fine
-constexpr double kLargestZoom = 0.25;                      ///< logarithm of the focal length's factor that is searched
+constexpr double kMaxZoom = 0.25;                          ///< logarithm of the focal length's factor that is searched
 constexpr double kZoomStep = 0.02;
-constexpr int kMostSteps = 20;           ///< of Gauss–Newton, at each blur
+constexpr int kMaxSteps = 20;            ///< of Gauss–Newton, at each blur
 constexpr double kOutlier = 0.3;         ///< difference in brightness, of its standard deviation (Cauchy's estimator)
 constexpr double kShiftPrior = 1.0 / 64; ///< of the image's width: standard deviation of the principal point's error
 constexpr double kNoise = 0.2;           ///< difference in brightness, of its standard deviation
 constexpr double kIndependent = 2;       ///< points of a pair that are worth something: they err together by its poses
-constexpr double kClearlyBetter = 0.7;   ///< share of the unexplained that may be left
-constexpr double kWellExplained = 0.2;   ///< more unexplained: the poses are wrong too, or everything moves
-constexpr std::size_t kJudges = 3;       ///< every third pair judges and is not fitted to
-constexpr double kLeastContrast = 2;     ///< of 255: standard deviation of the brightness
+constexpr double kMaxUnexplainedRatio = 0.7; ///< share of the unexplained that may be left
+constexpr double kMaxUnexplained = 0.2;      ///< more unexplained: the poses are wrong too, or everything moves
+constexpr std::size_t kValidationStride = 3; ///< every third pair judges and is not fitted to
+constexpr double kMinContrast = 2;           ///< of 255: standard deviation of the brightness
 
 /// Logarithm of the focal length's factor, and the shift of the principal point in pixels. (Where the colour camera
 /// stands, a few centimetres away, a camera that mostly turns does not tell.)
@@ -69,7 +69,7 @@ View view_of(Frame&& frame) {
 
 std::vector<View> views_of(Capture& capture, Progress& progress) {
   std::vector<View> views;
-  for (std::size_t i = 0; i < kMostFrames && views.size() < kMostViews; ++i) {
+  for (std::size_t i = 0; i < kMaxFrames && views.size() < kMaxViews; ++i) {
     progress.check();
     auto frame = capture.next();
     if (!frame) break;
@@ -114,7 +114,7 @@ std::vector<Pair> pairs_of(const std::vector<View>& views, const Intrinsics& int
   for (std::size_t a = 0; a < views.size(); ++a) {
     for (std::size_t b = a + 1; b < std::min(a + 1 + kNeighbours, views.size()); ++b) {
       Pair pair = pair_of(views, a, b, intrinsics);
-      if (pair.in_a.size() >= kLeastPoints) pairs.push_back(std::move(pair));
+      if (pair.in_a.size() >= kMinPoints) pairs.push_back(std::move(pair));
     }
   }
   return pairs;
@@ -130,12 +130,13 @@ Intrinsics color_camera(const Intrinsics& claimed, const Parameters& x) {
 }
 
 /// Brightness of the view where a point falls, and its change with the parameters.
-struct Look {
+struct BrightnessSample {
   double brightness;
   Parameters gradient;
 };
 
-std::optional<Look> look(const Image<float>& image, const Eigen::Vector3d& point, const Intrinsics& k) {
+std::optional<BrightnessSample> sample_brightness(const Image<float>& image, const Eigen::Vector3d& point,
+                                                  const Intrinsics& k) {
   const Eigen::Vector2d pixel = k.project(point);
   if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < image.width() - 1 && pixel.y() < image.height() - 1)) {
     return std::nullopt;
@@ -148,7 +149,7 @@ std::optional<Look> look(const Image<float>& image, const Eigen::Vector3d& point
   const float* below = image.pixel(u, v + 1);
   const double along_u = (1 - y) * (above[1] - above[0]) + y * (below[1] - below[0]);
   const double along_v = (1 - x) * (below[0] - above[0]) + x * (below[1] - above[1]);
-  Look seen;
+  BrightnessSample seen;
   seen.brightness = (1 - y) * ((1 - x) * above[0] + x * above[1]) + y * ((1 - x) * below[0] + x * below[1]);
   seen.gradient = {along_u * (pixel.x() - k.cx) + along_v * (pixel.y() - k.cy), along_u, along_v};
   return seen;
@@ -164,43 +165,44 @@ struct Evidence {
 };
 
 // To mean 0 and variance 1; false if there is nothing to see. Exposure then does not matter.
-bool normalise(std::vector<Look>& looks) {
-  const auto count = static_cast<double>(looks.size());
-  Look mean{0, Parameters::Zero()};
-  for (const Look& seen : looks) mean = {mean.brightness + seen.brightness, mean.gradient + seen.gradient};
+bool normalise(std::vector<BrightnessSample>& samples) {
+  const auto count = static_cast<double>(samples.size());
+  BrightnessSample mean{0, Parameters::Zero()};
+  for (const BrightnessSample& seen : samples)
+    mean = {mean.brightness + seen.brightness, mean.gradient + seen.gradient};
   mean = {mean.brightness / count, mean.gradient / count};
   double variance = 0;
-  for (const Look& seen : looks) variance += square(seen.brightness - mean.brightness) / count;
+  for (const BrightnessSample& seen : samples) variance += square(seen.brightness - mean.brightness) / count;
   const double deviation = std::sqrt(variance);
-  if (deviation < kLeastContrast) return false;
+  if (deviation < kMinContrast) return false;
   Parameters growth = Parameters::Zero(); // of the deviation, relative to it
-  for (Look& seen : looks) {
+  for (BrightnessSample& seen : samples) {
     seen = {(seen.brightness - mean.brightness) / deviation, (seen.gradient - mean.gradient) / deviation};
     growth += seen.brightness * seen.gradient / count;
   }
-  for (Look& seen : looks) seen.gradient -= seen.brightness * growth;
+  for (BrightnessSample& seen : samples) seen.gradient -= seen.brightness * growth;
   return true;
 }
 
 Evidence evidence_of(const Pair& pair, const std::vector<View>& views, std::size_t blur, const Intrinsics& color) {
-  std::vector<Look> from_a, from_b;
+  std::vector<BrightnessSample> from_a, from_b;
   for (std::size_t i = 0; i < pair.in_a.size(); ++i) {
-    const auto a = look(views[pair.a].brightness[blur], pair.in_a[i], color);
-    const auto b = look(views[pair.b].brightness[blur], pair.in_b[i], color);
+    const auto a = sample_brightness(views[pair.a].brightness[blur], pair.in_a[i], color);
+    const auto b = sample_brightness(views[pair.b].brightness[blur], pair.in_b[i], color);
     if (!a || !b) continue;
     from_a.push_back(*a);
     from_b.push_back(*b);
   }
   Evidence evidence;
-  if (from_a.size() < kLeastPoints || !normalise(from_a) || !normalise(from_b)) return evidence;
+  if (from_a.size() < kMinPoints || !normalise(from_a) || !normalise(from_b)) return evidence;
   evidence.weight = 1;
   for (std::size_t i = 0; i < from_a.size(); ++i) {
     const double difference = from_a[i].brightness - from_b[i].brightness;
-    const Parameters slope = from_a[i].gradient - from_b[i].gradient;
+    const Parameters gradient_difference = from_a[i].gradient - from_b[i].gradient;
     const double outlying = square(difference / kOutlier);
-    const double trust = 1 / ((1 + outlying) * static_cast<double>(from_a.size()));
-    evidence.information += trust * slope * slope.transpose();
-    evidence.gradient += trust * difference * slope;
+    const double sample_weight = 1 / ((1 + outlying) * static_cast<double>(from_a.size()));
+    evidence.information += sample_weight * gradient_difference * gradient_difference.transpose();
+    evidence.gradient += sample_weight * difference * gradient_difference;
     evidence.cost += square(kOutlier) * std::log1p(outlying) / static_cast<double>(from_a.size());
     evidence.unexplained += 0.5 * square(difference) / static_cast<double>(from_a.size());
   }
@@ -214,11 +216,11 @@ public:
       : views_(views), pairs_(std::move(pairs)), claimed_(claimed) {}
 
   /// `unexplained` is the mean over the pairs; `weight` counts them.
-  Evidence evidence(const Parameters& x, std::size_t blur, bool judging) const {
+  Evidence evidence(const Parameters& x, std::size_t blur, bool validating) const {
     const Intrinsics color = color_camera(claimed_, x);
     std::vector<Evidence> parts(pairs_.size());
     parallel_for(pairs_.size(), 1, [&](const Chunk& chunk) {
-      if ((chunk.index % kJudges == kJudges - 1) != judging) return;
+      if ((chunk.index % kValidationStride == kValidationStride - 1) != validating) return;
       parts[chunk.index] = evidence_of(pairs_[chunk.index], views_, blur, color);
     });
     Evidence all;
@@ -236,13 +238,15 @@ public:
   Parameters fit() const {
     Parameters best = coarse_zoom();
     for (std::size_t blur = 0; blur < kBlurs.size(); ++blur) {
-      Evidence at_best = evidence(best, blur, false);
-      for (int i = 0; i < kMostSteps; ++i) {
-        const Parameters next = best + step(best, at_best);
-        const Evidence at_next = evidence(next, blur, false);
-        if (!(at_next.weight >= at_best.weight && cost(next, at_next) < cost(best, at_best))) break;
+      Evidence evidence_at_best = evidence(best, blur, false);
+      for (int i = 0; i < kMaxSteps; ++i) {
+        const Parameters next = best + step(best, evidence_at_best);
+        const Evidence evidence_at_next = evidence(next, blur, false);
+        if (!(evidence_at_next.weight >= evidence_at_best.weight &&
+              cost(next, evidence_at_next) < cost(best, evidence_at_best)))
+          break;
         best = next;
-        at_best = at_next;
+        evidence_at_best = evidence_at_next;
       }
     }
     return best;
@@ -251,14 +255,14 @@ public:
 private:
   Parameters coarse_zoom() const {
     Parameters best = Parameters::Zero();
-    double least = evidence(best, 0, false).unexplained;
-    const int steps = static_cast<int>(kLargestZoom / kZoomStep);
+    double min_unexplained = evidence(best, 0, false).unexplained;
+    const int steps = static_cast<int>(kMaxZoom / kZoomStep);
     for (int i = -steps; i <= steps; ++i) {
       Parameters x = Parameters::Zero();
       x[0] = i * kZoomStep;
-      const Evidence here = evidence(x, 0, false);
-      if (here.weight == 0 || here.unexplained >= least) continue;
-      least = here.unexplained;
+      const Evidence evidence_here = evidence(x, 0, false);
+      if (evidence_here.weight == 0 || evidence_here.unexplained >= min_unexplained) continue;
+      min_unexplained = evidence_here.unexplained;
       best = x;
     }
     return best;
@@ -267,19 +271,19 @@ private:
   // What no view tells stays as claimed: two cameras in one housing are near each other.
   Parameters prior() const {
     const double shift = kShiftPrior * claimed_.width;
-    return {1 / (kLargestZoom * kLargestZoom), 1 / (shift * shift), 1 / (shift * shift)};
+    return {1 / (kMaxZoom * kMaxZoom), 1 / (shift * shift), 1 / (shift * shift)};
   }
 
   double cost(const Parameters& x, const Evidence& evidence) const {
-    return kWorth * evidence.cost + prior().dot(x.cwiseAbs2());
+    return kPairWeight * evidence.cost + prior().dot(x.cwiseAbs2());
   }
 
   Parameters step(const Parameters& x, const Evidence& evidence) const {
-    const Eigen::Matrix3d information = kWorth * evidence.information + Eigen::Matrix3d(prior().asDiagonal());
-    return information.ldlt().solve(-kWorth * evidence.gradient - prior().cwiseProduct(x));
+    const Eigen::Matrix3d information = kPairWeight * evidence.information + Eigen::Matrix3d(prior().asDiagonal());
+    return information.ldlt().solve(-kPairWeight * evidence.gradient - prior().cwiseProduct(x));
   }
 
-  static constexpr double kWorth = kIndependent / (kNoise * kNoise); // of a pair's mean squared difference
+  static constexpr double kPairWeight = kIndependent / (kNoise * kNoise); // of a pair's mean squared difference
 
   const std::vector<View>& views_;
   std::vector<Pair> pairs_;
@@ -292,7 +296,7 @@ FoundRegistration search_registration(Capture& capture, Progress& progress) {
   FoundRegistration found;
   const CaptureInfo& info = capture.info();
   if (!info.has_poses || info.has_depth_camera) return found;
-  progress.stage("comparing colour with depth", kMostViews);
+  progress.stage("comparing colour with depth", kMaxViews);
   const std::vector<View> views = views_of(capture, progress);
   std::vector<Pair> points = pairs_of(views, info.intrinsics);
   found.pairs = points.size();
@@ -301,12 +305,12 @@ FoundRegistration search_registration(Capture& capture, Progress& progress) {
   const Evidence as_given = pairs.evidence(Parameters::Zero(), kFinest, true);
   if (as_given.weight == 0) return {};
   const Parameters best = pairs.fit();
-  const Evidence with_best = pairs.evidence(best, kFinest, true);
+  const Evidence evidence_with_best = pairs.evidence(best, kFinest, true);
   found.unexplained_as_given = as_given.unexplained;
-  found.unexplained = with_best.unexplained;
-  const bool clearly = with_best.weight >= as_given.weight &&
-                       with_best.unexplained < kClearlyBetter * as_given.unexplained &&
-                       with_best.unexplained < kWellExplained;
+  found.unexplained = evidence_with_best.unexplained;
+  const bool clearly = evidence_with_best.weight >= as_given.weight &&
+                       evidence_with_best.unexplained < kMaxUnexplainedRatio * as_given.unexplained &&
+                       evidence_with_best.unexplained < kMaxUnexplained;
   if (clearly) {
     found.geometry = RegistrationGeometry{info.intrinsics, color_camera(info.intrinsics, best), SE3::Identity()};
   }

@@ -12,7 +12,7 @@ struct DepthCleaning {
   double max_jump = 0.03;                           ///< of depth: a larger step to a neighbour is an edge …
   double max_jump_sigmas = kThreeSigmaOfDifference; ///< … but never less than this many standard deviations
   double min_incidence = 0.1745; ///< radians between ray and surface: below, the surface is seen too flat
-  int slope_radius = 4;          ///< pixels to either side from which a surface's slope is estimated
+  int gradient_radius = 4;       ///< pixels to either side from which a surface's slope is estimated
 };
 
 /// A copy of `depth` (metres, 0 = none) without

@@ -25,7 +25,7 @@ using Bytes = hn::Rebind<std::uint8_t, Floats>;
 template <class T> class Padded {
 public:
   Padded(int width, int height, int margin, T around)
-      : stride_(static_cast<std::size_t>(width + 2 * margin) + kMostLanes), margin_(static_cast<std::size_t>(margin)),
+      : stride_(static_cast<std::size_t>(width + 2 * margin) + kMaxLanes), margin_(static_cast<std::size_t>(margin)),
         values_(stride_ * static_cast<std::size_t>(height + 2 * margin), around) {}
   T* row(int v) { return values_.data() + (static_cast<std::size_t>(v) + margin_) * stride_ + margin_; }
   std::ptrdiff_t stride() const { return static_cast<std::ptrdiff_t>(stride_); }
@@ -39,28 +39,28 @@ private:
 class Cleaner {
 public:
   Cleaner(const DepthImage& depth, const Intrinsics& intrinsics, const DepthCleaning& limits)
-      : image_(depth), intrinsics_(intrinsics), limits_(limits), radius_(std::max(limits.slope_radius, 1)),
-        depth_(depth.width(), depth.height(), radius_, 0), sound_(depth.width(), depth.height(), 1, 0),
+      : image_(depth), intrinsics_(intrinsics), limits_(limits), radius_(std::max(limits.gradient_radius, 1)),
+        depth_(depth.width(), depth.height(), radius_, 0), valid_(depth.width(), depth.height(), 1, 0),
         steps_(depth.width(), depth.height(), radius_, 0), kept_(depth.width(), depth.height(), 1, 1) {}
 
   DepthImage run() {
     for (int v = 0; v < image_.height(); ++v) std::copy_n(image_.pixel(0, v), image_.width(), depth_.row(v));
     for (int v = 0; v < image_.height(); ++v) for_lanes([&](int u) { mark_steps(u, v); });
     for (int v = 0; v < image_.height(); ++v) {
-      for_lanes([&](int u) { leave_out_lone(u, v); });
-      std::fill_n(sound_.row(v) + image_.width(), kMostLanes, 0.0F);
+      for_lanes([&](int u) { drop_isolated(u, v); });
+      std::fill_n(valid_.row(v) + image_.width(), kMaxLanes, 0.0F);
     }
     bool above = false;
     for (int v = 0; v < image_.height(); ++v) {
       bool here = false;
-      for_lanes([&](int u) { here = bridge_lone(u, v) || here; });
+      for_lanes([&](int u) { here = bridge_isolated(u, v) || here; });
       if (here || above) for_lanes([&](int u) { mark_steps(u, v); });
       above = here;
     }
     for (int v = 0; v < image_.height(); ++v) {
       // What lies beyond the row is not depth; beyond the picture it does not count as missing.
       for_lanes([&](int u) { keep(u, v); });
-      std::fill_n(kept_.row(v) + image_.width(), kMostLanes, 1.0F);
+      std::fill_n(kept_.row(v) + image_.width(), kMaxLanes, 1.0F);
     }
     DepthImage result(image_.width(), image_.height());
     for (int v = 0; v < image_.height(); ++v) for_lanes([&](int u) { erode(u, v, result); });
@@ -77,7 +77,7 @@ private:
   }
 
   /// The depths of two neighbours that may lie on one surface differ by no more.
-  F most_step(F a, F b) const {
+  F max_step(F a, F b) const {
     const F z = hn::Min(a, b);
     return hn::Max(hn::Mul(constant(static_cast<float>(limits_.max_jump)), z),
                    hn::Mul(constant(static_cast<float>(limits_.max_jump_sigmas)), depth_sigma(z)));
@@ -90,8 +90,8 @@ private:
     const F here = hn::LoadU(d, at);
     const auto step = [&](F before, std::int32_t joined, std::int32_t jump) {
       const F z = hn::Min(here, before);
-      const Mask goes_on = hn::Le(hn::Abs(hn::Sub(here, before)), most_step(here, before));
-      const I marks = hn::IfThenElse(hn::RebindMask(di, goes_on), hn::Set(di, joined), hn::Set(di, jump));
+      const Mask continues = hn::Le(hn::Abs(hn::Sub(here, before)), max_step(here, before));
+      const I marks = hn::IfThenElse(hn::RebindMask(di, continues), hn::Set(di, joined), hn::Set(di, jump));
       return hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(z, zero())), marks);
     };
     const I along = step(hn::LoadU(d, at - 1), kAlong, kJumpAlong);
@@ -105,7 +105,7 @@ private:
     return hn::RebindMask(Floats(), hn::Ne(hn::And(marks, hn::Set(di, mark)), hn::Zero(di)));
   }
 
-  void leave_out_lone(int u, int v) {
+  void drop_isolated(int u, int v) {
     const Floats d;
     const Bytes bytes;
     const std::uint8_t* steps = steps_.row(v) + u;
@@ -118,33 +118,33 @@ private:
     const I marks = hn::PromoteTo(di, hn::Or(hn::LoadU(bytes, steps), hn::Or(right, below)));
     // It jumps somewhere, and is joined to nothing.
     const I joined = hn::And(marks, hn::Set(di, kAlong | kDown));
-    const Mask lone = hn::RebindMask(d, hn::And(hn::Ne(marks, hn::Zero(di)), hn::Eq(joined, hn::Zero(di))));
-    hn::StoreU(hn::IfThenZeroElse(lone, hn::LoadU(d, depth_.row(v) + u)), d, sound_.row(v) + u);
+    const Mask isolated = hn::RebindMask(d, hn::And(hn::Ne(marks, hn::Zero(di)), hn::Eq(joined, hn::Zero(di))));
+    hn::StoreU(hn::IfThenZeroElse(isolated, hn::LoadU(d, depth_.row(v) + u)), d, valid_.row(v) + u);
   }
 
   /// Gives a lone pixel, for as long as others are judged, the depth of the surface that it stands in; true if any.
-  bool bridge_lone(int u, int v) {
+  bool bridge_isolated(int u, int v) {
     const Floats d;
     float* at = depth_.row(v) + u;
-    const float* sound = sound_.row(v) + u;
+    const float* valid = valid_.row(v) + u;
     const F z = hn::LoadU(d, at);
-    const Mask lone = hn::And(hn::Gt(z, zero()), hn::Le(hn::LoadU(d, sound), zero()));
-    if (hn::AllFalse(d, lone)) return false;
+    const Mask isolated = hn::And(hn::Gt(z, zero()), hn::Le(hn::LoadU(d, valid), zero()));
+    if (hn::AllFalse(d, isolated)) return false;
     F sum = zero();
     F count = zero();
-    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, sound_.stride()}) {
-      const F before = hn::LoadU(d, sound - step);
-      const F after = hn::LoadU(d, sound + step);
+    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, valid_.stride()}) {
+      const F before = hn::LoadU(d, valid - step);
+      const F after = hn::LoadU(d, valid + step);
       const Mask on_both_sides = hn::Gt(hn::Min(before, after), zero());
       sum = hn::Add(sum, hn::IfThenElseZero(on_both_sides, hn::Add(before, after)));
       count = hn::Add(count, hn::IfThenElseZero(on_both_sides, constant(2)));
     }
-    Mask bridged = hn::And(lone, hn::Gt(count, zero()));
+    Mask bridged = hn::And(isolated, hn::Gt(count, zero()));
     const F mean = hn::Div(sum, hn::Max(count, constant(1)));
     for (const int side : {-1, 1}) {
       for (const bool down : {false, true}) {
-        const F other = hn::LoadU(d, sound + side * (down ? sound_.stride() : 1));
-        const Mask jumps = hn::Gt(hn::Abs(hn::Sub(other, mean)), most_step(other, mean));
+        const F other = hn::LoadU(d, valid + side * (down ? valid_.stride() : 1));
+        const Mask jumps = hn::Gt(hn::Abs(hn::Sub(other, mean)), max_step(other, mean));
         bridged = hn::AndNot(hn::And(hn::Gt(other, zero()), jumps), bridged);
       }
     }
@@ -153,18 +153,18 @@ private:
   }
 
   /// Least-squares slope of depth per pixel along a line of pixels, over the neighbours that joined steps lead to.
-  F slope(const float* z, const std::uint8_t* steps, std::ptrdiff_t z_stride, std::ptrdiff_t step_stride,
-          std::int32_t joined) const {
+  F gradient(const float* z, const std::uint8_t* steps, std::ptrdiff_t z_stride, std::ptrdiff_t step_stride,
+             std::int32_t joined) const {
     const Floats d;
     const Bytes bytes;
     auto all = hn::Set(bytes, static_cast<std::uint8_t>(joined));
-    for (std::ptrdiff_t i = 1 - limits_.slope_radius; i <= limits_.slope_radius; ++i) {
+    for (std::ptrdiff_t i = 1 - limits_.gradient_radius; i <= limits_.gradient_radius; ++i) {
       all = hn::And(all, hn::LoadU(bytes, steps + i * step_stride));
     }
     if (hn::AllTrue(bytes, hn::Ne(all, hn::Zero(bytes)))) { // the usual case: the mean of x vanishes
       F product = zero();
       float spread = 0;
-      for (std::ptrdiff_t i = 1; i <= limits_.slope_radius; ++i) {
+      for (std::ptrdiff_t i = 1; i <= limits_.gradient_radius; ++i) {
         const auto x = static_cast<float>(i);
         const F across = hn::Sub(hn::LoadU(d, z + i * z_stride), hn::LoadU(d, z - i * z_stride));
         product = hn::MulAdd(constant(x), across, product);
@@ -185,7 +185,7 @@ private:
     };
     Mask ahead = hn::Eq(here, here);
     Mask behind = ahead;
-    for (std::ptrdiff_t i = 1; i <= limits_.slope_radius; ++i) {
+    for (std::ptrdiff_t i = 1; i <= limits_.gradient_radius; ++i) {
       const F x = constant(static_cast<float>(i));
       behind = hn::And(behind, has_mark(steps - (i - 1) * step_stride, joined));
       add(behind, hn::Neg(x), hn::LoadU(d, z - i * z_stride));
@@ -208,8 +208,8 @@ private:
     kept = hn::AndNot(has_mark(steps, kJumpAlong | kJumpDown), kept);
     kept = hn::AndNot(hn::Or(has_mark(steps + 1, kJumpAlong), has_mark(steps + steps_.stride(), kJumpDown)), kept);
     if (!hn::AllFalse(d, kept)) {
-      const F z_u = slope(at, steps, 1, 1, kAlong);
-      const F z_v = slope(at, steps, depth_.stride(), steps_.stride(), kDown);
+      const F z_u = gradient(at, steps, 1, 1, kAlong);
+      const F z_v = gradient(at, steps, depth_.stride(), steps_.stride(), kDown);
       const F fx = constant(static_cast<float>(intrinsics_.fx));
       const F fy = constant(static_cast<float>(intrinsics_.fy));
       const F x = hn::Add(hn::Iota(d, 0), constant(static_cast<float>(u - intrinsics_.cx)));
@@ -217,8 +217,9 @@ private:
       const Vec3 normal{hn::Mul(fx, z_u), hn::Mul(fy, z_v), hn::Neg(hn::MulAdd(x, z_u, hn::MulAdd(y, z_v, z)))};
       const Vec3 ray{hn::Div(x, fx), hn::Div(y, fy), constant(1)};
       const double sine = std::sin(limits_.min_incidence);
-      const F least = hn::Mul(constant(static_cast<float>(sine * sine)), hn::Mul(dot(normal, normal), dot(ray, ray)));
-      kept = hn::And(kept, hn::Ge(hn::Mul(z, z), least));
+      const F min_squared_depth =
+          hn::Mul(constant(static_cast<float>(sine * sine)), hn::Mul(dot(normal, normal), dot(ray, ray)));
+      kept = hn::And(kept, hn::Ge(hn::Mul(z, z), min_squared_depth));
     }
     hn::StoreU(hn::IfThenElseZero(kept, z), d, kept_.row(v) + u);
   }
@@ -228,8 +229,8 @@ private:
     const float* at = kept_.row(v) + u;
     const auto is_kept = [&](std::ptrdiff_t step) { return hn::Gt(hn::LoadU(d, at + step), zero()); };
     Mask inside = hn::And(hn::And(is_kept(-1), is_kept(1)), hn::And(is_kept(-kept_.stride()), is_kept(kept_.stride())));
-    inside = hn::And(inside, hn::Gt(hn::LoadU(d, sound_.row(v) + u), zero()));
-    HWY_ALIGN float eroded[kMostLanes];
+    inside = hn::And(inside, hn::Gt(hn::LoadU(d, valid_.row(v) + u), zero()));
+    HWY_ALIGN float eroded[kMaxLanes];
     hn::Store(hn::IfThenElseZero(inside, hn::LoadU(d, at)), d, eroded);
     const auto count = std::min(hn::Lanes(d), static_cast<std::size_t>(image_.width() - u));
     std::memcpy(result.pixel(u, v), eroded, count * sizeof(float));
@@ -240,7 +241,7 @@ private:
   const DepthCleaning& limits_;
   int radius_;
   Padded<float> depth_;
-  Padded<float> sound_; ///< 0 where a pixel is lone
+  Padded<float> valid_; ///< 0 where a pixel is lone
   Padded<std::uint8_t> steps_;
   Padded<float> kept_; ///< 0 where it is not
 };

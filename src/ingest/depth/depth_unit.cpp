@@ -7,7 +7,7 @@
 
 namespace kinora::ingest {
 
-std::string doubt_about_unit(const DepthImage& depth) {
+std::string depth_unit_warning(const DepthImage& depth) {
   constexpr float kNearest = 0.25F; // metres
   constexpr float kFarthest = 15;
   std::vector<float> measured;

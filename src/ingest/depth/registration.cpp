@@ -128,7 +128,7 @@ void draw_cell(const Vertex& a, const Vertex& b, const Vertex& c, const Vertex& 
 }
 
 /// True if no triangle can hold this measurement: it has no neighbour in its row, or none in its column.
-bool lonely(const Vertex* at, std::size_t u, std::size_t v, std::size_t width, std::size_t height) {
+bool is_isolated(const Vertex* at, std::size_t u, std::size_t v, std::size_t width, std::size_t height) {
   const bool beside = (u > 0 && joined(at[0], *(at - 1))) || (u + 1 < width && joined(at[0], at[1]));
   if (!beside) return true;
   return !(v > 0 && joined(at[0], *(at - width))) && !(v + 1 < height && joined(at[0], at[width]));
@@ -147,7 +147,7 @@ DepthImage register_depth(const DepthImage& depth, const RegistrationGeometry& g
     for (std::size_t v = rows.begin; v < rows.end; ++v) {
       for (std::size_t u = 0; u < width; ++u) {
         const Vertex* at = &vertices[v * width + u];
-        if (at->source > 0 && lonely(at, u, v, width, height)) buffer.draw(*at);
+        if (at->source > 0 && is_isolated(at, u, v, width, height)) buffer.draw(*at);
         if (u + 1 < width && v + 1 < height) draw_cell(at[0], at[1], at[width], at[width + 1], buffer);
       }
     }

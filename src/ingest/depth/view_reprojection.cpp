@@ -5,12 +5,12 @@
 
 namespace kinora::ingest {
 
-SegmentationView seen_from(const Camera& camera, const SegmentationView& view) {
+ReducedView reproject(const Camera& camera, const ReducedView& view) {
   const SE3 to_view = view.camera_to_world.inverse() * camera.camera_to_world;
   const Intrinsics& k = camera.intrinsics;
   if (k == view.intrinsics && to_view.matrix() == SE3::Identity().matrix()) return view;
-  SegmentationView result{k, ColorImage(k.width, k.height, 3),
-                          register_depth(view.depth, {view.intrinsics, k, to_view.inverse()}), camera.camera_to_world};
+  ReducedView result{k, ColorImage(k.width, k.height, 3),
+                     register_depth(view.depth, {view.intrinsics, k, to_view.inverse()}), camera.camera_to_world};
   constexpr std::size_t kRowsPerChunk = 16;
   parallel_for(static_cast<std::size_t>(k.height), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) {

@@ -48,8 +48,8 @@ private:
   }
 
   void read_vertices(BodyMesh& mesh) {
-    constexpr double kLeastHeight = 0.4; // metres
-    constexpr double kMostHeight = 3;
+    constexpr double kMinHeight = 0.4; // metres
+    constexpr double kMaxHeight = 3;
     const NpyArray array = matrix("v_template", std::nullopt, 3);
     vertices_ = array.shape[0];
     if (vertices_ < 4 || vertices_ > kMaxVertices) {
@@ -63,9 +63,9 @@ private:
       top = std::max(top, mesh.vertices.back().y());
       bottom = std::min(bottom, mesh.vertices.back().y());
     }
-    if (!(top - bottom >= kLeastHeight && top - bottom <= kMostHeight)) {
+    if (!(top - bottom >= kMinHeight && top - bottom <= kMaxHeight)) {
       refuse("v_template", fmt::format("the body is {:.3g} high, not {} to {} metres; give metres, y up", top - bottom,
-                                       kLeastHeight, kMostHeight));
+                                       kMinHeight, kMaxHeight));
     }
   }
 
@@ -94,14 +94,14 @@ private:
   }
 
   void read_joints(BodyMesh& mesh) {
-    constexpr double kMost = 3; // metres from the origin
+    constexpr double kMax = 3; // metres from the origin
     const NpyArray array = matrix("J_regressor", joints_, vertices_);
     for (std::size_t j = 0; j < kBodyMeshJoints; ++j) {
       mesh.joints.at(j).setZero();
       for (std::size_t i = 0; i < vertices_; ++i) {
         mesh.joints.at(j) += array.values[j * vertices_ + i] * mesh.vertices[i];
       }
-      if (!(mesh.joints.at(j).cwiseAbs().maxCoeff() < kMost)) {
+      if (!(mesh.joints.at(j).cwiseAbs().maxCoeff() < kMax)) {
         refuse("J_regressor", fmt::format("it puts joint {} outside the body; take it from the mesh's own model", j));
       }
     }

@@ -92,12 +92,12 @@ private:
     fail();
   }
   std::size_t number() {
-    constexpr std::size_t kMost = 1U << 30U;
+    constexpr std::size_t kMax = 1U << 30U;
     if (std::isdigit(static_cast<unsigned char>(next())) == 0) fail();
     std::size_t value = 0;
     while (!text_.empty() && std::isdigit(static_cast<unsigned char>(text_.front())) != 0) {
       value = 10 * value + static_cast<std::size_t>(text_.front() - '0');
-      if (value > kMost) refuse(source_, "its shape is absurd");
+      if (value > kMax) refuse(source_, "its shape is absurd");
       text_.remove_prefix(1);
     }
     return value;

@@ -42,9 +42,9 @@ ColorModel ColorCounts::model() const {
   const auto blur = [&bins](std::size_t stride, std::size_t length) {
     const auto before = bins;
     for (std::size_t i = 0; i < bins.size(); ++i) {
-      const std::size_t place = i / stride % length;
-      bins[i] = 0.5F * before[i] + 0.25F * before[place > 0 ? i - stride : i] +
-                0.25F * before[place + 1 < length ? i + stride : i];
+      const std::size_t index = i / stride % length;
+      bins[i] = 0.5F * before[i] + 0.25F * before[index > 0 ? i - stride : i] +
+                0.25F * before[index + 1 < length ? i + stride : i];
     }
   };
   constexpr std::size_t kSteps = ColorHistogram::kSteps;

@@ -14,14 +14,14 @@ std::vector<std::uint8_t> labels_in(const LabelImage& labels) {
 Mask inner_pixels(const LabelImage& labels, int radius) { return opencv_functions().inner_pixels(labels, radius); }
 
 ColorMixtures::ColorMixtures(const ColorImage& color, const LabelImage& labels, std::uint8_t label) {
-  opencv_functions().learn_mixtures(color, labels, label, own_, rest_);
+  opencv_functions().learn_mixtures(color, labels, label, foreground_, background_);
 }
 
-Mask ColorMixtures::cut(const ColorImage& color, const Image<Belonging>& known) const {
+Mask ColorMixtures::cut(const ColorImage& color, const Image<Trimap>& known) const {
   Mask mask(known.width(), known.height());
-  std::ranges::transform(known.values(), mask.data(), [](Belonging b) { return static_cast<std::uint8_t>(b); });
-  opencv_functions().cut(color, own_, rest_, mask);
-  for (std::uint8_t& state : mask.values()) state &= 1; // kOwn and kPerhapsOwn are odd
+  std::ranges::transform(known.values(), mask.data(), [](Trimap b) { return static_cast<std::uint8_t>(b); });
+  opencv_functions().cut(color, foreground_, background_, mask);
+  for (std::uint8_t& state : mask.values()) state &= 1; // kForeground and kProbableForeground are odd
   return mask;
 }
 

@@ -12,7 +12,7 @@
 namespace kinora::ingest {
 
 /// What is known of a pixel before the cut, with OpenCV's values.
-enum class Belonging : std::uint8_t { kOther = 0, kOwn = 1, kPerhapsOther = 2, kPerhapsOwn = 3 };
+enum class Trimap : std::uint8_t { kBackground = 0, kForeground = 1, kProbableBackground = 2, kProbableForeground = 3 };
 
 /// The labels that occur, without the background, in ascending order.
 std::vector<std::uint8_t> labels_in(const LabelImage& labels);
@@ -27,11 +27,11 @@ public:
   ColorMixtures(const ColorImage& color, const LabelImage& labels, std::uint8_t label);
 
   /// 1 where `color` has the label. What `known` is not sure of is decided by these mixtures and by edges.
-  Mask cut(const ColorImage& color, const Image<Belonging>& known) const;
+  Mask cut(const ColorImage& color, const Image<Trimap>& known) const;
 
 private:
-  ColorMixture own_{};
-  ColorMixture rest_{};
+  ColorMixture foreground_{};
+  ColorMixture background_{};
 };
 
 /// Decides anew within `radius` pixels of the labels' borders, by the colours of this frame. Labels too small to have

@@ -19,7 +19,7 @@ struct Pixel {
 Pixel origin_of(const Image<float>& flow, int u, int v);
 
 /// An image of `from` as it would be in `to`: each pixel takes the value where it comes from, or 0.
-template <class T> Image<T> carried(const Image<T>& image, const Image<float>& flow) {
+template <class T> Image<T> warped(const Image<T>& image, const Image<float>& flow) {
   Image<T> result(image.width(), image.height(), image.channels());
   for (int v = 0; v < image.height(); ++v) {
     for (int u = 0; u < image.width(); ++u) {

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/random.h"
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 
 namespace kinora::ingest {
 namespace {

@@ -8,9 +8,9 @@ namespace kinora::ingest {
 namespace {
 
 /// Union-find over pixels; the root of a set is its least pixel.
-class Sets {
+class DisjointSets {
 public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
   std::int32_t root(std::int32_t i) {
     while (parent_[static_cast<std::size_t>(i)] != i) {
       std::int32_t& parent = parent_[static_cast<std::size_t>(i)];
@@ -29,7 +29,7 @@ private:
   std::vector<std::int32_t> parent_;
 };
 
-bool hang_together(float a, float b, int distance) {
+bool are_connected(float a, float b, int distance) {
   const double z = std::min(a, b);
   const double limit = std::max({0.025, 0.02 * z, kThreeSigmaOfDifference * kSensorNoise.sigma(z)});
   return std::abs(a - b) <= limit * (1 + 0.25 * (distance - 1));
@@ -47,14 +47,14 @@ SurfaceComponents surface_components(const DepthImage& depth, const Mask& mask, 
                                      int reach) {
   const int width = depth.width();
   const int height = depth.height();
-  Sets sets(depth.pixel_count());
+  DisjointSets sets(depth.pixel_count());
   const auto in = [&](int u, int v) { return depth.at(u, v) > 0 && mask.at(u, v) != 0; };
   const auto link = [&](int u, int v, int du, int dv) {
     for (int step = 1; step <= reach && depth.contains(u + du * step, v + dv * step); ++step) {
       const int x = u + du * step;
       const int y = v + dv * step;
       if (depth.at(x, y) <= 0) continue;
-      if (in(x, y) && hang_together(depth.at(u, v), depth.at(x, y), step)) sets.join(v * width + u, y * width + x);
+      if (in(x, y) && are_connected(depth.at(u, v), depth.at(x, y), step)) sets.join(v * width + u, y * width + x);
       return;
     }
   };

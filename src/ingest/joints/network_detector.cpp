@@ -14,8 +14,8 @@
 namespace kinora::ingest {
 namespace {
 
-constexpr int kLeastPixels = 200; // of a person
-constexpr double kMargin = 1.25;  // of the crop about the person's box
+constexpr int kMinPixels = 200;  // of a person
+constexpr double kMargin = 1.25; // of the crop about the person's box
 constexpr std::array<float, 3> kMean = {0.485F, 0.456F, 0.406F};
 constexpr std::array<float, 3> kDeviation = {0.229F, 0.224F, 0.225F};
 
@@ -38,7 +38,7 @@ std::optional<Crop> crop_about(const LabelImage& labels, int label, const cv::Si
       high = high.cwiseMax(Eigen::Vector2i(u, v));
     }
   }
-  if (pixels < kLeastPixels) return std::nullopt;
+  if (pixels < kMinPixels) return std::nullopt;
   const Eigen::Vector2d size = (high - low + Eigen::Vector2i::Ones()).cast<double>();
   const double scale = kMargin * std::max(size.x() / input.width, size.y() / input.height);
   const Eigen::Vector2d centre = (low + high).cast<double>() / 2;

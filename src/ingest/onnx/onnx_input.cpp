@@ -75,10 +75,10 @@ std::vector<std::uint64_t> sides_of(std::string_view input) {
   constexpr std::uint64_t kType = 2;
   constexpr std::uint64_t kTensorType = 1;
   constexpr std::uint64_t kShape = 2;
-  constexpr std::size_t kMost = 8;
+  constexpr std::size_t kMax = 8;
   std::vector<std::uint64_t> sides;
   for (Message shape(content_of(content_of(content_of(input, kType), kTensorType), kShape));
-       shape.next() && sides.size() < kMost;) {
+       shape.next() && sides.size() < kMax;) {
     if (shape.field() != 1) continue;
     sides.push_back(0);
     for (Message side(shape.content()); side.next();) {
@@ -93,12 +93,12 @@ std::vector<std::uint64_t> sides_of(std::string_view input) {
 std::optional<PictureSize> onnx_picture_input(std::string_view file) {
   constexpr std::uint64_t kGraph = 7;
   constexpr std::uint64_t kInput = 11;
-  constexpr std::uint64_t kMostSide = 4096;
+  constexpr std::uint64_t kMaxSide = 4096;
   for (Message graph(content_of(file, kGraph)); graph.next();) {
     if (graph.field() != kInput) continue;
     const std::vector<std::uint64_t> sides = sides_of(graph.content());
     if (sides.size() != 4 || sides[0] > 1 || sides[1] != 3) continue;
-    if (sides[2] == 0 || sides[3] == 0 || sides[2] > kMostSide || sides[3] > kMostSide) continue;
+    if (sides[2] == 0 || sides[3] == 0 || sides[2] > kMaxSide || sides[3] > kMaxSide) continue;
     return PictureSize{static_cast<int>(sides[3]), static_cast<int>(sides[2])};
   }
   return std::nullopt;

@@ -6,16 +6,16 @@
 #include <optional>
 
 #include "core/parallel.h"
-#include "ingest/segmentation/seen_through.h"
+#include "ingest/segmentation/free_space_readings.h"
 
 namespace kinora::ingest {
 namespace {
 
-constexpr double kNewPlace = 0.25;   ///< radians, or metres over the distance of what is seen, between two places
+constexpr double kNewKeyView = 0.25; ///< radians, or metres over the distance of what is seen, between two places
 constexpr double kDistance = 2;      ///< metres: the distance of what is seen, in general
 constexpr double kWidest = 1.7;      ///< tangent of the largest angle that a place looks at
 constexpr int kSlack = 2;            ///< pixels that places of the camera may be off
-constexpr std::size_t kMostNear = 3; ///< places that are asked
+constexpr std::size_t kMaxNear = 3;  ///< places that are asked
 constexpr std::size_t kRowsPerChunk = 16;
 
 double view_change(const SE3& a, const SE3& b) {
@@ -23,19 +23,19 @@ double view_change(const SE3& a, const SE3& b) {
   return rotation_angle(motion) + motion.translation().norm() / kDistance;
 }
 
-/// A camera at `place` that sees all that the views show which belong to it; with the same pixels as theirs.
-Intrinsics canvas(const SE3& place, std::span<const SegmentationView> samples, std::span<const SE3> places) {
+/// A camera at `key_view` that sees all that the views show which belong to it; with the same pixels as theirs.
+Intrinsics canvas(const SE3& key_view, std::span<const ReducedView> samples, std::span<const SE3> key_views) {
   const Intrinsics& k = samples.front().intrinsics;
   Eigen::AlignedBox2d box;
-  for (const SegmentationView& sample : samples) {
-    const auto nearest = std::min_element(places.begin(), places.end(), [&](const SE3& a, const SE3& b) {
+  for (const ReducedView& sample : samples) {
+    const auto nearest = std::min_element(key_views.begin(), key_views.end(), [&](const SE3& a, const SE3& b) {
       return view_change(a, sample.camera_to_world) < view_change(b, sample.camera_to_world);
     });
-    if (nearest->matrix() != place.matrix()) continue;
-    const Eigen::Matrix3d to_place = (place.inverse() * sample.camera_to_world).linear();
+    if (nearest->matrix() != key_view.matrix()) continue;
+    const Eigen::Matrix3d to_key_view = (key_view.inverse() * sample.camera_to_world).linear();
     for (const double u : {0.0, k.width - 1.0}) {
       for (const double v : {0.0, k.height - 1.0}) {
-        const Eigen::Vector3d ray = to_place * k.unproject(u, v, 1);
+        const Eigen::Vector3d ray = to_key_view * k.unproject(u, v, 1);
         if (ray.z() > 0) box.extend(k.project(ray).array().min(1e6).max(-1e6).matrix());
       }
     }
@@ -62,47 +62,47 @@ std::optional<std::pair<int, int>> pixel_of(const BackgroundModel& model, const 
 
 } // namespace
 
-BackgroundMap::BackgroundMap(std::span<const SegmentationView> samples) {
-  std::vector<SE3> places;
-  for (const SegmentationView& sample : samples) {
-    const bool known = std::any_of(places.begin(), places.end(), [&](const SE3& place) {
-      return view_change(place, sample.camera_to_world) < kNewPlace;
+BackgroundMap::BackgroundMap(std::span<const ReducedView> samples) {
+  std::vector<SE3> key_views;
+  for (const ReducedView& sample : samples) {
+    const bool known = std::any_of(key_views.begin(), key_views.end(), [&](const SE3& key_view) {
+      return view_change(key_view, sample.camera_to_world) < kNewKeyView;
     });
-    if (!known) places.push_back(sample.camera_to_world);
+    if (!known) key_views.push_back(sample.camera_to_world);
   }
-  const bool moves = std::any_of(samples.begin(), samples.end(), [&](const SegmentationView& sample) {
+  const bool moves = std::any_of(samples.begin(), samples.end(), [&](const ReducedView& sample) {
     return sample.camera_to_world.matrix() != samples.front().camera_to_world.matrix();
   });
-  for (const SE3& place : places) {
-    const Camera camera{canvas(place, samples, places), place};
-    std::vector<SegmentationView> seen;
+  for (const SE3& key_view : key_views) {
+    const Camera camera{canvas(key_view, samples, key_views), key_view};
+    std::vector<ReducedView> seen;
     seen.reserve(samples.size());
-    for (const SegmentationView& sample : samples) seen.push_back(seen_from(camera, sample));
-    drop_looks_past(samples, seen);
-    places_.push_back({place, BackgroundModel(seen, moves ? kSlack : 0)});
+    for (const ReducedView& sample : samples) seen.push_back(reproject(camera, sample));
+    drop_oblique_readings(samples, seen);
+    key_views_.push_back({key_view, BackgroundModel(seen, moves ? kSlack : 0)});
   }
 }
 
-double BackgroundMap::still_share() const {
+double BackgroundMap::static_share() const {
   double sum = 0;
-  for (const Place& place : places_) sum += place.model.still_share();
-  return sum / static_cast<double>(places_.size());
+  for (const KeyView& key_view : key_views_) sum += key_view.model.static_share();
+  return sum / static_cast<double>(key_views_.size());
 }
 
-BackgroundLook::BackgroundLook(const BackgroundMap& map, const Intrinsics& intrinsics, const SE3& camera_to_world)
+LocalBackground::LocalBackground(const BackgroundMap& map, const Intrinsics& intrinsics, const SE3& camera_to_world)
     : intrinsics_(intrinsics) {
-  std::vector<std::pair<double, const BackgroundMap::Place*>> order;
-  for (const BackgroundMap::Place& place : map.places_)
-    order.emplace_back(view_change(place.camera_to_world, camera_to_world), &place);
+  std::vector<std::pair<double, const BackgroundMap::KeyView*>> order;
+  for (const BackgroundMap::KeyView& key_view : map.key_views_)
+    order.emplace_back(view_change(key_view.camera_to_world, camera_to_world), &key_view);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  order.resize(std::min(order.size(), kMostNear));
-  for (const auto& [change, place] : order) {
-    const SE3 from_camera = place->camera_to_world.inverse() * camera_to_world;
-    near_.push_back({&place->model, from_camera, from_camera.inverse()});
+  order.resize(std::min(order.size(), kMaxNear));
+  for (const auto& [change, key_view] : order) {
+    const SE3 from_camera = key_view->camera_to_world.inverse() * camera_to_world;
+    near_.push_back({&key_view->model, from_camera, from_camera.inverse()});
   }
 }
 
-Ground BackgroundLook::ground_of(const Eigen::Vector3d& point) const {
+Ground LocalBackground::ground_of(const Eigen::Vector3d& point) const {
   if (!(point.z() > 0)) return Ground::kUnmeasured;
   bool moved = false;
   for (const Near& near : near_) {
@@ -110,7 +110,7 @@ Ground BackgroundLook::ground_of(const Eigen::Vector3d& point) const {
     const auto pixel = pixel_of(*near.model, seen);
     if (!pixel) continue;
     if (moved) {
-      if (near.model->shows(pixel->first, pixel->second, seen)) return Ground::kBackground;
+      if (near.model->is_on_background(pixel->first, pixel->second, seen)) return Ground::kBackground;
       continue;
     }
     const Ground ground = near.model->ground_of(pixel->first, pixel->second, seen);
@@ -120,15 +120,15 @@ Ground BackgroundLook::ground_of(const Eigen::Vector3d& point) const {
   return moved ? Ground::kForeground : Ground::kBackground;
 }
 
-bool BackgroundLook::stands_clear(const Eigen::Vector3d& point) const {
+bool LocalBackground::is_clear_foreground(const Eigen::Vector3d& point) const {
   return std::all_of(near_.begin(), near_.end(), [&](const Near& near) {
     const Eigen::Vector3d seen = near.from_camera * point;
     const auto pixel = pixel_of(*near.model, seen);
-    return !pixel || near.model->stands_clear(pixel->first, pixel->second, seen);
+    return !pixel || near.model->is_clear_foreground(pixel->first, pixel->second, seen);
   });
 }
 
-Image<Ground> BackgroundLook::ground_of(const SegmentationView& view) const {
+Image<Ground> LocalBackground::ground_of(const ReducedView& view) const {
   Image<Ground> ground(view.depth.width(), view.depth.height());
   parallel_for(static_cast<std::size_t>(ground.height()), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v)
@@ -138,14 +138,14 @@ Image<Ground> BackgroundLook::ground_of(const SegmentationView& view) const {
   return ground;
 }
 
-bool BackgroundLook::ever_measured(const Eigen::Vector3d& point) const {
+bool LocalBackground::ever_measured(const Eigen::Vector3d& point) const {
   return std::any_of(near_.begin(), near_.end(), [&](const Near& near) {
     const auto pixel = pixel_of(*near.model, near.from_camera * point);
     return pixel && near.model->measured().at(pixel->first, pixel->second) != 0;
   });
 }
 
-std::optional<int> BackgroundLook::color_difference(int u, int v, const std::uint8_t* color) const {
+std::optional<int> LocalBackground::color_difference(int u, int v, const std::uint8_t* color) const {
   for (const Near& near : near_) {
     // As if infinitely far; then at the background's depth there.
     const Eigen::Vector3d ray = intrinsics_.unproject(u, v, 1);
@@ -153,8 +153,8 @@ std::optional<int> BackgroundLook::color_difference(int u, int v, const std::uin
     if (!pixel) continue;
     const double behind = near.model->depth().at(pixel->first, pixel->second);
     if (behind > 0 && std::isfinite(behind)) {
-      const Eigen::Vector3d there = near.model->intrinsics().unproject(pixel->first, pixel->second, behind);
-      pixel = pixel_of(*near.model, near.from_camera * ((near.to_camera * there).z() * ray));
+      const Eigen::Vector3d model_point = near.model->intrinsics().unproject(pixel->first, pixel->second, behind);
+      pixel = pixel_of(*near.model, near.from_camera * ((near.to_camera * model_point).z() * ray));
       if (!pixel) continue;
     }
     if (const auto found = near.model->color_difference(pixel->first, pixel->second, color)) return found;

@@ -10,39 +10,39 @@
 namespace kinora::ingest {
 
 /// Background models at a few places along the camera's path, each made of all samples as they are seen from there
-/// (seen_from). A still camera has one place, and its samples are what they are. Thread-safe once it is made.
+/// (reproject). A still camera has one place, and its samples are what they are. Thread-safe once it is made.
 class BackgroundMap {
 public:
   /// From views at different times, all of one size, that know where their camera was; at least one.
-  explicit BackgroundMap(std::span<const SegmentationView> samples);
+  explicit BackgroundMap(std::span<const ReducedView> samples);
 
   /// As in BackgroundModel, over all places: small if the camera was not where it is said to have been.
-  double still_share() const;
+  double static_share() const;
 
 private:
-  friend class BackgroundLook;
-  struct Place {
+  friend class LocalBackground;
+  struct KeyView {
     SE3 camera_to_world;
     BackgroundModel model;
   };
-  std::vector<Place> places_;
+  std::vector<KeyView> key_views_;
 };
 
 /// The map from where one camera stands. The map must outlive it. Thread-safe.
-class BackgroundLook {
+class LocalBackground {
 public:
-  BackgroundLook(const BackgroundMap& map, const Intrinsics& intrinsics, const SE3& camera_to_world);
-  BackgroundLook(const BackgroundMap& map, const SegmentationView& view)
-      : BackgroundLook(map, view.intrinsics, view.camera_to_world) {}
+  LocalBackground(const BackgroundMap& map, const Intrinsics& intrinsics, const SE3& camera_to_world);
+  LocalBackground(const BackgroundMap& map, const ReducedView& view)
+      : LocalBackground(map, view.intrinsics, view.camera_to_world) {}
 
   /// Where a point in the camera's space stands, z ≤ 0 if it is none. The nearest place decides that knows it; what it
   /// takes for foreground must not be on a still surface as another place sees it. What no place knows is background.
   Ground ground_of(const Eigen::Vector3d& point) const;
   /// The same for each pixel of a view from there.
-  Image<Ground> ground_of(const SegmentationView& view) const;
+  Image<Ground> ground_of(const ReducedView& view) const;
   /// Whether a foreground point is more than a still surface's edge beside its place, as the places that know it see
   /// it.
-  bool stands_clear(const Eigen::Vector3d& point) const;
+  bool is_clear_foreground(const Eigen::Vector3d& point) const;
   /// Whether depth was ever measured in the direction of a point in the camera's space.
   bool ever_measured(const Eigen::Vector3d& point) const;
   /// Largest difference of a channel to the background's colour behind pixel (u, v); nothing if that is not known.

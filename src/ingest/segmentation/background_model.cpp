@@ -8,35 +8,35 @@ namespace {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 constexpr std::size_t kPixelsPerChunk = 2048;
-constexpr double kMinSupport = 0.08;     ///< of all samples must see the stable depth
-constexpr double kMinUnmeasured = 0.2;   ///< of all samples: nothing is measured where the background is out of range
-constexpr double kNear = 0.15;           ///< metres: a surface that wavers, not another one in front
-constexpr double kMaxWavering = 0.15;    ///< share of measurements of a still surface that may be off it
-constexpr std::size_t kLeastJudged = 24; ///< measurements to judge a surface by
-constexpr double kLeastBody = 0.45;      ///< metres: what moves by itself and is smaller is a part of a body
-constexpr double kLargestBody = 2.2;
-constexpr double kLeastPart = 0.004;     ///< square metres: less is noise …
-constexpr std::size_t kLeastPixels = 60; ///< … and so are fewer pixels
+constexpr double kMinSupport = 0.08;       ///< of all samples must see the stable depth
+constexpr double kMinUnmeasured = 0.2;     ///< of all samples: nothing is measured where the background is out of range
+constexpr double kNear = 0.15;             ///< metres: a surface that wavers, not another one in front
+constexpr double kMaxUnstableShare = 0.15; ///< share of measurements of a still surface that may be off it
+constexpr std::size_t kMinMeasurements = 24; ///< measurements to judge a surface by
+constexpr double kMinBody = 0.45;            ///< metres: what moves by itself and is smaller is a part of a body
+constexpr double kMaxBody = 2.2;
+constexpr double kMinArea = 0.004;     ///< square metres: less is noise …
+constexpr std::size_t kMinPixels = 60; ///< … and so are fewer pixels
 
 /// Counts a pixel of a sample for what the pictures say, where few samples tell.
-void look_for_change(std::span<const SegmentationView> samples, const SegmentationView& sample, int u, int v,
-                     PictureChange& picture) {
+void find_change(std::span<const ReducedView> samples, const ReducedView& sample, int u, int v,
+                 PictureChange& picture) {
   if (samples.size() >= kFewSamples || !has_texture(sample.color, u, v)) return;
-  picture.add(std::any_of(samples.begin(), samples.end(), [&](const SegmentationView& other) {
+  picture.add(std::any_of(samples.begin(), samples.end(), [&](const ReducedView& other) {
     return difference(sample.color.pixel(u, v), other.color.pixel(u, v)) > kColorChange;
   }));
 }
 
 /// How often a surface is measured where it is, and how often close to it but not there.
-struct Wavering {
+struct TemporalVariance {
   std::size_t on = 0;
   std::size_t off = 0;
   PictureChange picture; ///< where it is off
 
   /// Counts the samples' measurements at pixel (u, v), against z there. What is found within `slack` pixels is there.
-  void add(std::span<const SegmentationView> samples, int u, int v, double z, int slack) {
+  void add(std::span<const ReducedView> samples, int u, int v, double z, int slack) {
     const double tolerance = 1.5 * same_surface_tolerance(z);
-    for (const SegmentationView& sample : samples) {
+    for (const ReducedView& sample : samples) {
       const double seen = sample.depth.at(u, v);
       if (seen <= 0 || seen < z - kNear || seen > z + kNear) continue;
       bool there = std::abs(seen - z) <= tolerance;
@@ -44,12 +44,12 @@ struct Wavering {
         for (int x = std::max(0, u - slack); x <= std::min(sample.depth.width() - 1, u + slack) && !there; ++x)
           there = std::abs(sample.depth.at(x, y) - z) <= tolerance;
       ++(there ? on : off);
-      if (!there) look_for_change(samples, sample, u, v, picture);
+      if (!there) find_change(samples, sample, u, v, picture);
     }
   }
   bool moves() const {
-    return on + off >= kLeastJudged && static_cast<double>(off) > kMaxWavering * static_cast<double>(on + off) &&
-           !picture.denies();
+    return on + off >= kMinMeasurements &&
+           static_cast<double>(off) > kMaxUnstableShare * static_cast<double>(on + off) && !picture.denies();
   }
 };
 
@@ -61,9 +61,9 @@ std::uint8_t median_of(std::vector<std::uint8_t>& values) {
 
 /// Channel-wise median colour at pixel i of the samples that `use` accepts; false if there are none.
 template <class Use>
-bool median_color(std::span<const SegmentationView> samples, std::size_t i, const Use& use, std::uint8_t* result) {
+bool median_color(std::span<const ReducedView> samples, std::size_t i, const Use& use, std::uint8_t* result) {
   std::vector<std::uint8_t> channels[3];
-  for (const SegmentationView& sample : samples) {
+  for (const ReducedView& sample : samples) {
     if (!use(sample.depth.data()[i])) continue;
     for (std::size_t c = 0; c < 3; ++c) channels[c].push_back(sample.color.data()[3 * i + c]);
   }
@@ -91,25 +91,25 @@ float farthest_stable(const std::vector<float>& sorted, std::size_t support) {
 
 } // namespace
 
-BackgroundModel::BackgroundModel(std::span<const SegmentationView> samples, int slack)
+BackgroundModel::BackgroundModel(std::span<const ReducedView> samples, int slack)
     : slack_(slack), intrinsics_(samples.front().intrinsics), depth_(intrinsics_.width, intrinsics_.height),
       color_(intrinsics_.width, intrinsics_.height, 3), has_color_(intrinsics_.width, intrinsics_.height),
       known_(intrinsics_.width, intrinsics_.height), measured_(intrinsics_.width, intrinsics_.height) {
   find_farthest_stable(samples);
   planes_ = find_planes(depth_, intrinsics_);
-  drop_wavering_planes(samples);
-  drop_wavering(samples);
-  drop_what_hangs_on_foreground(samples);
+  drop_high_variance_planes(samples);
+  drop_high_variance(samples);
+  drop_connected_to_foreground(samples);
   find_colors(samples);
 }
 
-void BackgroundModel::find_farthest_stable(std::span<const SegmentationView> samples) {
+void BackgroundModel::find_farthest_stable(std::span<const ReducedView> samples) {
   parallel_for(depth_.pixel_count(), kPixelsPerChunk, [&](const Chunk& pixels) {
     std::vector<float> measured;
     for (std::size_t i = pixels.begin; i < pixels.end; ++i) {
       measured.clear();
       std::size_t count = 0;
-      for (const SegmentationView& sample : samples) {
+      for (const ReducedView& sample : samples) {
         const float z = sample.depth.data()[i];
         count += z != kUnseen ? 1 : 0;
         if (z > 0) measured.push_back(z);
@@ -145,8 +145,8 @@ SurfaceComponents BackgroundModel::surfaces_off_planes() const {
 }
 
 /// A plane that fits a person's front moves with it.
-void BackgroundModel::drop_wavering_planes(std::span<const SegmentationView> samples) {
-  std::vector<Wavering> wavering(planes_.size());
+void BackgroundModel::drop_high_variance_planes(std::span<const ReducedView> samples) {
+  std::vector<TemporalVariance> temporal_variance(planes_.size());
   for (int v = 0; v < depth_.height(); ++v) {
     for (int u = 0; u < depth_.width(); ++u) {
       const float z = depth_.at(u, v);
@@ -154,25 +154,25 @@ void BackgroundModel::drop_wavering_planes(std::span<const SegmentationView> sam
       const Eigen::Vector3d point = intrinsics_.unproject(u, v, z);
       for (std::size_t i = 0; i < planes_.size(); ++i)
         if (std::abs(planes_[i].distance(point)) <= same_surface_tolerance(z))
-          wavering[i].add(samples, u, v, z, slack_);
+          temporal_variance[i].add(samples, u, v, z, slack_);
     }
   }
   std::vector<Plane> still;
   for (std::size_t i = 0; i < planes_.size(); ++i)
-    if (!wavering[i].moves()) still.push_back(planes_[i]);
+    if (!temporal_variance[i].moves()) still.push_back(planes_[i]);
   planes_ = std::move(still);
 }
 
 /// A still surface is measured where it is, or hidden by something clearly in front of it.
-void BackgroundModel::drop_wavering(std::span<const SegmentationView> samples) {
+void BackgroundModel::drop_high_variance(std::span<const ReducedView> samples) {
   const SurfaceComponents surfaces = surfaces_off_planes();
-  std::vector<Wavering> wavering(surfaces.list.size());
+  std::vector<TemporalVariance> temporal_variance(surfaces.list.size());
   for (int v = 1; v + 1 < depth_.height(); ++v) {
     for (int u = 1; u + 1 < depth_.width(); ++u) {
       const std::int32_t number = surfaces.map.at(u, v);
       const bool inside = number >= 0 && surfaces.map.at(u - 1, v) == number && surfaces.map.at(u + 1, v) == number &&
                           surfaces.map.at(u, v - 1) == number && surfaces.map.at(u, v + 1) == number;
-      if (inside) wavering[static_cast<std::size_t>(number)].add(samples, u, v, depth_.at(u, v), slack_);
+      if (inside) temporal_variance[static_cast<std::size_t>(number)].add(samples, u, v, depth_.at(u, v), slack_);
     }
   }
   std::size_t known = 0;
@@ -181,18 +181,18 @@ void BackgroundModel::drop_wavering(std::span<const SegmentationView> samples) {
     if (depth_.data()[i] <= 0) continue;
     ++known;
     const std::int32_t number = surfaces.map.data()[i];
-    if (number >= 0 && wavering[static_cast<std::size_t>(number)].moves())
+    if (number >= 0 && temporal_variance[static_cast<std::size_t>(number)].moves())
       depth_.data()[i] = 0;
     else
       ++still;
   }
-  still_share_ = known == 0 ? 0 : static_cast<double>(still) / static_cast<double>(known);
+  static_share_ = known == 0 ? 0 : static_cast<double>(still) / static_cast<double>(known);
 }
 
 /// What is still but hangs on something that moves belongs to it: the trunk of somebody who moves the head alone, or
 /// what is left of a body between two places. The moving thing is then too small to be whole, or the still one hangs
 /// on nothing else.
-void BackgroundModel::drop_what_hangs_on_foreground(std::span<const SegmentationView> samples) {
+void BackgroundModel::drop_connected_to_foreground(std::span<const ReducedView> samples) {
   const SurfaceComponents surfaces = surfaces_off_planes();
   struct Contacts {
     std::size_t to_part = 0;       ///< to something that moves and is too small to be a body
@@ -200,7 +200,7 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
     std::size_t to_ground = 0;     ///< to another still surface
   };
   std::vector<Contacts> contacts(surfaces.list.size());
-  for (const SegmentationView& sample : samples) {
+  for (const ReducedView& sample : samples) {
     const Image<Ground> ground = ground_of(sample);
     Mask moving(ground.width(), ground.height());
     for (std::size_t i = 0; i < moving.pixel_count(); ++i) moving.data()[i] = ground.data()[i] == Ground::kForeground;
@@ -209,7 +209,7 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
     for (int v = 0; v < parts.map.height(); ++v)
       for (int u = 0; u < parts.map.width(); ++u)
         if (const std::int32_t number = parts.map.at(u, v); number >= 0)
-          look_for_change(samples, sample, u, v, pictures[static_cast<std::size_t>(number)]);
+          find_change(samples, sample, u, v, pictures[static_cast<std::size_t>(number)]);
     const auto touch = [&](int u, int v, int x, int y) {
       const std::int32_t number = surfaces.map.at(u, v);
       if (number < 0 || ground.at(u, v) != Ground::kBackground || ground.at(x, y) == Ground::kUnmeasured ||
@@ -227,9 +227,9 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
       }
       const auto number_of_part = static_cast<std::size_t>(parts.map.at(x, y));
       const SurfaceComponent& part = parts.list[number_of_part];
-      if (part.area < kLeastPart || part.pixels < kLeastPixels || pictures[number_of_part].denies()) return;
+      if (part.area < kMinArea || part.pixels < kMinPixels || pictures[number_of_part].denies()) return;
       ++contact.to_foreground;
-      if (part.extent() < kLeastBody) ++contact.to_part;
+      if (part.extent() < kMinBody) ++contact.to_part;
     };
     for (int v = 0; v + 1 < ground.height(); ++v) {
       for (int u = 0; u + 1 < ground.width(); ++u) {
@@ -249,12 +249,12 @@ void BackgroundModel::drop_what_hangs_on_foreground(std::span<const Segmentation
     const std::size_t ground_weight = samples.size() < kFewSamples ? 1 : 3;
     const bool left_over = enough && contact.to_foreground > ground_weight * contact.to_ground;
     const bool trunk = enough && 2 * contact.to_part > 3 * contact.to_ground &&
-                       2 * contact.to_part > contact.to_foreground && surface.extent() < kLargestBody;
+                       2 * contact.to_part > contact.to_foreground && surface.extent() < kMaxBody;
     if (left_over || trunk) depth_.data()[i] = 0;
   }
 }
 
-void BackgroundModel::find_colors(std::span<const SegmentationView> samples) {
+void BackgroundModel::find_colors(std::span<const ReducedView> samples) {
   parallel_for(depth_.pixel_count(), kPixelsPerChunk, [&](const Chunk& pixels) {
     for (std::size_t i = pixels.begin; i < pixels.end; ++i) {
       const float z = depth_.data()[i];
@@ -276,7 +276,7 @@ bool BackgroundModel::on_plane(const Eigen::Vector3d& point) const {
 }
 
 /// The least depth within `reach` pixels of one that has a depth.
-float BackgroundModel::nearest_around(int u, int v, int reach) const {
+float BackgroundModel::nearest_within(int u, int v, int reach) const {
   float nearest = depth_.at(u, v);
   if (reach == 0 || nearest == 0) return nearest;
   for (int y = std::max(0, v - reach); y <= std::min(depth_.height() - 1, v + reach); ++y)
@@ -286,7 +286,7 @@ float BackgroundModel::nearest_around(int u, int v, int reach) const {
 }
 
 bool BackgroundModel::in_front(int u, int v, const Eigen::Vector3d& point, int reach) const {
-  const float behind = nearest_around(u, v, reach);
+  const float behind = nearest_within(u, v, reach);
   return !(behind > 0 && behind < kNever && point.z() > behind - 1.3 * same_surface_tolerance(behind));
 }
 
@@ -296,16 +296,16 @@ Ground BackgroundModel::ground_of(int u, int v, const Eigen::Vector3d& point) co
   return in_front(u, v, point, slack_) && !on_plane(point) ? Ground::kForeground : Ground::kBackground;
 }
 
-bool BackgroundModel::stands_clear(int u, int v, const Eigen::Vector3d& point) const {
+bool BackgroundModel::is_clear_foreground(int u, int v, const Eigen::Vector3d& point) const {
   return slack_ == 0 || in_front(u, v, point, 2 * slack_ + 1);
 }
 
-bool BackgroundModel::shows(int u, int v, const Eigen::Vector3d& point) const {
+bool BackgroundModel::is_on_background(int u, int v, const Eigen::Vector3d& point) const {
   const double z = depth_.at(u, v);
   return z > 0 && std::abs(point.z() - z) <= 1.3 * same_surface_tolerance(z);
 }
 
-Image<Ground> BackgroundModel::ground_of(const SegmentationView& view) const {
+Image<Ground> BackgroundModel::ground_of(const ReducedView& view) const {
   Image<Ground> ground(view.depth.width(), view.depth.height());
   for (int v = 0; v < ground.height(); ++v)
     for (int u = 0; u < ground.width(); ++u)

@@ -4,7 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 #include "ingest/images/plane_finder.h"
 
 namespace kinora::ingest {
@@ -151,10 +151,10 @@ private:
     Image<float> distance(width, height);
     for (int y = 1; y + 1 < height; ++y) {
       for (int x = 1; x + 1 < width; ++x) {
-        int around = 0;
+        int enclosing = 0;
         for (int j = -1; j <= 1; ++j)
-          for (int i = -1; i <= 1; ++i) around += set(x + i, y + j);
-        if (around < 5) continue;
+          for (int i = -1; i <= 1; ++i) enclosing += set(x + i, y + j);
+        if (enclosing < 5) continue;
         distance.at(x, y) = std::min({distance.at(x - 1, y) + 1, distance.at(x, y - 1) + 1,
                                       distance.at(x - 1, y - 1) + 1.4F, distance.at(x + 1, y - 1) + 1.4F});
       }
@@ -173,7 +173,7 @@ private:
 
   /// Share of the rim beyond which, within two or three pixels, there is no foreground, or it lies clearly behind.
   double free_edge_share(const Mask& in, const std::vector<Pixel>& face) const {
-    int rim = 0;
+    int boundary = 0;
     int free = 0;
     for (const Pixel& p : face) {
       for (const Pixel& step : {Pixel{-1, 0}, Pixel{1, 0}, Pixel{0, -1}, Pixel{0, 1}}) {
@@ -183,11 +183,11 @@ private:
         const int x = p.u + 3 * step.u;
         const int y = p.v + 3 * step.v;
         if (in.contains(x, y) && in.at(x, y) != 0) continue; // a gap, not the rim
-        ++rim;
+        ++boundary;
         if (!usable(x, y) || depth_.at(x, y) > depth_.at(p.u, p.v) + kStep) ++free;
       }
     }
-    return rim == 0 ? 0 : static_cast<double>(free) / rim;
+    return boundary == 0 ? 0 : static_cast<double>(free) / boundary;
   }
 
   const DepthImage& depth_;

@@ -13,20 +13,20 @@ constexpr std::uint8_t kPerson = 1;
 constexpr int kSharpened = 4; ///< pixels to both sides of a border
 constexpr std::size_t kRowsPerChunk = 16;
 constexpr float kImpossible = -100;
-constexpr float kLeastScore = 0.3F;
+constexpr float kMinScore = 0.3F;
 constexpr float kOfLast = 2.5F;  ///< score of a pixel whose neighbourhood had the label before
 constexpr float kOfFace = 2;     ///< … that lies on a flat face
 constexpr float kOfRest = 1.5F;  ///< … where the thing lay
 constexpr double kAtRest = 0.02; ///< metres
 constexpr float kSameDepth = 0.06F;
-constexpr float kAlike = 0.8F;      ///< mean log ratio at which a lost thing is found again by colour alone
-constexpr double kLeastBody = 0.02; ///< square metres: less is no person, unless it hangs on one
-constexpr double kNearBody = 0.15;  ///< metres
+constexpr float kMinLogRatio = 0.8F; ///< mean log ratio at which a lost thing is found again by colour alone
+constexpr double kMinBody = 0.02;    ///< square metres: less is no person, unless it hangs on one
+constexpr double kNearBody = 0.15;   ///< metres
 constexpr double kReachOfBody = 0.4;
-constexpr double kLikeThing = 0.35;  ///< overlap of the colours of a face and of the thing it belongs to
-constexpr double kBesideFace = 0.03; ///< metres
-constexpr int kFaceRim = 6;          ///< pixels around a face that may be the thing's other sides
-constexpr int kOtherColor = 20;      ///< of 255
+constexpr double kMinColorOverlap = 0.35; ///< overlap of the colours of a face and of the thing it belongs to
+constexpr double kBesideFace = 0.03;      ///< metres
+constexpr int kFaceMargin = 6;            ///< pixels around a face that may be the thing's other sides
+constexpr int kOtherColor = 20;           ///< of 255
 
 } // namespace
 
@@ -55,7 +55,7 @@ std::uint8_t label_around(const LabelImage& labels, int u, int v, int radius) {
 }
 
 /// The flat faces that look like a thing.
-Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view, const Mask& faces) {
+Image<FaceArea> faces_of(const HandledObject& object, const ReducedView& view, const Mask& faces) {
   const SurfaceComponents pieces = surface_components(view.depth, faces, view.intrinsics);
   std::vector<ColorCounts> counts(pieces.list.size());
   std::vector<ColorModel> colors;
@@ -66,9 +66,9 @@ Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view
   double best_score = 0;
   for (std::size_t n = 0; n < counts.size(); ++n) {
     colors.push_back(counts[n].model());
-    const double overlap = colors[n].overlap(thing.color);
-    const double score = overlap * std::min(pieces.list[n].area, thing.area);
-    if (overlap < kLikeThing || score <= best_score) continue;
+    const double overlap = colors[n].overlap(object.color);
+    const double score = overlap * std::min(pieces.list[n].area, object.area);
+    if (overlap < kMinColorOverlap || score <= best_score) continue;
     best_score = score;
     best = static_cast<int>(n);
   }
@@ -80,11 +80,11 @@ Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view
       const std::int32_t number = pieces.map.at(u, v);
       if (number < 0) continue;
       const SurfaceComponent& piece = pieces.list[static_cast<std::size_t>(number)];
-      const bool beside = colors[static_cast<std::size_t>(number)].overlap(thing.color) > kLikeThing &&
+      const bool beside = colors[static_cast<std::size_t>(number)].overlap(object.color) > kMinColorOverlap &&
                           piece.box.exteriorDistance(main.box) < kBesideFace;
       if (number != best && !beside) continue;
-      for (int y = std::max(0, v - kFaceRim); y <= std::min(faces.height() - 1, v + kFaceRim); ++y)
-        for (int x = std::max(0, u - kFaceRim); x <= std::min(faces.width() - 1, u + kFaceRim); ++x)
+      for (int y = std::max(0, v - kFaceMargin); y <= std::min(faces.height() - 1, v + kFaceMargin); ++y)
+        for (int x = std::max(0, u - kFaceMargin); x <= std::min(faces.width() - 1, u + kFaceMargin); ++x)
           if (result.at(x, y) == FaceArea::kElsewhere) result.at(x, y) = FaceArea::kBeside;
       result.at(u, v) = FaceArea::kOn;
     }
@@ -93,7 +93,7 @@ Image<FaceArea> faces_of(const HandledThing& thing, const SegmentationView& view
 }
 
 /// Pieces of the foreground before which the background's texture is seen.
-void drop_what_looks_still(const SegmentationView& view, const BackgroundLook& background, Mask& foreground) {
+void drop_unchanged(const ReducedView& view, const LocalBackground& background, Mask& foreground) {
   const SurfaceComponents parts = surface_components(view.depth, foreground, view.intrinsics);
   std::vector<PictureChange> pictures(parts.list.size());
   const auto for_each = [&](const auto& use) {
@@ -113,11 +113,11 @@ void drop_what_looks_still(const SegmentationView& view, const BackgroundLook& b
 }
 
 /// Whether the surface at a pixel is where the thing last lay.
-bool lies_at_rest(const HandledThing& thing, const SegmentationView& view, int u, int v) {
+bool is_at_rest(const HandledObject& object, const ReducedView& view, int u, int v) {
   const Eigen::Vector3d point = view.camera_to_world * view.intrinsics.unproject(u, v, view.depth.at(u, v));
-  for (std::size_t i = thing.rests.size(); i-- > 0;) {
-    const RestingPlace& rest = thing.rests[i];
-    const auto seen = seen_point(rest.camera.intrinsics, rest.camera.camera_to_world.inverse() * point);
+  for (std::size_t i = object.resting_views.size(); i-- > 0;) {
+    const RestingView& rest = object.resting_views[i];
+    const auto seen = project_point(rest.camera.intrinsics, rest.camera.camera_to_world.inverse() * point);
     if (!seen || !(rest.depth.at(seen->u, seen->v) > 0)) continue;
     return std::abs(rest.depth.at(seen->u, seen->v) - seen->z) < kAtRest;
   }
@@ -126,18 +126,18 @@ bool lies_at_rest(const HandledThing& thing, const SegmentationView& view, int u
 
 } // namespace
 
-FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples)
-    : background_(std::move(background)), things_(std::move(things)), samples_(samples),
-      lost_(things_.things.size(), true) {}
+FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples)
+    : background_(std::move(background)), objects_(std::move(objects)), samples_(samples),
+      lost_(objects_.objects.size(), true) {}
 
 void FrameLabelling::label(Frame& frame) {
-  const int factor = segmentation_factor(frame.depth.width());
-  const SegmentationView view = segmentation_view(frame, factor);
-  const BackgroundLook background(*background_, view);
+  const int factor = reduction_factor(frame.depth.width());
+  const ReducedView view = reduced_view(frame, factor);
+  const LocalBackground background(*background_, view);
   Mask foreground = foreground_mask(view, background);
-  if (samples_ < kFewSamples) drop_what_looks_still(view, background, foreground);
-  carry_last_labels(view);
-  LabelImage labels = label_things(view, foreground);
+  if (samples_ < kFewSamples) drop_unchanged(view, background, foreground);
+  warp_last_labels(view);
+  LabelImage labels = label_objects(view, foreground);
   label_persons(view, foreground, labels);
   last_labels_ = labels;
   last_depth_ = view.depth;
@@ -148,9 +148,9 @@ void FrameLabelling::label(Frame& frame) {
 }
 
 void FrameLabelling::mark_foreground(Frame& frame) const {
-  const int factor = segmentation_factor(frame.depth.width());
-  const SegmentationView view = segmentation_view(frame, factor);
-  const Mask foreground = foreground_mask(view, BackgroundLook(*background_, view));
+  const int factor = reduction_factor(frame.depth.width());
+  const ReducedView view = reduced_view(frame, factor);
+  const Mask foreground = foreground_mask(view, LocalBackground(*background_, view));
   frame.labels = LabelImage(frame.depth.width(), frame.depth.height());
   for_rows(frame.labels.height(), [&](int v) {
     const int y = std::min(v / factor, foreground.height() - 1);
@@ -160,27 +160,27 @@ void FrameLabelling::mark_foreground(Frame& frame) const {
 }
 
 /// What is known of the last frame moves with the picture.
-void FrameLabelling::carry_last_labels(const SegmentationView& view) {
-  if (last_labels_.empty() || things_.things.empty()) return;
+void FrameLabelling::warp_last_labels(const ReducedView& view) {
+  if (last_labels_.empty() || objects_.objects.empty()) return;
   const Image<float> flow = optical_flow(view.color, last_color_);
-  last_labels_ = carried(last_labels_, flow);
-  last_depth_ = carried(last_depth_, flow);
+  last_labels_ = warped(last_labels_, flow);
+  last_depth_ = warped(last_depth_, flow);
 }
 
 /// How much likelier each foreground pixel is the thing than the rest, by colour around it, by where the thing was and
 /// by shape.
-void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
-                                 const Image<FaceArea>& faces, Scores& scores) const {
-  const HandledThing& model = things_.things[thing];
+void FrameLabelling::score_object(std::size_t object, const ReducedView& view, const Mask& foreground,
+                                  const Image<FaceArea>& faces, Scores& scores) const {
+  const HandledObject& model = objects_.objects[object];
   const int width = view.depth.width();
   const int height = view.depth.height();
   Image<float> ratio(width, height);
   for (std::size_t i = 0; i < ratio.pixel_count(); ++i)
     if (foreground.data()[i] != 0)
       ratio.data()[i] =
-          std::clamp(model.color.log_ratio(things_.others, &view.color.data()[3 * i]) + (model.flat ? 0 : model.prior),
+          std::clamp(model.color.log_ratio(objects_.others, &view.color.data()[3 * i]) + (model.flat ? 0 : model.prior),
                      -3.0F, 3.0F);
-  const auto label = static_cast<std::uint8_t>(thing + 2);
+  const auto label = static_cast<std::uint8_t>(object + 2);
   for_rows(height, [&](int v) {
     for (int u = 0; u < width; ++u) {
       scores.at(u, v) = kImpossible;
@@ -200,18 +200,18 @@ void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view
       }
       color /= around;
       float support = 0;
-      bool possible = lost_[thing] && color > kAlike;
+      bool possible = lost_[object] && color > kMinLogRatio;
       if (before > 0) {
         support += kOfLast * (before / around - 0.3F);
         possible = true;
-      } else if (!lost_[thing]) {
+      } else if (!lost_[object]) {
         support -= 0.5F;
       }
       if (model.flat) {
         possible = faces.at(u, v) != FaceArea::kElsewhere;
         if (faces.at(u, v) == FaceArea::kOn) support += kOfFace;
       }
-      if (lies_at_rest(model, view, u, v)) {
+      if (is_at_rest(model, view, u, v)) {
         support += kOfRest;
         possible = true;
       }
@@ -220,48 +220,49 @@ void FrameLabelling::score_thing(std::size_t thing, const SegmentationView& view
   });
 }
 
-LabelImage FrameLabelling::label_things(const SegmentationView& view, const Mask& foreground) {
+LabelImage FrameLabelling::label_objects(const ReducedView& view, const Mask& foreground) {
   LabelImage labels(view.depth.width(), view.depth.height());
-  if (things_.things.empty()) return labels;
-  const bool any_flat = std::any_of(things_.things.begin(), things_.things.end(), [](const auto& t) { return t.flat; });
+  if (objects_.objects.empty()) return labels;
+  const bool any_flat =
+      std::any_of(objects_.objects.begin(), objects_.objects.end(), [](const auto& t) { return t.flat; });
   const Mask faces =
       any_flat ? flat_faces(view.depth, foreground, view.intrinsics) : Mask(view.depth.width(), view.depth.height());
-  Scores best(view.depth.width(), view.depth.height(), 1, kLeastScore);
+  Scores best(view.depth.width(), view.depth.height(), 1, kMinScore);
   Scores scores(view.depth.width(), view.depth.height());
-  for (std::size_t thing = 0; thing < things_.things.size(); ++thing) {
-    const HandledThing& model = things_.things[thing];
-    score_thing(thing, view, foreground, model.flat ? faces_of(model, view, faces) : Image<FaceArea>(), scores);
+  for (std::size_t object = 0; object < objects_.objects.size(); ++object) {
+    const HandledObject& model = objects_.objects[object];
+    score_object(object, view, foreground, model.flat ? faces_of(model, view, faces) : Image<FaceArea>(), scores);
     for (std::size_t i = 0; i < best.pixel_count(); ++i) {
       if (scores.data()[i] <= best.data()[i]) continue;
       best.data()[i] = scores.data()[i];
-      labels.data()[i] = static_cast<std::uint8_t>(thing + 2);
+      labels.data()[i] = static_cast<std::uint8_t>(object + 2);
     }
   }
-  clean_things(view, labels);
+  clean_objects(view, labels);
   return labels;
 }
 
 /// Of each thing stay the largest piece and those not much smaller; a thing of which little is left is lost.
-void FrameLabelling::clean_things(const SegmentationView& view, LabelImage& labels) {
-  for (std::size_t thing = 0; thing < things_.things.size(); ++thing) {
-    const auto label = static_cast<std::uint8_t>(thing + 2);
+void FrameLabelling::clean_objects(const ReducedView& view, LabelImage& labels) {
+  for (std::size_t object = 0; object < objects_.objects.size(); ++object) {
+    const auto label = static_cast<std::uint8_t>(object + 2);
     Mask mask(labels.width(), labels.height());
     for (std::size_t i = 0; i < mask.pixel_count(); ++i) mask.data()[i] = labels.data()[i] == label ? 1 : 0;
     const SurfaceComponents pieces = surface_components(view.depth, mask, view.intrinsics);
     const int largest = pieces.largest();
     double area = 0;
     for (const SurfaceComponent& piece : pieces.list) area = std::max(area, piece.area);
-    lost_[thing] = largest < 0 || area < 0.15 * things_.things[thing].area;
+    lost_[object] = largest < 0 || area < 0.15 * objects_.objects[object].area;
     for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
       if (mask.data()[i] == 0) continue;
       const SurfaceComponent& piece = pieces.list[static_cast<std::size_t>(pieces.map.data()[i])];
-      if (lost_[thing] || piece.area < 0.2 * area) labels.data()[i] = 0;
+      if (lost_[object] || piece.area < 0.2 * area) labels.data()[i] = 0;
     }
   }
 }
 
 /// Foreground that is no thing is a person if there is enough of it, or if it is close to one.
-void FrameLabelling::label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const {
+void FrameLabelling::label_persons(const ReducedView& view, const Mask& foreground, LabelImage& labels) const {
   Mask rest = foreground;
   for (std::size_t i = 0; i < rest.pixel_count(); ++i)
     if (labels.data()[i] != 0) rest.data()[i] = 0;
@@ -269,14 +270,14 @@ void FrameLabelling::label_persons(const SegmentationView& view, const Mask& for
   const int largest = parts.largest();
   if (largest < 0) return;
   const SurfaceComponent& body = parts.list[static_cast<std::size_t>(largest)];
-  if (body.area < kLeastBody) return;
+  if (body.area < kMinBody) return;
   std::vector<bool> person(parts.list.size());
   for (std::size_t n = 0; n < parts.list.size(); ++n) {
     const SurfaceComponent& part = parts.list[n];
-    const bool near = part.box.exteriorDistance(body.box) < kNearBody && part.area > 0.05 * kLeastBody;
+    const bool near = part.box.exteriorDistance(body.box) < kNearBody && part.area > 0.05 * kMinBody;
     // Of a pair of frames little is known: what is far from the body may be furniture.
     const bool large =
-        part.area >= kLeastBody && (samples_ >= kFewSamples || part.box.exteriorDistance(body.box) < kReachOfBody);
+        part.area >= kMinBody && (samples_ >= kFewSamples || part.box.exteriorDistance(body.box) < kReachOfBody);
     person[n] = near || large;
   }
   for (std::size_t i = 0; i < rest.pixel_count(); ++i)
@@ -284,8 +285,7 @@ void FrameLabelling::label_persons(const SegmentationView& view, const Mask& for
 }
 
 /// Pixels without depth beside a labelled one follow it where they do not look like the background.
-void FrameLabelling::fill_unmeasured(const SegmentationView& view, const BackgroundLook& background,
-                                     LabelImage& labels) {
+void FrameLabelling::fill_unmeasured(const ReducedView& view, const LocalBackground& background, LabelImage& labels) {
   for (int round = 0; round < 3; ++round) {
     const LabelImage before = labels;
     for_rows(labels.height(), [&](int v) {
@@ -298,8 +298,8 @@ void FrameLabelling::fill_unmeasured(const SegmentationView& view, const Backgro
   }
 }
 
-LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const SegmentationView& view,
-                                        const BackgroundLook& background, const LabelImage& small) {
+LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const ReducedView& view,
+                                        const LocalBackground& background, const LabelImage& small) {
   if (factor == 1) return small;
   const Intrinsics& intrinsics = frame.camera.intrinsics;
   LabelImage labels(intrinsics.width, intrinsics.height);

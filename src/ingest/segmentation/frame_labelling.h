@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "ingest/segmentation/handled_things.h"
+#include "ingest/segmentation/handled_objects.h"
 
 namespace kinora::ingest {
 
@@ -14,7 +14,7 @@ enum class FaceArea : std::uint8_t;
 class FrameLabelling {
 public:
   /// `samples`: how many frames the background was made from.
-  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneThings things, std::size_t samples);
+  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples);
 
   /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
   void label(Frame& frame);
@@ -22,21 +22,21 @@ public:
   void mark_foreground(Frame& frame) const;
 
 private:
-  void carry_last_labels(const SegmentationView& view);
+  void warp_last_labels(const ReducedView& view);
 
   using Scores = Image<float>;
 
-  void score_thing(std::size_t thing, const SegmentationView& view, const Mask& foreground,
-                   const Image<FaceArea>& faces, Scores& scores) const;
-  LabelImage label_things(const SegmentationView& view, const Mask& foreground);
-  void clean_things(const SegmentationView& view, LabelImage& labels);
-  void label_persons(const SegmentationView& view, const Mask& foreground, LabelImage& labels) const;
-  static void fill_unmeasured(const SegmentationView& view, const BackgroundLook& background, LabelImage& labels);
-  static LabelImage at_full_size(const Frame& frame, int factor, const SegmentationView& view,
-                                 const BackgroundLook& background, const LabelImage& small);
+  void score_object(std::size_t object, const ReducedView& view, const Mask& foreground, const Image<FaceArea>& faces,
+                    Scores& scores) const;
+  LabelImage label_objects(const ReducedView& view, const Mask& foreground);
+  void clean_objects(const ReducedView& view, LabelImage& labels);
+  void label_persons(const ReducedView& view, const Mask& foreground, LabelImage& labels) const;
+  static void fill_unmeasured(const ReducedView& view, const LocalBackground& background, LabelImage& labels);
+  static LabelImage at_full_size(const Frame& frame, int factor, const ReducedView& view,
+                                 const LocalBackground& background, const LabelImage& small);
 
   std::unique_ptr<BackgroundMap> background_;
-  SceneThings things_;
+  SceneObjects objects_;
   std::size_t samples_;
   std::vector<bool> lost_; ///< by thing: not seen in the last frame
   LabelImage last_labels_;

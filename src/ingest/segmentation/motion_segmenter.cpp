@@ -4,13 +4,13 @@
 
 #include "ingest/segmentation/background_map.h"
 #include "ingest/segmentation/frame_labelling.h"
-#include "ingest/segmentation/handled_things.h"
+#include "ingest/segmentation/handled_objects.h"
 #include "ingest/segmentation/sample_views.h"
 
 namespace kinora::ingest {
 namespace {
 
-constexpr double kLeastStill = 0.35; ///< share of the background that keeps still, else the camera is elsewhere
+constexpr double kMinStatic = 0.35; ///< share of the background that keeps still, else the camera is elsewhere
 
 class MotionSegmenter final : public Segmenter {
 public:
@@ -18,14 +18,14 @@ public:
 
   void prepare(const CaptureFactory& open, const FrameRange& range, Progress& progress) override {
     labels_ = {{0, {"background", "still", "what keeps still, and planes that it lies on"}}};
-    std::vector<SegmentationView> samples = sample_views(open, range, progress);
+    std::vector<ReducedView> samples = sample_views(open, range, progress);
     if (samples.empty()) return;
     auto background = std::make_unique<BackgroundMap>(samples);
-    if (background->still_share() < kLeastStill) return take_all_for_background(progress);
-    SceneThings things = only_foreground_ ? SceneThings{} : find_handled_things(samples, *background);
+    if (background->static_share() < kMinStatic) return take_all_for_background(progress);
+    SceneObjects objects = only_foreground_ ? SceneObjects{} : find_handled_objects(samples, *background);
     labels_[1] = {"person", "deforming", "what moves before the background, without the things it handles"};
-    for (std::size_t i = 0; i < things.things.size(); ++i) add_thing(things.things[i], static_cast<int>(i) + 2);
-    labelling_ = std::make_unique<FrameLabelling>(std::move(background), std::move(things), samples.size());
+    for (std::size_t i = 0; i < objects.objects.size(); ++i) add_object(objects.objects[i], static_cast<int>(i) + 2);
+    labelling_ = std::make_unique<FrameLabelling>(std::move(background), std::move(objects), samples.size());
   }
 
   void label(Frame& frame) override {
@@ -46,11 +46,11 @@ private:
                   "masks or --segmenter; everything is taken for background");
   }
 
-  void add_thing(const HandledThing& thing, int label) {
+  void add_object(const HandledObject& object, int label) {
     const std::string name = label == 2 ? "object" : fmt::format("object{}", label - 1);
-    if (thing.flat)
+    if (object.flat)
       labels_[label] = {name, "rigid", "flat faces, of other colours than the one who holds it, are seen all along"};
-    else if (thing.bends)
+    else if (object.is_flexible)
       labels_[label] = {name, "deforming",
                         "it lay alone, was touched or moved, and has no flat faces that would keep their shape"};
     else

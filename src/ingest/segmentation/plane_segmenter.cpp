@@ -1,4 +1,4 @@
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 #include "ingest/images/plane_finder.h"
 #include "ingest/segmentation/segmenter.h"
 
@@ -10,7 +10,7 @@ public:
   void prepare(const CaptureFactory& /*open*/, const FrameRange& /*range*/, Progress& /*progress*/) override {}
 
   void label(Frame& frame) override {
-    const SegmentationView view = segmentation_view(frame, segmentation_factor(frame.depth.width()));
+    const ReducedView view = reduced_view(frame, reduction_factor(frame.depth.width()));
     PlaneSearch search;
     search.min_extent = search.wide;
     const std::vector<Plane> planes = find_planes(view.depth, view.intrinsics, search);

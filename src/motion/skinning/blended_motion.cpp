@@ -6,10 +6,10 @@ namespace kinora::motion {
 namespace {
 
 // The rotation about an axis by its length, radians.
-Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& turn) {
-  const double angle = turn.norm();
+Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& rotation) {
+  const double angle = rotation.norm();
   const double share = angle > 1e-6 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48;
-  const Eigen::Vector3d axis = share * turn;
+  const Eigen::Vector3d axis = share * rotation;
   return {std::cos(0.5 * angle), axis.x(), axis.y(), axis.z()};
 }
 
@@ -76,7 +76,8 @@ BlendedMotion blend_motion(const NodeStates& states, const Influence& influence)
 
 // Real and dual: D = q · blended⁻¹ / norm, a dual number short of it, which normalisation takes out as it does what is
 // not pure.
-NodePart::NodePart(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot)
+NodeJacobian::NodeJacobian(const NodeStates& states, const Influence& influence, const BlendedMotion& blended,
+                           std::size_t slot)
     : position_(states.positions[static_cast<std::size_t>(influence.nodes[slot])]) {
   const DualQuaternion& q = states.transforms[static_cast<std::size_t>(influence.nodes[slot])];
   const Eigen::Quaterniond back = blended.transform.real.conjugate();
@@ -88,7 +89,7 @@ NodePart::NodePart(const NodeStates& states, const Influence& influence, const B
   real_.coeffs() *= share;
 }
 
-Twist NodePart::pulled_back(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const {
+Twist NodeJacobian::pullback(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const {
   const auto v = real_.vec();
   const double w = real_.w();
   const Eigen::Vector3d translation = w * g + v.cross(g);

@@ -32,9 +32,9 @@ NodeStates moved(const NodeStates& states, const SE3& motion);
 /// The transform at a point, normalised, with what its derivative needs.
 struct BlendedMotion {
   DualQuaternion transform;
-  std::array<double, Influence::kMost> signs{}; ///< ±1: the hemisphere of the heaviest node
-  double real_norm = 1;                         ///< of the sum before normalisation …
-  double dual_norm = 0;                         ///< … a dual number
+  std::array<double, Influence::kMax> signs{}; ///< ±1: the hemisphere of the heaviest node
+  double real_norm = 1;                        ///< of the sum before normalisation …
+  double dual_norm = 0;                        ///< … a dual number
 
   Eigen::Vector3d apply(const Eigen::Vector3d& point) const;
   Eigen::Vector3d rotate(const Eigen::Vector3d& vector) const;
@@ -45,14 +45,14 @@ BlendedMotion blend_motion(std::span<const DualQuaternion> transforms, const Inf
 BlendedMotion blend_motion(const NodeStates& states, const Influence& influence);
 
 /// What a step of one node does to the transform at a point that it moves.
-class NodePart {
+class NodeJacobian {
 public:
   /// Of the influence's node `slot`; `blended`: of the same states and influence. Refers to none of them afterwards.
-  NodePart(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot);
+  NodeJacobian(const NodeStates& states, const Influence& influence, const BlendedMotion& blended, std::size_t slot);
 
   /// Derivative of g·t + m·ω by the node's step, where (t, ω) is the twist about the origin by which the transform at
   /// the point changes.
-  Twist pulled_back(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const;
+  Twist pullback(const Eigen::Vector3d& g, const Eigen::Vector3d& m) const;
 
 private:
   Eigen::Quaterniond real_; ///< twists (t, ω) of the node make the pure part of (ω + εt) · (real + ε dual) at the point

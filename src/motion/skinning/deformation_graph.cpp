@@ -43,7 +43,7 @@ private:
 NearestPoints::NearestPoints(std::span<const Eigen::Vector3d> points, double reach)
     : reach_(reach), points_(points.begin(), points.end()) {
   if (points_.empty()) return;
-  constexpr double kMostCells = 64; // along an axis
+  constexpr double kMaxCells = 64; // along an axis
   Eigen::Vector3d low = points_.front();
   Eigen::Vector3d high = points_.front();
   for (const Eigen::Vector3d& point : points_) {
@@ -51,7 +51,7 @@ NearestPoints::NearestPoints(std::span<const Eigen::Vector3d> points, double rea
     high = high.cwiseMax(point);
   }
   low_ = low;
-  const double size = std::max(reach_ / kRings, (high - low).maxCoeff() / kMostCells);
+  const double size = std::max(reach_ / kRings, (high - low).maxCoeff() / kMaxCells);
   cells_per_metre_ = 1 / size;
   for (int a = 0; a < 3; ++a) cells_[static_cast<std::size_t>(a)] = static_cast<int>((high[a] - low[a]) / size) + 1;
   const auto cell_of = [this](const Eigen::Vector3d& point) {
@@ -75,27 +75,27 @@ std::size_t NearestPoints::row_of(int y, int z) const {
 
 std::size_t NearestPoints::find(const Eigen::Vector3d& query, std::span<Neighbour> found) const {
   if (points_.empty() || found.empty() || !query.allFinite()) return 0;
-  std::array<int, 3> own{};
+  std::array<int, 3> query_cell{};
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
     const double c = std::floor((query[a] - low_[a]) * cells_per_metre_);
     if (c < -kRings || c >= cells_[i] + kRings) return 0;
-    own[i] = static_cast<int>(c);
+    query_cell[i] = static_cast<int>(c);
   }
-  const int first_x = std::max(own[0] - kRings, 0);
-  const int last_x = std::min(own[0] + kRings, cells_[0] - 1);
+  const int first_x = std::max(query_cell[0] - kRings, 0);
+  const int last_x = std::min(query_cell[0] + kRings, cells_[0] - 1);
   // How far away a cell begins along an axis; a little less, for rounding.
   const auto gap = [&](int axis, int cell) {
-    const double side = cell < own[static_cast<std::size_t>(axis)] ? cell + 1 : cell;
+    const double side = cell < query_cell[static_cast<std::size_t>(axis)] ? cell + 1 : cell;
     const double along = std::abs(low_[axis] + side / cells_per_metre_ - query[axis]);
-    return cell == own[static_cast<std::size_t>(axis)] ? 0.0 : (1 - 1e-9) * along;
+    return cell == query_cell[static_cast<std::size_t>(axis)] ? 0.0 : (1 - 1e-9) * along;
   };
   Nearest nearest(found, reach_);
   // Rows of cells from the inside out: most of those farther out are not looked at.
   for (int ring = 0; ring <= kRings; ++ring) {
-    for (int z = std::max(own[2] - ring, 0); z <= std::min(own[2] + ring, cells_[2] - 1); ++z) {
-      const int step = std::abs(z - own[2]) == ring ? 1 : 2 * ring;
-      for (int y = own[1] - ring; y <= own[1] + ring; y += step) {
+    for (int z = std::max(query_cell[2] - ring, 0); z <= std::min(query_cell[2] + ring, cells_[2] - 1); ++z) {
+      const int step = std::abs(z - query_cell[2]) == ring ? 1 : 2 * ring;
+      for (int y = query_cell[1] - ring; y <= query_cell[1] + ring; y += step) {
         if (y < 0 || y >= cells_[1]) continue;
         const double gap_y = gap(1, y);
         const double gap_z = gap(2, z);
@@ -128,26 +128,26 @@ DeformationGraph::DeformationGraph(std::vector<Eigen::Vector3d> nodes, double we
 }
 
 Influence DeformationGraph::influence(const Eigen::Vector3d& canonical) const {
-  std::array<NearestPoints::Neighbour, Influence::kMost + 1> found{};
+  std::array<NearestPoints::Neighbour, Influence::kMax + 1> found{};
   const std::size_t count = nearest_.find(canonical, found);
-  return weighed(std::span(found).first(count));
+  return weighted(std::span(found).first(count));
 }
 
 Influence DeformationGraph::influence(const Eigen::Vector3d& canonical,
                                       std::span<const std::int32_t> candidates) const {
-  std::array<NearestPoints::Neighbour, Influence::kMost + 1> found{};
+  std::array<NearestPoints::Neighbour, Influence::kMax + 1> found{};
   const std::size_t count = nearest_.find(canonical, candidates, found);
-  return weighed(std::span(found).first(count));
+  return weighted(std::span(found).first(count));
 }
 
-Influence DeformationGraph::weighed(std::span<const NearestPoints::Neighbour> found) const {
+Influence DeformationGraph::weighted(std::span<const NearestPoints::Neighbour> found) const {
   Influence result;
-  result.count = static_cast<int>(std::min<std::size_t>(found.size(), Influence::kMost));
+  result.count = static_cast<int>(std::min<std::size_t>(found.size(), Influence::kMax));
   if (result.count == 0) return result;
   // The first node that has no say takes its weight from the others: what moves a point changes without a jump.
   const double nearest = found[0].squared_distance;
-  const double first_without = found.size() > Influence::kMost ? found[Influence::kMost].squared_distance
-                                                               : influence_radius_ * influence_radius_;
+  const double first_without =
+      found.size() > Influence::kMax ? found[Influence::kMax].squared_distance : influence_radius_ * influence_radius_;
   const auto weight = [&](double squared_distance) {
     return std::exp((nearest - squared_distance) / (weight_radius_ * weight_radius_));
   };

@@ -48,10 +48,10 @@ private:
 
 /// Which nodes move a canonical point, heaviest first; weights add up to 1. `count` 0: no node is near enough.
 struct Influence {
-  static constexpr int kMost = 4;
+  static constexpr int kMax = 4;
   int count = 0;
-  std::array<int, kMost> nodes{};
-  std::array<double, kMost> weights{};
+  std::array<int, kMax> nodes{};
+  std::array<double, kMax> weights{};
 };
 
 /// Immutable, thread-safe.
@@ -71,7 +71,7 @@ public:
 
 private:
   /// Of the nearest nodes, one more than have a say.
-  Influence weighed(std::span<const NearestPoints::Neighbour> nearest) const;
+  Influence weighted(std::span<const NearestPoints::Neighbour> nearest) const;
 
   double weight_radius_;
   double influence_radius_;

@@ -20,8 +20,8 @@ struct SkinnedPoint {
   float unused_position = 0;
   Eigen::Vector3f normal;
   float unused_normal = 0;
-  std::array<float, Influence::kMost> weights{}; ///< heaviest first; zero: there is no such node
-  std::array<std::int32_t, Influence::kMost> nodes{};
+  std::array<float, Influence::kMax> weights{}; ///< heaviest first; zero: there is no such node
+  std::array<std::int32_t, Influence::kMax> nodes{};
 
   SkinnedPoint(const Eigen::Vector3f& at, const Eigen::Vector3f& outwards, const Influence& influence);
   /// How many nodes carry the point.
@@ -32,8 +32,8 @@ static_assert(sizeof(SkinnedPoint) == 64);
 
 /// A point in the camera; rows of four numbers.
 struct PosedPoint {
-  Eigen::Vector3f place;
-  float unused_place = 0;
+  Eigen::Vector3f position;
+  float unused_position = 0;
   Eigen::Vector3f normal;
   float unused_normal = 0;
 };

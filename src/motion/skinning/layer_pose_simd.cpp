@@ -16,11 +16,11 @@ void pose_points_in_lanes(const SkinnedPoint* points, std::size_t count, const T
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(Floats())) {
     const std::size_t here = HWY_MIN(count - begin, hn::Lanes(Floats()));
     const SkinnedPoint* from = points + begin;
-    const NormalisedBlend blend(weighed_transforms(from, here, nodes).sum);
+    const NormalisedBlend blend(weighted_transforms(from, here, nodes).sum);
     const Vec3 position = load_rows([&](std::size_t lane) { return from[item_of(lane, here)].position.data(); }).v;
     const Vec3 normal = load_rows([&](std::size_t lane) { return from[item_of(lane, here)].normal.data(); }).v;
     store_rows({blend.apply(position), zero()}, here,
-               [&](std::size_t lane) { return posed[begin + lane].place.data(); });
+               [&](std::size_t lane) { return posed[begin + lane].position.data(); });
     store_rows({blend.rotate(normal), zero()}, here,
                [&](std::size_t lane) { return posed[begin + lane].normal.data(); });
   }

@@ -15,17 +15,18 @@ namespace kinora::motion {
 class NodeCandidates {
 public:
   /// Of a cube at most; of more, the nearest to its centre are kept.
-  static constexpr std::size_t kMost = 255;
+  static constexpr std::size_t kMax = 255;
 
   /// `side` of the cubes, metres.
   NodeCandidates(const DeformationGraph& graph, double side);
   /// Appends those of the cube about `centre`, nearest to it first.
   void append(const Eigen::Vector3d& centre, std::vector<std::int32_t>& candidates) const;
   /// Whether a node must join a cube's candidates, among which it is not: one that the graph has got since.
-  bool is_another(const Eigen::Vector3d& centre, std::int32_t node, std::span<const std::int32_t> candidates) const;
+  bool is_new_candidate(const Eigen::Vector3d& centre, std::int32_t node,
+                        std::span<const std::int32_t> candidates) const;
 
 private:
-  bool is_out_of_question(const NearestPoints::Neighbour& last, const NearestPoints::Neighbour& node) const;
+  bool is_too_far(const NearestPoints::Neighbour& last, const NearestPoints::Neighbour& node) const;
 
   double side_;
   double half_diagonal_;

@@ -13,15 +13,15 @@ HWY_BEFORE_NAMESPACE();
 namespace kinora::skinning::HWY_NAMESPACE {
 
 /// The transforms of the nodes that carry each lane's point, weighed, in the hemisphere of the heaviest, and their sum.
-struct WeighedTransforms {
+struct WeightedTransforms {
   DualQuat of_node[kMaxNodes];
   DualQuat sum;
 };
 
 /// `points`: at least `count` > 0 of them.
-HWY_INLINE WeighedTransforms weighed_transforms(const motion::SkinnedPoint* points, std::size_t count,
-                                                const TransformRow* nodes) {
-  WeighedTransforms weighed;
+HWY_INLINE WeightedTransforms weighted_transforms(const motion::SkinnedPoint* points, std::size_t count,
+                                                  const TransformRow* nodes) {
+  WeightedTransforms weighted;
   const Quat weights = load_rows([&](std::size_t lane) { return points[item_of(lane, count)].weights.data(); });
   const F of_node[kMaxNodes] = {weights.v.x, weights.v.y, weights.v.z, weights.w};
   Quat heaviest;
@@ -30,10 +30,10 @@ HWY_INLINE WeighedTransforms weighed_transforms(const motion::SkinnedPoint* poin
         load_transforms(nodes, [&](std::size_t lane) { return points[item_of(lane, count)].nodes[k]; });
     if (k == 0) heaviest = transform.real;
     const F weight = in_hemisphere(of_node[k], transform.real, heaviest);
-    weighed.of_node[k] = mul(weight, transform);
-    weighed.sum = k == 0 ? weighed.of_node[0] : mul_add(weight, transform, weighed.sum);
+    weighted.of_node[k] = mul(weight, transform);
+    weighted.sum = k == 0 ? weighted.of_node[0] : mul_add(weight, transform, weighted.sum);
   }
-  return weighed;
+  return weighted;
 }
 
 } // namespace kinora::skinning::HWY_NAMESPACE

@@ -27,8 +27,8 @@ using namespace vectors::HWY_NAMESPACE;
 using motion::PositionRow;
 using motion::TransformRow;
 
-constexpr int kMaxNodes = motion::Influence::kMost; ///< that move a point
-constexpr int kWeighed = kMaxNodes + 1;             ///< the last has no say, but its weight is taken from the others
+constexpr int kMaxNodes = motion::Influence::kMax; ///< that move a point
+constexpr int kNearestNodes = kMaxNodes + 1;       ///< the last has no say, but its weight is taken from the others
 /// What the nearest node weighs at least, where the heaviest possible weighs 1: where all nodes are equally far,
 /// nothing is left of any weight, and the nearest moves the point alone. Above what rounding leaves of 1 − 1 (6e-8),
 /// and too small to show beside any weight that does.
@@ -68,7 +68,7 @@ private:
   }
 
   F none_;
-  F keys_[kWeighed];
+  F keys_[kNearestNodes];
 };
 
 HWY_INLINE Vec3 gather_positions(const PositionRow* positions, I node) {
@@ -79,15 +79,15 @@ HWY_INLINE Vec3 gather_positions(const PositionRow* positions, I node) {
 
 /// As DeformationGraph::influence has them, but not yet divided by their sum.
 struct NodeWeights {
-  F falloffs[kWeighed]; ///< exp((d₀² − dₖ²) / r²)
-  F values[kMaxNodes];  ///< less that of the last: a little below zero where that is the nearer by a little
+  F falloffs[kNearestNodes]; ///< exp((d₀² − dₖ²) / r²)
+  F values[kMaxNodes];       ///< less that of the last: a little below zero where that is the nearer by a little
 };
 
 /// `squared`: distances, nearest first; where there is no node, the square of the radius of influence, from where on
 /// nothing has weight.
-HWY_INLINE NodeWeights weigh(const F (&squared)[kWeighed], float inverse_squared_radius) {
+HWY_INLINE NodeWeights skinning_weights_of(const F (&squared)[kNearestNodes], float inverse_squared_radius) {
   NodeWeights weights;
-  for (int k = 0; k < kWeighed; ++k) {
+  for (int k = 0; k < kNearestNodes; ++k) {
     weights.falloffs[k] = hn::Exp(Floats(), hn::Mul(hn::Sub(squared[0], squared[k]), constant(inverse_squared_radius)));
   }
   for (int k = 0; k < kMaxNodes; ++k) weights.values[k] = hn::Sub(weights.falloffs[k], weights.falloffs[kMaxNodes]);
@@ -130,7 +130,7 @@ HWY_INLINE F in_hemisphere(F weight, const Quat& real, const Quat& heaviest) {
 
 /// Σ weight_of(k) · transform_of(k), k = 0 of the heaviest node; both are asked for no more than some lane has weights.
 template <class WeightOf, class TransformOf>
-HWY_INLINE DualQuat weighed_sum(const WeightOf& weight_of, const TransformOf& transform_of) {
+HWY_INLINE DualQuat weighted_sum(const WeightOf& weight_of, const TransformOf& transform_of) {
   DualQuat sum = no_transform();
   Quat heaviest;
   for (std::size_t k = 0; k < kMaxNodes; ++k) {
@@ -156,11 +156,11 @@ HWY_INLINE Vec3 half_translation(const Quat& r, const Quat& d) {
   return add(sub(mul(r.w, d.v), mul(d.w, r.v)), cross(r.v, d.v));
 }
 
-/// By how much r + εd moves a point, without the factor 2 / |r|²: Σ of translation + rotation − identity. `turned`:
+/// By how much r + εd moves a point, without the factor 2 / |r|²: Σ of translation + rotation − identity. `rotated`:
 /// what its derivative needs.
-HWY_INLINE Vec3 displacement(const Quat& r, const Quat& d, const Vec3& at, Vec3& turned) {
-  turned = mul_add(r.w, at, cross(r.v, at));
-  const Vec3 inner = add(turned, d.v);
+HWY_INLINE Vec3 displacement(const Quat& r, const Quat& d, const Vec3& at, Vec3& rotated) {
+  rotated = mul_add(r.w, at, cross(r.v, at));
+  const Vec3 inner = add(rotated, d.v);
   return add(cross(r.v, inner), sub(mul(r.w, d.v), mul(d.w, r.v)));
 }
 
@@ -186,16 +186,16 @@ struct Blend {
   }
 
   HWY_INLINE Vec3 apply(const Vec3& at) const {
-    Vec3 turned;
-    return mul_add(twice_inverse_norm, displacement(real, dual, at, turned), at);
+    Vec3 rotated;
+    return mul_add(twice_inverse_norm, displacement(real, dual, at, rotated), at);
   }
   HWY_INLINE Vec3 rotate(const Vec3& v) const {
-    const Vec3 turned = mul_add(real.w, v, cross(real.v, v));
-    return mul_add(twice_inverse_norm, cross(real.v, turned), v);
+    const Vec3 rotated = mul_add(real.w, v, cross(real.v, v));
+    return mul_add(twice_inverse_norm, cross(real.v, rotated), v);
   }
   HWY_INLINE Vec3 inverse_rotate(const Vec3& v) const {
-    const Vec3 turned = sub(mul(real.w, v), cross(real.v, v));
-    return sub(v, mul(twice_inverse_norm, cross(real.v, turned)));
+    const Vec3 rotated = sub(mul(real.w, v), cross(real.v, v));
+    return sub(v, mul(twice_inverse_norm, cross(real.v, rotated)));
   }
   HWY_INLINE Vec3 inverse_apply(const Vec3& at) const {
     return inverse_rotate(sub(at, mul(twice_inverse_norm, half_translation(real, dual))));

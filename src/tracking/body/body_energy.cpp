@@ -68,10 +68,10 @@ void add_point(const BodyInCamera& body, const MeasuredPoint& point, int found, 
   add(body, {part, -surface.distance, position, body.bone(part).linear() * surface.normal, surface.point, weight}, sum);
 }
 
-void add_sample(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
+void add_sample(const BodyInCamera& body, const BodySample& sample, const LayerView& view,
                 const BodyEnergyConfig& config, Accumulator& sum) {
-  const SampleResidual r = look_at(body, sample, view, config);
-  if (r.sight != Sight::kFreeSpace) return;
+  const SampleResidual r = sample_residual(body, sample, view, config);
+  if (r.visibility != Visibility::kFreeSpace) return;
   const double squared = r.value * r.value;
   sum.energy += r.weight * robust_cost(config).cost(squared);
   const double weight = r.weight * robust_cost(config).weight(squared) / (config.sigma * config.sigma);
@@ -79,36 +79,37 @@ void add_sample(const BodyInCamera& body, const BodySample& sample, const Object
   add(body, {sample.part, r.value, position, r.direction, sample.point, weight}, sum);
 }
 
-void add_reluctances(const BodyInCamera& body, Accumulator& sum) {
-  const std::vector<Reluctance> reluctances = find_reluctances(body);
+void add_arm_penalties(const BodyInCamera& body, Accumulator& sum) {
+  const std::vector<ArmPenalty> reluctances = arm_penalties(body);
   sum.energy += energy_of(reluctances);
-  for (const Reluctance& r : reluctances) {
+  for (const ArmPenalty& r : reluctances) {
     const Vec position = body.bone(r.part) * position_of(body.body().parts[r.part], r.point);
-    add(body, {r.part, r.value, position, r.slope, r.point, 1}, sum);
+    add(body, {r.part, r.value, position, r.gradient, r.point, 1}, sum);
   }
 }
 
-void add_held_hand(const BodyInCamera& body, const HeldHand& held, const BodyEnergyConfig& config, Accumulator& sum) {
-  sum.energy += holding_energy(held, body.body(), config);
-  const Vec heel = heel_of_hand(body.body(), held.arm);
-  const Vec off = heel - held.place;
+void add_hand_contact(const BodyInCamera& body, const HandContact& contact, const BodyEnergyConfig& config,
+                      Accumulator& sum) {
+  sum.energy += contact_energy(contact, body.body(), config);
+  const Vec heel = heel_of_hand(body.body(), contact.arm);
+  const Vec off = heel - contact.position;
   const double weight =
-      config.holding_weight * robust_cost(config).weight(off.squaredNorm()) / (config.sigma * config.sigma);
+      config.contact_weight * robust_cost(config).weight(off.squaredNorm()) / (config.sigma * config.sigma);
   for (int axis = 0; axis < 3; ++axis) {
-    add(body, {hand_part(held.arm), off[axis], heel, Vec::Unit(axis), heel_point(), weight}, sum);
+    add(body, {hand_part(contact.arm), off[axis], heel, Vec::Unit(axis), heel_point(), weight}, sum);
   }
 }
 
-void add_joint(const BodyInCamera& body, const SightedJoint& joint, const DetectedJointsConfig& config,
+void add_joint(const BodyInCamera& body, const JointObservation& joint, const DetectedJointsConfig& config,
                Accumulator& sum) {
   sum.energy += energy_of(joint, body.body(), config);
   const Landmark& landmark = landmark_of(joint.joint);
-  const Vec place = place_of(landmark, body.body());
-  const RayDistance distance(place, joint.ray);
-  const double weight = slope_of(joint, distance.value.squaredNorm(), config);
+  const Vec position = position_of(landmark, body.body());
+  const RayDistance distance(position, joint.ray);
+  const double weight = loss_derivative(joint, distance.value.squaredNorm(), config);
   for (std::size_t i = 0; i < 2; ++i) {
     add(body,
-        {landmark.part, distance.value[static_cast<Eigen::Index>(i)], place, distance.directions[i], landmark.point,
+        {landmark.part, distance.value[static_cast<Eigen::Index>(i)], position, distance.directions[i], landmark.point,
          weight},
         sum);
   }
@@ -144,56 +145,56 @@ Accumulator add_view(const BodyEvidence& evidence, const BodyInCamera& body, con
   });
   Accumulator total;
   for (const Accumulator& sum : sums) merge(sum, total);
-  add_reluctances(body, total);
-  for (const SightedJoint& joint : evidence.joints) add_joint(body, joint, config.detected, total);
+  add_arm_penalties(body, total);
+  for (const JointObservation& joint : evidence.joints) add_joint(body, joint, config.detected, total);
   return total;
 }
 
 // The freedoms that move each part, in order.
-std::array<std::vector<int>, kBodyParts> find_part_freedoms() {
-  std::array<std::vector<int>, kBodyParts> freedoms;
+std::array<std::vector<int>, kBodyParts> find_part_dofs() {
+  std::array<std::vector<int>, kBodyParts> dofs;
   for (std::size_t i = 0; i < kBodyParts; ++i) {
-    std::array<bool, kFreedoms> moves{};
+    std::array<bool, kDof> moves{};
     std::fill_n(moves.begin(), 6, true);
     for (int j = body_parts()[i].bone; j > 0; j = joints()[static_cast<std::size_t>(j)].parent) {
       const JointInfo& joint = joints()[static_cast<std::size_t>(j)];
       std::fill_n(moves.begin() + 6 + joint.first_angle, joint.angle_count, true);
-      moves.at(kPoseFreedoms + joint.length) = true;
+      moves.at(kPoseDof + joint.length) = true;
     }
     for (const auto measure : measures_of(body_parts()[i])) {
-      if (measure) moves.at(kPoseFreedoms + *measure) = true;
+      if (measure) moves.at(kPoseDof + *measure) = true;
     }
-    for (int f = 0; f < kFreedoms; ++f) {
-      if (moves[static_cast<std::size_t>(f)]) freedoms[i].push_back(f);
+    for (int f = 0; f < kDof; ++f) {
+      if (moves[static_cast<std::size_t>(f)]) dofs[i].push_back(f);
     }
   }
-  return freedoms;
+  return dofs;
 }
 
 // From bones and parts to freedoms.
-void spread(const Accumulator& sum, const BodyState& state, const Bones& bones, BodyEquations& equations) {
-  static const std::array<std::vector<int>, kBodyParts> freedoms = find_part_freedoms();
+void assemble(const Accumulator& sum, const BodyState& state, const Bones& bones, BodyEquations& equations) {
+  static const std::array<std::vector<int>, kBodyParts> dofs = find_part_dofs();
   BoneTwists twists;
   find_bone_twists(state.pose, state.shape, bones, twists);
   for (std::size_t i = 0; i < kBodyParts; ++i) {
-    const auto count = static_cast<Eigen::Index>(freedoms[i].size());
-    Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kFreedoms> rows(kLocal, count);
+    const auto count = static_cast<Eigen::Index>(dofs[i].size());
+    Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kDof> rows(kLocal, count);
     const auto measures = measures_of(body_parts()[i]);
     for (Eigen::Index c = 0; c < count; ++c) {
-      const int freedom = freedoms[i][static_cast<std::size_t>(c)];
-      rows.col(c).head<6>() = twists[body_parts()[i].bone].col(freedom);
+      const int dof = dofs[i][static_cast<std::size_t>(c)];
+      rows.col(c).head<6>() = twists[body_parts()[i].bone].col(dof);
       for (int m = 0; m < kPartMeasures; ++m) {
         const auto measure = measures[static_cast<std::size_t>(m)];
-        rows(6 + m, c) = measure && kPoseFreedoms + *measure == freedom ? 1.0 : 0.0;
+        rows(6 + m, c) = measure && kPoseDof + *measure == dof ? 1.0 : 0.0;
       }
     }
-    const Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kFreedoms> weighted =
+    const Eigen::Matrix<double, kLocal, Eigen::Dynamic, 0, kLocal, kDof> weighted =
         sum.parts[i].hessian.lazyProduct(rows);
     for (Eigen::Index c = 0; c < count; ++c) {
-      const int column = freedoms[i][static_cast<std::size_t>(c)];
+      const int column = dofs[i][static_cast<std::size_t>(c)];
       equations.gradient[column] += rows.col(c).dot(sum.parts[i].gradient);
       for (Eigen::Index r = 0; r <= c; ++r) {
-        const int row = freedoms[i][static_cast<std::size_t>(r)];
+        const int row = dofs[i][static_cast<std::size_t>(r)];
         equations.hessian(row, column) += rows.col(r).dot(weighted.col(c));
       }
     }
@@ -210,9 +211,9 @@ BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, con
   equations.hessian.setZero();
   const BodyInCamera body(state);
   Accumulator sum = add_view(evidence, body, config);
-  for (const HeldHand& held : prior.hands) add_held_hand(body, held, config, sum);
+  for (const HandContact& contact : prior.hands) add_hand_contact(body, contact, config, sum);
   equations.energy = sum.energy;
-  spread(sum, state, body.body().bones, equations);
+  assemble(sum, state, body.body().bones, equations);
   add_prior(state, prior, config.poses, equations);
   return equations;
 }
@@ -220,16 +221,16 @@ BodyEquations evaluate(const BodyEvidence& evidence, const BodyState& state, con
 double minimise(const BodyEvidence& evidence, const BodyPrior& prior, const BodyEnergyConfig& config, int iterations,
                 bool with_shape, BodyState& state) {
   // Points change their parts and samples their sight, so that a good step may seem to lose a little.
-  const int freedoms = with_shape ? kFreedoms : kPoseFreedoms;
+  const int dofs = with_shape ? kDof : kPoseDof;
   MarquardtDamping damping({.min = 1e-4});
   BodyEquations equations = evaluate(evidence, state, prior, config);
   damped_gauss_newton(damping, iterations, [&](double value) -> StepOutcome {
-    Eigen::MatrixXd hessian = equations.hessian.topLeftCorner(freedoms, freedoms);
+    Eigen::MatrixXd hessian = equations.hessian.topLeftCorner(dofs, dofs);
     hessian.diagonal().array() += value * (hessian.diagonal().array() + 1);
-    const Eigen::VectorXd step = hessian.ldlt().solve(-equations.gradient.head(freedoms));
+    const Eigen::VectorXd step = hessian.ldlt().solve(-equations.gradient.head(dofs));
     if (!step.allFinite()) return {.is_last = true};
     BodyState next = state;
-    next.pose = moved(state.pose, step.head<kPoseFreedoms>());
+    next.pose = moved(state.pose, step.head<kPoseDof>());
     if (with_shape) next.shape += step.tail<kMeasures>();
     if (step.cwiseAbs().maxCoeff() < config.small_step) {
       state = next;

@@ -14,19 +14,19 @@ constexpr double kMinCosine = 0.2;
 constexpr DepthMargin kMargin{0.01, 1.5};
 
 // The silhouette is left: how far, and which way on the picture.
-void leave_silhouette(const Vec& p, const std::int16_t* offset, const Intrinsics& camera, SampleResidual& r) {
+void silhouette_residual(const Vec& p, const std::int16_t* offset, const Intrinsics& camera, SampleResidual& r) {
   const Vec away(-offset[0] / camera.fx, -offset[1] / camera.fy, 0); // in the plane at distance 1
   const double size = away.norm();
   const Vec across(away.x() / size, away.y() / size, -(away.x() * p.x() + away.y() * p.y()) / (size * p.z()));
-  r.sight = Sight::kFreeSpace;
+  r.visibility = Visibility::kFreeSpace;
   r.value = size * p.z();
   r.direction = across;
 }
 
 } // namespace
 
-BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config) {
-  BodyEvidence evidence{&view, {}, sighted_joints(view.joints, view.intrinsics, config.detected)};
+BodyEvidence gather_evidence(const LayerView& view, std::size_t max_points, const BodyEnergyConfig& config) {
+  BodyEvidence evidence{&view, {}, observe_joints(view.joints, view.intrinsics, config.detected)};
   const double share = static_cast<double>(view.depth_pixels) / static_cast<double>(max_points);
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(share))));
   const double pixel = stride * stride / (view.intrinsics.fx * view.intrinsics.fy);
@@ -65,8 +65,8 @@ void BodyInCamera::match(std::size_t part, const MeasuredPoint& point, double no
   best.part = static_cast<int>(part);
 }
 
-SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
-                       const BodyEnergyConfig& config) {
+SampleResidual sample_residual(const BodyInCamera& body, const BodySample& sample, const LayerView& view,
+                               const BodyEnergyConfig& config) {
   SampleResidual r;
   const PartShape& part = body.body().parts[sample.part];
   const SE3& bone = body.bone(sample.part);
@@ -86,18 +86,18 @@ SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const
   r.weight = sample.area * (cosine - kMinCosine) / (config.patch * config.patch);
   const double measured = view.depth.at(u, v);
   if (is_occluded(p.z(), measured, kMargin)) {
-    r.sight = Sight::kHidden;
+    r.visibility = Visibility::kHidden;
     return r;
   }
   const std::int16_t* offset = view.to_silhouette.pixel(u, v);
   if (offset[0] != 0 || offset[1] != 0) {
-    leave_silhouette(p, offset, view.intrinsics, r);
+    silhouette_residual(p, offset, view.intrinsics, r);
   } else if (violates_free_space(p.z(), measured, kMargin)) {
-    r.sight = Sight::kFreeSpace; // and must go back along the ray
+    r.visibility = Visibility::kFreeSpace; // and must go back along the ray
     r.value = (measured - kMargin.at(p.z()) - p.z()) / p.z() * p.norm();
     r.direction = -p / p.norm();
   } else {
-    r.sight = view.mask.at(u, v) != 0 ? Sight::kSeen : Sight::kHidden;
+    r.visibility = view.mask.at(u, v) != 0 ? Visibility::kSeen : Visibility::kHidden;
   }
   return r;
 }

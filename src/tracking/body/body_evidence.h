@@ -8,9 +8,9 @@
 
 #include "core/robust_cost.h"
 #include "tracking/body/body_model.h"
-#include "tracking/body/detected_joints.h"
+#include "tracking/body/joint_observations.h"
 #include "tracking/body/pose_prior.h"
-#include "tracking/view/object_view.h"
+#include "tracking/view/layer_view.h"
 
 namespace kinora::tracking {
 
@@ -19,7 +19,7 @@ struct BodyEnergyConfig {
   double cutoff = 0.06;        ///< metres: what lies farther away counts little (GemanMcClure)
   double patch = 0.04;         ///< metres: errors nearer to each other are not independent
   double normal_length = 0.05; ///< metres that a right angle between both normals is worth
-  double holding_weight = 4;   ///< of a hand that holds something, in patches
+  double contact_weight = 4;   ///< of a hand that holds something, in patches
   double slack = 0.02;         ///< share by which the energy may rise in a step
   double small_step = 2e-3;    ///< metres and radians: a step below is the last
   PosePriorConfig poses;
@@ -34,12 +34,12 @@ struct MeasuredPoint {
 
 /// What a view says. `view` must outlive it.
 struct BodyEvidence {
-  const ObjectView* view;
+  const LayerView* view;
   std::vector<MeasuredPoint> points;
-  std::vector<SightedJoint> joints = {}; ///< if a detector has looked for them
+  std::vector<JointObservation> joints = {}; ///< if a detector has looked for them
 };
 /// Points: at most about `max_points`, evenly over the picture.
-BodyEvidence gather_evidence(const ObjectView& view, std::size_t max_points, const BodyEnergyConfig& config);
+BodyEvidence gather_evidence(const LayerView& view, std::size_t max_points, const BodyEnergyConfig& config);
 
 /// A body in the camera.
 struct BodyState {
@@ -57,7 +57,7 @@ public:
 
   /// How a part explains a point: squared metres that count both distance and normals, and the surface there.
   struct Match {
-    explicit Match(double most) : cost(most), root(std::sqrt(most)) {}
+    explicit Match(double max_cost) : cost(max_cost), root(std::sqrt(max_cost)) {}
     double cost;
     double root;            ///< of the cost
     ClosestSurface surface; ///< in the part's bone
@@ -74,20 +74,20 @@ private:
 };
 
 /// What the view says about a point of the body's surface.
-enum class Sight {
+enum class Visibility {
   kUnseen,   ///< it faces away or lies outside the picture
   kSeen,     ///< the view shows the person there
   kHidden,   ///< behind something, be it the person
   kFreeSpace ///< violated: the camera sees past it
 };
 struct SampleResidual {
-  Sight sight = Sight::kUnseen;
+  Visibility visibility = Visibility::kUnseen;
   double value = 0;          ///< metres by which it violates free space
   Eigen::Vector3d direction; ///< unit: value grows by direction · movement
   double weight = 0;         ///< area across the ray in patches
 };
-SampleResidual look_at(const BodyInCamera& body, const BodySample& sample, const ObjectView& view,
-                       const BodyEnergyConfig& config);
+SampleResidual sample_residual(const BodyInCamera& body, const BodySample& sample, const LayerView& view,
+                               const BodyEnergyConfig& config);
 
 /// Of distances in metres.
 inline GemanMcClure robust_cost(const BodyEnergyConfig& config) { return {config.sigma, config.cutoff}; }

@@ -18,11 +18,11 @@ using Vec = Eigen::Vector3d;
 constexpr std::size_t kCoarsePoints = 400;
 constexpr std::size_t kFinePoints = 1500;
 constexpr int kSides = 8;
-constexpr std::size_t kKept = 4;        // hypotheses whose limbs are searched for
-constexpr double kDepthToMiddle = 0.08; // metres from the surface that is seen
+constexpr std::size_t kMaxHypotheses = 4; // hypotheses whose limbs are searched for
+constexpr double kDepthToMiddle = 0.08;   // metres from the surface that is seen
 
 // Which way the person stands: the long axis of what is seen, if there is one and it is not far from the camera's.
-Vec find_up(const BodyEvidence& evidence) {
+Vec find_up_axis(const BodyEvidence& evidence) {
   constexpr double kElongated = 3; // squares of the axes
   constexpr double kUpright = 0.7; // cosine
   const Vec usual(0, -1, 0);
@@ -51,7 +51,7 @@ struct Extent {
 };
 
 Extent find_extent(const BodyEvidence& evidence) {
-  Extent extent{find_up(evidence), 0, 0, Vec::Zero()};
+  Extent extent{find_up_axis(evidence), 0, 0, Vec::Zero()};
   std::vector<double> heights;
   std::array<std::vector<double>, 3> coordinates;
   for (const MeasuredPoint& p : evidence.points) {
@@ -64,12 +64,12 @@ Extent find_extent(const BodyEvidence& evidence) {
   return extent;
 }
 
-BodyState place(const Extent& extent, double height, double turn) {
+BodyState initial_state(const Extent& extent, double height, double yaw) {
   constexpr double kPelvisHeight = 0.532; // of the body's height
   const Vec away = (extent.middle - extent.middle.dot(extent.up) * extent.up).normalized();
   const Vec side = extent.up.cross(-away);
-  const Vec forward = -std::cos(turn) * away + std::sin(turn) * side;
-  BodyState state{usual_pose(), Shape::Zero()};
+  const Vec forward = -std::cos(yaw) * away + std::sin(yaw) * side;
+  BodyState state{rest_pose(), Shape::Zero()};
   state.shape[kHeight] = std::log(height / kMeanHeight);
   state.pose.root.linear() << extent.up.cross(forward), extent.up, forward;
   const Vec axis = extent.middle - extent.middle.dot(extent.up) * extent.up + kDepthToMiddle * away;
@@ -77,15 +77,15 @@ BodyState place(const Extent& extent, double height, double turn) {
   return state;
 }
 
-BodyEnergyConfig wider(BodyEnergyConfig config) {
+BodyEnergyConfig relaxed(BodyEnergyConfig config) {
   config.cutoff *= 3;
   config.detected.cutoff *= 3;
   return config;
 }
 
-BodyFit roughly_fitted(BodyState state, const BodyEvidence& evidence, const BodyPrior& prior,
-                       const BodyEnergyConfig& config) {
-  minimise(evidence, prior, wider(config), 8, false, state);
+BodyFit fitted_coarsely(BodyState state, const BodyEvidence& evidence, const BodyPrior& prior,
+                        const BodyEnergyConfig& config) {
+  minimise(evidence, prior, relaxed(config), 8, false, state);
   const double energy = minimise(evidence, prior, config, 8, true, state);
   return {state, energy};
 }
@@ -97,7 +97,7 @@ std::vector<BodyPose> best_poses(std::span<const BodyPose> poses, const BodyEvid
   std::vector<BodyFit> fits;
   for (const BodyPose& pose : poses) {
     const BodyState state{pose, prior.state.shape};
-    fits.push_back({state, evaluate(evidence, state, prior, wider(config)).energy});
+    fits.push_back({state, evaluate(evidence, state, prior, relaxed(config)).energy});
   }
   std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
   std::vector<BodyPose> best;
@@ -109,15 +109,16 @@ std::vector<BodyPose> best_poses(std::span<const BodyPose> poses, const BodyEvid
 // searched for, and most starts may lead to one of the two.
 std::vector<BodyFit> best_of_each_side(std::vector<BodyFit> fits) {
   constexpr double kSameSide = std::numbers::pi / 3;
-  constexpr int kOfEachSide = 2;
+  constexpr int kPerSide = 2;
   std::stable_sort(fits.begin(), fits.end(), [](const BodyFit& a, const BodyFit& b) { return a.energy < b.energy; });
   std::vector<BodyFit> best;
   for (const BodyFit& fit : fits) {
     const auto shows_same = [&fit](const BodyFit& other) {
-      const Eigen::Quaterniond turn(other.state.pose.root.linear());
-      return turn.angularDistance(Eigen::Quaterniond(fit.state.pose.root.linear())) < kSameSide;
+      const Eigen::Quaterniond yaw(other.state.pose.root.linear());
+      return yaw.angularDistance(Eigen::Quaterniond(fit.state.pose.root.linear())) < kSameSide;
     };
-    if (best.size() < kKept && std::count_if(best.begin(), best.end(), shows_same) < kOfEachSide) best.push_back(fit);
+    if (best.size() < kMaxHypotheses && std::count_if(best.begin(), best.end(), shows_same) < kPerSide)
+      best.push_back(fit);
   }
   return best;
 }
@@ -125,18 +126,19 @@ std::vector<BodyFit> best_of_each_side(std::vector<BodyFit> fits) {
 // `coarse` and `fine`: of one view.
 BodyFit fit_to(const BodyEvidence& coarse, const BodyEvidence& fine, const BodyPrior& prior,
                const BodyEnergyConfig& config, std::span<const BodyPose> earlier) {
-  constexpr double kLeastHeight = 1.0;
+  constexpr double kMinHeight = 1.0;
   const Extent extent = find_extent(fine);
   const double usual = kMeanHeight * std::exp(prior.state.shape[kHeight]);
   std::vector<BodyFit> fits;
   for (const double height : {extent.top - extent.bottom, usual}) {
-    if (height < kLeastHeight) continue;
+    if (height < kMinHeight) continue;
     for (int i = 0; i < kSides; ++i) {
-      fits.push_back(roughly_fitted(place(extent, height, 2 * std::numbers::pi * i / kSides), coarse, prior, config));
+      fits.push_back(
+          fitted_coarsely(initial_state(extent, height, 2 * std::numbers::pi * i / kSides), coarse, prior, config));
     }
   }
   for (const BodyPose& pose : best_poses(earlier, coarse, prior, config)) {
-    fits.push_back(roughly_fitted({pose, prior.state.shape}, coarse, prior, config));
+    fits.push_back(fitted_coarsely({pose, prior.state.shape}, coarse, prior, config));
   }
   fits = best_of_each_side(std::move(fits));
   for (BodyFit& fit : fits) {
@@ -149,7 +151,7 @@ BodyFit fit_to(const BodyEvidence& coarse, const BodyEvidence& fine, const BodyP
 
 } // namespace
 
-BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config,
+BodyFit fit_body(const LayerView& view, const BodyPrior& prior, const BodyEnergyConfig& config,
                  std::span<const BodyPose> earlier) {
   constexpr double kDoubt = 15; // energy of the view: what differs by less, detected joints decide
   BodyEvidence coarse = gather_evidence(view, kCoarsePoints, config);

@@ -18,7 +18,7 @@ struct BodyFit {
 /// `prior` says what is known of the shape; its pose is not used. The view must not be empty.
 /// Finite for every view; same bits for any number of threads.
 /// `earlier`: poses in the camera that are tried as well.
-BodyFit fit_body(const ObjectView& view, const BodyPrior& prior, const BodyEnergyConfig& config,
+BodyFit fit_body(const LayerView& view, const BodyPrior& prior, const BodyEnergyConfig& config,
                  std::span<const BodyPose> earlier = {});
 
 } // namespace kinora::tracking

@@ -16,13 +16,13 @@ struct PartMatch {
   float cost; ///< squared metres, as BodyInCamera::Match has it
 };
 
-/// For each point the part that explains it at the least cost, and at less than `most`; of those that `takes_part`
+/// For each point the part that explains it at the least cost, and at less than `max_cost`; of those that `takes_part`
 /// says. Serial.
-void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
-                  const std::array<bool, kBodyParts>& takes_part, std::span<PartMatch> matches);
+void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length,
+                  double max_cost, const std::array<bool, kBodyParts>& takes_part, std::span<PartMatch> matches);
 
 /// Of all parts.
-void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
-                  std::span<PartMatch> matches);
+void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length,
+                  double max_cost, std::span<PartMatch> matches);
 
 } // namespace kinora::tracking

@@ -16,7 +16,7 @@ namespace kinora::tracking {
 struct FloatPart {
   Eigen::Matrix3f rotation;
   Eigen::Vector3f translation, a, axis, centre; ///< the centre in the camera
-  float radius, length, slope, lean, narrowing, reach;
+  float radius, length, sin_half_angle, tan_half_angle, narrowing, reach;
 };
 
 } // namespace kinora::tracking
@@ -54,11 +54,11 @@ HWY_INLINE void match_part(const FloatPart& part, std::int32_t number, F normal_
   const Vec3 axis = constants(part.axis);
   const F height = dot(from_a, axis);
   const F across = hn::Sqrt(hn::Max(zero(), hn::NegMulAdd(height, height, dot(from_a, from_a))));
-  const F leaning = hn::NegMulAdd(across, constant(part.lean), height);
-  const F reached = hn::Min(hn::Max(leaning, zero()), constant(part.length));
+  const F axial = hn::NegMulAdd(across, constant(part.tan_half_angle), height);
+  const F reached = hn::Min(hn::Max(axial, zero()), constant(part.length));
   const Vec3 offset = mul_add(hn::Neg(reached), axis, from_a);
   const F distance = hn::Max(hn::Sqrt(dot(offset, offset)), constant(1e-9F));
-  const F radius = hn::NegMulAdd(reached, constant(part.slope), constant(part.radius));
+  const F radius = hn::NegMulAdd(reached, constant(part.sin_half_angle), constant(part.radius));
   const Vec3 gradient{hn::Mul(narrowing, offset.x), offset.y, offset.z}; // times the distance
   const F flatness = hn::Div(one, hn::Max(hn::Sqrt(dot(gradient, gradient)), constant(1e-9F)));
   const F to_surface = hn::Mul(hn::Sub(distance, radius), hn::Mul(flatness, distance));
@@ -70,7 +70,7 @@ HWY_INLINE void match_part(const FloatPart& part, std::int32_t number, F normal_
 }
 
 void match_in_lanes(const FloatPart* body, const MeasuredPoint* points, std::size_t count, float normal_cost,
-                    float most, const std::array<bool, kBodyParts>& takes_part, PartMatch* matches) {
+                    float max_cost, const std::array<bool, kBodyParts>& takes_part, PartMatch* matches) {
   const Floats df;
   const Ints di;
   for (std::size_t begin = 0; begin < count; begin += hn::Lanes(df)) {
@@ -87,7 +87,7 @@ void match_in_lanes(const FloatPart* body, const MeasuredPoint* points, std::siz
     const auto load = [&](std::size_t first) {
       return Vec3{hn::Load(df, values[first]), hn::Load(df, values[first + 1]), hn::Load(df, values[first + 2])};
     };
-    BestParts best{load(0), load(3), constant(most), hn::Set(di, -1)};
+    BestParts best{load(0), load(3), constant(max_cost), hn::Set(di, -1)};
     for (std::size_t part = 0; part < kBodyParts; ++part) {
       if (takes_part[part]) match_part(body[part], static_cast<std::int32_t>(part), constant(normal_cost), best);
     }
@@ -107,15 +107,15 @@ namespace kinora::tracking {
 
 HWY_EXPORT(match_in_lanes);
 
-void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
-                  std::span<PartMatch> matches) {
+void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length,
+                  double max_cost, std::span<PartMatch> matches) {
   std::array<bool, kBodyParts> all;
   all.fill(true);
-  match_points(body, points, normal_length, most, all, matches);
+  match_points(body, points, normal_length, max_cost, all, matches);
 }
 
-void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length, double most,
-                  const std::array<bool, kBodyParts>& takes_part, std::span<PartMatch> matches) {
+void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> points, double normal_length,
+                  double max_cost, const std::array<bool, kBodyParts>& takes_part, std::span<PartMatch> matches) {
   std::array<FloatPart, kBodyParts> floats;
   for (std::size_t i = 0; i < kBodyParts; ++i) {
     const PartShape& part = body.body().parts[i];
@@ -127,14 +127,14 @@ void match_points(const BodyInCamera& body, std::span<const MeasuredPoint> point
                  (body.bone(i) * part.centre).cast<float>(),
                  static_cast<float>(part.radius_a),
                  static_cast<float>(part.length),
-                 static_cast<float>(part.slope),
-                 static_cast<float>(part.lean),
+                 static_cast<float>(part.sin_half_angle),
+                 static_cast<float>(part.tan_half_angle),
                  static_cast<float>(1 / part.width),
                  static_cast<float>(part.reach)};
   }
   HWY_DYNAMIC_DISPATCH(match_in_lanes)
   (floats.data(), points.data(), points.size(), static_cast<float>(normal_length * normal_length),
-   static_cast<float>(most), takes_part, matches.data());
+   static_cast<float>(max_cost), takes_part, matches.data());
 }
 
 } // namespace kinora::tracking

@@ -102,7 +102,7 @@ private:
   void add_side(std::size_t index) {
     const PartShape& part = body_.parts[index];
     const int rings = std::max(1, static_cast<int>(std::lround(part.length / kSampleSpacing)));
-    for (int i = 0; i < rings; ++i) add_ring(index, (i + 0.5) / rings, part.slope, part.length / rings);
+    for (int i = 0; i < rings; ++i) add_ring(index, (i + 0.5) / rings, part.sin_half_angle, part.length / rings);
   }
 
   // Rings about the sphere at b.
@@ -131,11 +131,11 @@ private:
     }
   }
 
-  bool is_hidden(std::size_t own, const Vec& position) const {
-    const Vec world = body_.bones[body_parts()[own].bone] * position;
+  bool is_hidden(std::size_t part_index, const Vec& position) const {
+    const Vec world = body_.bones[body_parts()[part_index].bone] * position;
     for (std::size_t i = 0; i < kBodyParts; ++i) {
       const SE3& bone = body_.bones[body_parts()[i].bone];
-      if (i != own && closest_surface(body_.parts[i], bone.inverse() * world).distance < -kHidden) return true;
+      if (i != part_index && closest_surface(body_.parts[i], bone.inverse() * world).distance < -kHidden) return true;
     }
     return false;
   }
@@ -162,8 +162,8 @@ PartShape shape_of(const BodyPart& part, const Shape& shape) {
   result.width = part.width * (part.width_measure ? std::exp(shape[*part.width_measure]) : 1.0);
   result.length = (result.b - result.a).norm();
   result.axis = (result.b - result.a) / result.length;
-  result.slope = std::clamp((result.radius_a - result.radius_b) / result.length, -0.95, 0.95);
-  result.lean = result.slope / std::sqrt(1 - result.slope * result.slope);
+  result.sin_half_angle = std::clamp((result.radius_a - result.radius_b) / result.length, -0.95, 0.95);
+  result.tan_half_angle = result.sin_half_angle / std::sqrt(1 - result.sin_half_angle * result.sin_half_angle);
   result.centre = stretched(result, 0.5 * (result.a + result.b));
   result.reach = std::max(1.0, result.width) * (0.5 * result.length + std::max(result.radius_a, result.radius_b));
   return result;
@@ -188,10 +188,10 @@ ClosestSurface closest_surface(const PartShape& part, const Vec& position) {
   const Vec from_a(narrowing * position.x() - part.a.x(), position.y() - part.a.y(), position.z() - part.a.z());
   const double height = from_a.dot(part.axis);
   const double across = std::sqrt(std::max(0.0, from_a.squaredNorm() - height * height));
-  const double reached = std::clamp(height - across * part.lean, 0.0, part.length);
+  const double reached = std::clamp(height - across * part.tan_half_angle, 0.0, part.length);
   const Vec offset = from_a - reached * part.axis;
   const double distance = offset.norm();
-  const double radius = part.radius_a - reached * part.slope;
+  const double radius = part.radius_a - reached * part.sin_half_angle;
   const Vec direction = distance > 1e-9 ? Vec(offset * (1 / distance)) : Vec(part.axis.unitOrthogonal());
   const Vec gradient(narrowing * direction.x(), direction.y(), direction.z());
   const double flatness = 1 / gradient.norm();
@@ -227,7 +227,7 @@ std::span<const BodySample> samples_of(std::size_t part) {
 }
 
 PosedBody pose_body(const BodyPose& pose, const Shape& shape) {
-  PosedBody body{place_bones(pose, shape), {}};
+  PosedBody body{forward_kinematics(pose, shape), {}};
   for (std::size_t i = 0; i < kBodyParts; ++i) body.parts[i] = shape_of(body_parts()[i], shape);
   return body;
 }

@@ -33,9 +33,9 @@ struct PartShape {
   double width;
   Eigen::Vector3d axis; ///< unit, from a to b
   double length;
-  double slope, lean;     ///< of the radius along the axis: sine and tangent of the cone's half angle
-  Eigen::Vector3d centre; ///< of a ball that holds the part
-  double reach;           ///< radius of the ball
+  double sin_half_angle, tan_half_angle; ///< of the radius along the axis: sine and tangent of the cone's half angle
+  Eigen::Vector3d centre;                ///< of a ball that holds the part
+  double reach;                          ///< radius of the ball
 };
 PartShape shape_of(const BodyPart& part, const Shape& shape);
 

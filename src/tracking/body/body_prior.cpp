@@ -12,11 +12,11 @@ using Vec = Eigen::Vector3d;
 
 // Spread of people's measures about mean proportions.
 Shape usual_shape_precision() {
-  Shape spread;
-  spread.segment<kHipWidth - kTrunkLength + 1>(kTrunkLength).setConstant(0.035);
-  spread.tail<kMeasures - kPelvisGirth>().setConstant(0.12);
-  spread[kHeight] = 0.12;
-  return spread.cwiseAbs2().cwiseInverse();
+  Shape sigma;
+  sigma.segment<kHipWidth - kTrunkLength + 1>(kTrunkLength).setConstant(0.035);
+  sigma.tail<kMeasures - kPelvisGirth>().setConstant(0.12);
+  sigma[kHeight] = 0.12;
+  return sigma.cwiseAbs2().cwiseInverse();
 }
 
 // How far an angle is outside its limits.
@@ -43,7 +43,7 @@ bool is_in_pose_prior(int index) {
   return known.at(static_cast<std::size_t>(index));
 }
 
-void add_limb(Limb limb, const Angles& angles, const PosePriorConfig& poses, BodyEquations& equations) {
+void add_limb_prior(Limb limb, const Angles& angles, const PosePriorConfig& poses, BodyEquations& equations) {
   const PosePrior prior = pose_prior(limb, limb_angles(limb, angles), poses);
   const Eigen::Index ball = 6 + joints()[chain_of(limb).ball].first_angle;
   const Eigen::Index hinge = 6 + joints()[chain_of(limb).hinge].first_angle;
@@ -58,9 +58,9 @@ void add_limb(Limb limb, const Angles& angles, const PosePriorConfig& poses, Bod
 
 void add_angles(const Angles& angles, const PosePriorConfig& poses, BodyEquations& equations) {
   equations.energy += angle_energy(angles, poses);
-  for (const Limb limb : kEveryLimb) add_limb(limb, angles, poses, equations);
+  for (const Limb limb : kEveryLimb) add_limb_prior(limb, angles, poses, equations);
   for_each_angle([&](int index, const JointInfo& joint, int i) {
-    const double usual = is_in_pose_prior(index) ? 0.0 : 1 / (joint.spread[i] * joint.spread[i]);
+    const double usual = is_in_pose_prior(index) ? 0.0 : 1 / (joint.sigma[i] * joint.sigma[i]);
     const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]);
     const double limit = 1 / (poses.limit_sigma * poses.limit_sigma);
     equations.gradient[6 + index] += usual * (angles[index] - joint.usual[i]) + limit * beyond;
@@ -73,7 +73,7 @@ bool is_solid(Joint bone) {
 }
 
 // One of the spheres of an arm's part against the trunk and the thighs. These are seen well, and do not give way.
-void find_collisions(const BodyInCamera& body, std::size_t part, double along, std::vector<Reluctance>& found) {
+void find_collisions(const BodyInCamera& body, std::size_t part, double along, std::vector<ArmPenalty>& found) {
   constexpr double kSoftness = 0.01; // metres that flesh and cloth give way
   constexpr double kDeviation = 0.02;
   const PartShape& shape = body.body().parts[part];
@@ -96,9 +96,9 @@ double angle_energy(const Angles& angles, const PosePriorConfig& poses) {
   double energy = 0;
   for (const Limb limb : kEveryLimb) energy += pose_prior(limb, limb_angles(limb, angles), poses).energy;
   for_each_angle([&](int index, const JointInfo& joint, int i) {
-    const double unusual = is_in_pose_prior(index) ? 0.0 : (angles[index] - joint.usual[i]) / joint.spread[i];
+    const double deviation = is_in_pose_prior(index) ? 0.0 : (angles[index] - joint.usual[i]) / joint.sigma[i];
     const double beyond = excess(angles[index], joint.lower[i], joint.upper[i]) / poses.limit_sigma;
-    energy += unusual * unusual + beyond * beyond;
+    energy += deviation * deviation + beyond * beyond;
   });
   return energy;
 }
@@ -106,24 +106,24 @@ double angle_energy(const Angles& angles, const PosePriorConfig& poses) {
 void add_prior(const BodyState& state, const BodyPrior& prior, const PosePriorConfig& poses, BodyEquations& equations) {
   add_angles(state.pose.angles, poses, equations);
   const PoseStep step = step_between(prior.state.pose, state.pose);
-  const PoseStep slope = prior.pose_precision.cwiseProduct(step);
-  equations.energy += slope.dot(step);
-  equations.gradient.head<kPoseFreedoms>() += slope;
-  equations.hessian.topLeftCorner<kPoseFreedoms, kPoseFreedoms>().diagonal() += prior.pose_precision;
+  const PoseStep pose_gradient = prior.pose_precision.cwiseProduct(step);
+  equations.energy += pose_gradient.dot(step);
+  equations.gradient.head<kPoseDof>() += pose_gradient;
+  equations.hessian.topLeftCorner<kPoseDof, kPoseDof>().diagonal() += prior.pose_precision;
   const Shape difference = state.shape - prior.state.shape;
-  const Shape known_slope = prior.shape_precision * difference;
-  const Shape usual_slope = usual_shape_precision().cwiseProduct(state.shape);
-  equations.energy += known_slope.dot(difference) + usual_slope.dot(state.shape);
-  equations.gradient.tail<kMeasures>() += known_slope + usual_slope;
+  const Shape known_gradient = prior.shape_precision * difference;
+  const Shape usual_gradient = usual_shape_precision().cwiseProduct(state.shape);
+  equations.energy += known_gradient.dot(difference) + usual_gradient.dot(state.shape);
+  equations.gradient.tail<kMeasures>() += known_gradient + usual_gradient;
   equations.hessian.bottomRightCorner<kMeasures, kMeasures>() += prior.shape_precision;
   equations.hessian.bottomRightCorner<kMeasures, kMeasures>().diagonal() += usual_shape_precision();
 }
 
-std::vector<Reluctance> find_reluctances(const BodyInCamera& body) {
+std::vector<ArmPenalty> arm_penalties(const BodyInCamera& body) {
   constexpr double kBehindBack = 0.15; // metres, one deviation
   const SE3& chest = body.body().bones[kChest];
   const Vec forward = chest.linear().col(2);
-  std::vector<Reluctance> found;
+  std::vector<ArmPenalty> found;
   for (const Limb limb : {kLeftArm, kRightArm}) {
     const std::vector<std::size_t>& parts = chain_of(limb).parts;
     for (const std::size_t part : parts) {
@@ -137,9 +137,9 @@ std::vector<Reluctance> find_reluctances(const BodyInCamera& body) {
   return found;
 }
 
-double energy_of(const std::vector<Reluctance>& reluctances) {
+double energy_of(const std::vector<ArmPenalty>& reluctances) {
   double energy = 0;
-  for (const Reluctance& r : reluctances) energy += r.value * r.value;
+  for (const ArmPenalty& r : reluctances) energy += r.value * r.value;
   return energy;
 }
 

@@ -3,22 +3,22 @@
 
 #include <vector>
 
-#include "tracking/body/held_hand.h"
+#include "tracking/body/hand_contact.h"
 
 namespace kinora::tracking {
 
 /// Sum of squares in units of their deviations, its gradient, and its Gauss–Newton Hessian by pose and shape.
 struct BodyEquations {
   double energy = 0;
-  Eigen::Matrix<double, kFreedoms, 1> gradient;
-  Eigen::Matrix<double, kFreedoms, kFreedoms> hessian;
+  Eigen::Matrix<double, kDof, 1> gradient;
+  Eigen::Matrix<double, kDof, kDof> hessian;
 };
 /// What is expected before the view is looked at. Everyday poses, limits of joints and the spread of people's measures
 /// about mean proportions are always expected.
 struct BodyPrior {
   BodyState state;
   PoseStep pose_precision = PoseStep::Zero(); ///< one over variances
-  std::vector<HeldHand> hands;                ///< that hold something
+  std::vector<HandContact> hands;             ///< that hold something
   Eigen::Matrix<double, kMeasures, kMeasures> shape_precision = Eigen::Matrix<double, kMeasures, kMeasures>::Zero();
 };
 
@@ -28,13 +28,13 @@ void add_prior(const BodyState& state, const BodyPrior& prior, const PosePriorCo
 double angle_energy(const Angles& angles, const PosePriorConfig& poses);
 
 /// What an arm that nobody sees would rather not do: enter trunk or thighs, or put the wrist behind the back.
-struct Reluctance {
+struct ArmPenalty {
   std::size_t part; ///< of the arm
   PartPoint point;
-  double value;          ///< in deviations
-  Eigen::Vector3d slope; ///< of the value by the point's movement, per metre
+  double value;             ///< in deviations
+  Eigen::Vector3d gradient; ///< of the value by the point's movement, per metre
 };
-std::vector<Reluctance> find_reluctances(const BodyInCamera& body);
-double energy_of(const std::vector<Reluctance>& reluctances);
+std::vector<ArmPenalty> arm_penalties(const BodyInCamera& body);
+double energy_of(const std::vector<ArmPenalty>& reluctances);
 
 } // namespace kinora::tracking

@@ -22,7 +22,7 @@ bool is_below(int joint, Joint ancestor) {
   return joint == ancestor;
 }
 
-double usual_turn(int joint, const BodyMotionConfig& config) {
+double angle_sigma(int joint, const BodyMotionConfig& config) {
   if (is_below(joint, kLeftShoulder) || is_below(joint, kRightShoulder)) return config.arm_rotation;
   if (is_below(joint, kLeftHip) || is_below(joint, kRightHip)) return config.leg_rotation;
   return config.trunk_rotation;
@@ -36,7 +36,7 @@ BodyState transformed(const SE3& transform, const BodyState& state) {
 
 } // namespace
 
-BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_to_world, double time,
+BodyTrackingResult BodyTracker::track(const LayerView& view, const SE3& camera_to_world, double time,
                                       std::span<const NearbyObject> objects) {
   const double seconds = std::max(time - time_, 1e-3);
   time_ = time;
@@ -54,8 +54,8 @@ BodyTrackingResult BodyTracker::track(const ObjectView& view, const SE3& camera_
   return result;
 }
 
-void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
-  const std::vector<BodyPose> earlier = earlier_.about(view.centroid);
+void BodyTracker::begin(const LayerView& view, const SE3& camera_to_world) {
+  const std::vector<BodyPose> earlier = pose_database_.about(view.centroid);
   state_ = transformed(camera_to_world, fit_body(view, known_, config_.energy, earlier).state);
   velocity_.setZero();
   started_ = true;
@@ -65,17 +65,17 @@ void BodyTracker::begin(const ObjectView& view, const SE3& camera_to_world) {
 
 BodyState BodyTracker::predicted(double seconds) const {
   BodyState state = state_;
-  state.pose = moved(state_.pose, config_.motion.velocity_share * std::min(seconds, 3 * kUsualInterval) * velocity_);
+  state.pose = moved(state_.pose, config_.motion.velocity_weight * std::min(seconds, 3 * kUsualInterval) * velocity_);
   return state;
 }
 
 PoseStep BodyTracker::pose_precision(double seconds) const {
   PoseStep deviation;
-  deviation.head<3>().setConstant(config_.motion.root_shift);
+  deviation.head<3>().setConstant(config_.motion.root_translation);
   deviation.segment<3>(3).setConstant(config_.motion.root_rotation);
   for (int j = 0; j < kJoints; ++j) {
     const JointInfo& joint = joints()[static_cast<std::size_t>(j)];
-    deviation.segment(6 + joint.first_angle, joint.angle_count).setConstant(usual_turn(j, config_.motion));
+    deviation.segment(6 + joint.first_angle, joint.angle_count).setConstant(angle_sigma(j, config_.motion));
   }
   return (seconds / kUsualInterval * deviation).cwiseAbs2().cwiseInverse();
 }
@@ -89,14 +89,15 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   BodyState state = transformed(world_to_camera, expected);
   prior.state.pose = state.pose;
   result.detected = evidence.joints.size();
-  const std::vector<SightedJoint> before = std::exchange(sighted_, evidence.joints);
+  const std::vector<JointObservation> before = std::exchange(observed_, evidence.joints);
   if (!fresh_) {
-    evidence.joints = believable(sighted_, before, pose_body(state.pose, state.shape), config_.energy.detected);
+    evidence.joints =
+        consistent_observations(observed_, before, pose_body(state.pose, state.shape), config_.energy.detected);
   }
   prior.pose_precision = pose_precision(seconds);
   for (std::size_t i = 0; i < kArms.size(); ++i) {
-    if (const auto place = interaction_.place_of(i, objects)) {
-      prior.hands.push_back({kArms[i], world_to_camera * *place});
+    if (const auto position = contacts_.position_of(i, objects)) {
+      prior.hands.push_back({kArms[i], world_to_camera * *position});
     }
   }
   const double energy = minimise(evidence, prior, config_.energy, config_.iterations, learning, state);
@@ -122,21 +123,21 @@ void BodyTracker::follow(BodyEvidence evidence, const SE3& camera_to_world, doub
   result.health = result.explained >= config_.min_explained ? motion::Health::kTracked : motion::Health::kLost;
   if (learning && result.health == motion::Health::kTracked) learn_shape(evidence, state);
   if (result.health == motion::Health::kTracked) {
-    earlier_.add(state.pose, place_bones(state.pose, state.shape), evidence.view->centroid);
+    pose_database_.add(state.pose, forward_kinematics(state.pose, state.shape), evidence.view->centroid);
   }
   move_to(transformed(camera_to_world, state), seconds);
-  if (result.health == motion::Health::kTracked) learn_holds(objects, result);
+  if (result.health == motion::Health::kTracked) update_contacts(objects, result);
 }
 
-void BodyTracker::learn_holds(std::span<const NearbyObject> objects, const BodyTrackingResult& result) {
+void BodyTracker::update_contacts(std::span<const NearbyObject> objects, const BodyTrackingResult& result) {
   const PosedBody body = pose_body(state_.pose, state_.shape);
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
   std::vector<double> seen;
   for (const Limb arm : kArms) {
-    places.push_back(heel_of_hand(body, arm));
+    positions.push_back(heel_of_hand(body, arm));
     seen.push_back(result.limbs[arm] == LimbHealth::kSeen ? 1 : 0);
   }
-  interaction_.learn(objects, places, seen);
+  contacts_.update(objects, positions, seen);
 }
 
 // What a fit has left to do, and what a search has found, is no motion.
@@ -163,8 +164,8 @@ void BodyTracker::learn_shape(const BodyEvidence& evidence, const BodyState& in_
   const BodyEquations equations = evaluate(evidence, in_camera, open, config_.energy);
   const auto& h = equations.hessian;
   const Eigen::MatrixXd pose =
-      h.topLeftCorner<kPoseFreedoms, kPoseFreedoms>() + 1e-6 * Eigen::MatrixXd::Identity(kPoseFreedoms, kPoseFreedoms);
-  const Eigen::MatrixXd coupling = h.topRightCorner<kPoseFreedoms, kMeasures>();
+      h.topLeftCorner<kPoseDof, kPoseDof>() + 1e-6 * Eigen::MatrixXd::Identity(kPoseDof, kPoseDof);
+  const Eigen::MatrixXd coupling = h.topRightCorner<kPoseDof, kMeasures>();
   known_.shape_precision +=
       kIndependent * (h.bottomRightCorner<kMeasures, kMeasures>() - coupling.transpose() * pose.ldlt().solve(coupling));
   known_.state.shape = in_camera.shape;
@@ -174,31 +175,31 @@ void BodyTracker::learn_shape(const BodyEvidence& evidence, const BodyState& in_
 void BodyTracker::search_limbs(const BodyEvidence& evidence, const BodyPrior& prior, BodyState& state,
                                BodyTrackingResult& result) {
   jumped_.fill(false);
-  std::array<LimbSight, kLimbs> sights;
-  const auto look = [&](const Chunk& limbs) {
+  std::array<LimbVisibility, kLimbs> visibilities;
+  const auto observe = [&](const Chunk& limbs) {
     const auto limb = static_cast<Limb>(limbs.begin);
-    sights[limb] = look_at_limb(limb, evidence, state, config_.energy);
+    visibilities[limb] = observe_limb(limb, evidence, state, config_.energy);
   };
-  parallel_for(sights.size(), 1, look);
+  parallel_for(visibilities.size(), 1, observe);
   for (const Limb limb : kEveryLimb) {
-    const LimbSight& sight = sights[limb];
-    const bool holds =
-        std::any_of(prior.hands.begin(), prior.hands.end(), [&](const HeldHand& held) { return held.arm == limb; });
+    const LimbVisibility& visibility = visibilities[limb];
+    const bool is_in_contact = std::any_of(prior.hands.begin(), prior.hands.end(),
+                                           [&](const HandContact& contact) { return contact.arm == limb; });
     // Where a limb was not seen, it is only guessed to be.
-    const bool guessed = limbs_[limb] != LimbHealth::kSeen && health_of(sight) != LimbHealth::kSeen;
+    const bool guessed = limbs_[limb] != LimbHealth::kSeen && health_of(visibility) != LimbHealth::kSeen;
     const bool doubtful =
-        sight.unexplained > (guessed ? config_.search.unexplained_beside_guess : config_.search.unexplained) ||
-        sight.free_space > config_.search.max_free_space_share * (sight.seen + sight.hidden) ||
-        (sight.detected_elsewhere > 0 && !holds);
+        visibility.unexplained > (guessed ? config_.search.unexplained_beside_unseen : config_.search.unexplained) ||
+        visibility.free_space > config_.search.max_free_space_share * (visibility.seen + visibility.hidden) ||
+        (visibility.detected_elsewhere > 0 && !is_in_contact);
     if (search_pause_[limb] > 0) {
       --search_pause_[limb];
     } else if (doubtful && config_.use_searches) {
       jumped_[limb] = search_limb(limb, evidence, prior, config_.energy, config_.search.margin,
-                                  guessed ? config_.search.guess_jump_cost : config_.search.jump_cost, state);
-      if (jumped_[limb]) parallel_for(sights.size(), 1, look); // it may hide others, or explain what they did
+                                  guessed ? config_.search.unseen_jump_cost : config_.search.jump_cost, state);
+      if (jumped_[limb]) parallel_for(visibilities.size(), 1, observe); // it may hide others, or explain what they did
       if (!jumped_[limb]) search_pause_[limb] = config_.search.pause;
     }
-    result.limbs[limb] = health_of(sight);
+    result.limbs[limb] = health_of(visibility);
   }
   limbs_ = result.limbs;
 }
@@ -222,9 +223,9 @@ double BodyTracker::free_space_share(const BodyEvidence& evidence, const BodySta
   double total = 0;
   double violating = 0;
   for (const BodySample& sample : body_samples()) {
-    const SampleResidual r = look_at(body, sample, *evidence.view, config_.energy);
-    if (r.sight == Sight::kSeen || r.sight == Sight::kFreeSpace) total += r.weight;
-    if (r.sight == Sight::kFreeSpace && r.value > config_.energy.sigma) violating += r.weight;
+    const SampleResidual r = sample_residual(body, sample, *evidence.view, config_.energy);
+    if (r.visibility == Visibility::kSeen || r.visibility == Visibility::kFreeSpace) total += r.weight;
+    if (r.visibility == Visibility::kFreeSpace && r.value > config_.energy.sigma) violating += r.weight;
   }
   return total > 0 ? violating / total : 1.0;
 }

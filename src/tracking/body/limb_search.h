@@ -8,18 +8,19 @@ namespace kinora::tracking {
 
 /// What the view says of a limb, in patches of its lower and last part's surface, and of points around that no part
 /// explains; and, likewise in patches, of its joints that a detector has found elsewhere.
-struct LimbSight {
+struct LimbVisibility {
   double seen = 0, hidden = 0, free_space = 0;
   double unexplained = 0;
   double detected_elsewhere = 0;
 };
-LimbSight look_at_limb(Limb limb, const BodyEvidence& evidence, const BodyState& state, const BodyEnergyConfig& config);
+LimbVisibility observe_limb(Limb limb, const BodyEvidence& evidence, const BodyState& state,
+                            const BodyEnergyConfig& config);
 
 /// What is known of a limb's lower bones in a frame: the picture shows them, something hides them, or they are not
 /// where they are thought to be.
 enum class LimbHealth { kSeen, kHidden, kLost };
 std::string_view name_of(LimbHealth health);
-LimbHealth health_of(const LimbSight& sight);
+LimbHealth health_of(const LimbVisibility& visibility);
 
 /// Tries other poses of the limb, and takes the best if it has less energy than the state's own: by `margin` at least,
 /// and by `jump_cost` for each metre that its end joint is away from where it was.

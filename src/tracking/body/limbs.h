@@ -32,7 +32,7 @@ std::optional<Limb> limb_of(Joint bone);
 /// Angles of the limb that put its end joint (hand or foot stretched: a point `beyond` the end joint, metres) at
 /// `target`, or as near as it gets, with the hinge turned by `swivel` about the line from the ball joint to the target.
 /// All other angles stay; the end joint's are zero.
-Angles reach_for(Limb limb, const Angles& angles, const PosedBody& body, const Eigen::Vector3d& target, double swivel,
-                 double beyond);
+Angles inverse_kinematics(Limb limb, const Angles& angles, const PosedBody& body, const Eigen::Vector3d& target,
+                          double swivel, double beyond);
 
 } // namespace kinora::tracking

@@ -11,7 +11,7 @@ namespace {
 using Matrix = Eigen::Matrix<double, kLimbAngles, kLimbAngles>;
 
 constexpr std::size_t kFitted = 4;
-constexpr std::size_t kParts = kFitted + 1; // the last: any way
+constexpr std::size_t kComponents = kFitted + 1; // the last: any way
 
 // A Gaussian of left limbs: its share, mean, and covariance row by row, up to the diagonal.
 struct Row {
@@ -69,22 +69,22 @@ Gaussian from_row(const Row& row) {
 }
 
 // The joints' usual angles, each by itself.
-Gaussian any_way(Limb left) {
+Gaussian wide_gaussian(Limb left) {
   const JointInfo& ball = joints()[chain_of(left).ball];
   const JointInfo& hinge = joints()[chain_of(left).hinge];
   LimbAngles mean;
-  LimbAngles spread;
+  LimbAngles sigma;
   mean << ball.usual, hinge.usual[0];
-  spread << ball.spread, hinge.spread[0];
-  return gaussian(1, mean, spread.cwiseAbs2().asDiagonal());
+  sigma << ball.sigma, hinge.sigma[0];
+  return gaussian(1, mean, sigma.cwiseAbs2().asDiagonal());
 }
 
-using Mixture = std::array<Gaussian, kParts>;
+using Mixture = std::array<Gaussian, kComponents>;
 
 Mixture build(Limb left, const std::array<Row, kFitted>& rows) {
   Mixture mixture;
   for (std::size_t i = 0; i < kFitted; ++i) mixture[i] = from_row(rows[i]);
-  mixture[kFitted] = any_way(left);
+  mixture[kFitted] = wide_gaussian(left);
   return mixture;
 }
 
@@ -114,28 +114,28 @@ PosePrior pose_prior(Limb limb, const LimbAngles& angles, const PosePriorConfig&
   const LimbAngles mirror = mirror_of(limb);
   const LimbAngles left = mirror.cwiseProduct(angles);
   const Mixture& mixture = mixture_of(limb);
-  std::array<double, kParts> squares;
+  std::array<double, kComponents> squares;
   double nearest = 1e300;
-  for (std::size_t i = 0; i < kParts; ++i) {
+  for (std::size_t i = 0; i < kComponents; ++i) {
     const LimbAngles away = left - mixture[i].mean;
     squares[i] = away.dot(mixture[i].precision * away);
     if (trust_in(i) > 0) nearest = std::min(nearest, squares[i]);
   }
   // Densities at the pose, but for exp(−nearest / 2), which would vanish far away.
-  std::array<double, kParts> densities;
+  std::array<double, kComponents> densities;
   double highest = 0;
   double density = 0;
-  for (std::size_t i = 0; i < kParts; ++i) {
+  for (std::size_t i = 0; i < kComponents; ++i) {
     const double height = trust_in(i) * mixture[i].height;
     densities[i] = height > 0 ? height * std::exp(-0.5 * (squares[i] - nearest)) : 0.0;
     highest += height;
     density += densities[i];
   }
   PosePrior prior{config.weight * (nearest - 2 * std::log(density / highest)), LimbAngles::Zero(), Matrix::Zero()};
-  for (std::size_t i = 0; i < kParts; ++i) {
-    const Matrix slope = config.weight * densities[i] / density * mixture[i].precision;
-    prior.gradient += slope * (left - mixture[i].mean);
-    prior.hessian += slope;
+  for (std::size_t i = 0; i < kComponents; ++i) {
+    const Matrix weighted_precision = config.weight * densities[i] / density * mixture[i].precision;
+    prior.gradient += weighted_precision * (left - mixture[i].mean);
+    prior.hessian += weighted_precision;
   }
   prior.gradient = mirror.cwiseProduct(prior.gradient);
   prior.hessian = mirror.asDiagonal() * prior.hessian * mirror.asDiagonal();

@@ -50,19 +50,19 @@ private:
   int next_angle_ = 0;
 };
 
-JointInfo ball(const Vec& lower, const Vec& upper, const Vec& usual, const Vec& spread) {
+JointInfo ball(const Vec& lower, const Vec& upper, const Vec& usual, const Vec& sigma) {
   JointInfo joint;
   joint.angle_count = 3;
   joint.lower = lower;
   joint.upper = upper;
   joint.usual = usual;
-  joint.spread = spread;
+  joint.sigma = sigma;
   return joint;
 }
 
 struct Hinge {
   Vec axis;
-  double lower, upper, usual, spread;
+  double lower, upper, usual, sigma;
 };
 
 JointInfo hinges(std::initializer_list<Hinge> chain) {
@@ -73,7 +73,7 @@ JointInfo hinges(std::initializer_list<Hinge> chain) {
     joint.lower[i] = hinge.lower;
     joint.upper[i] = hinge.upper;
     joint.usual[i] = hinge.usual;
-    joint.spread[i] = hinge.spread;
+    joint.sigma[i] = hinge.sigma;
   }
   return joint;
 }
@@ -156,7 +156,7 @@ const std::array<JointInfo, kJoints>& joints() {
   return table;
 }
 
-BodyPose usual_pose() {
+BodyPose rest_pose() {
   BodyPose pose;
   for (const JointInfo& joint : joints()) {
     pose.angles.segment(joint.first_angle, joint.angle_count) = joint.usual.head(joint.angle_count);
@@ -183,7 +183,7 @@ PoseStep step_between(const BodyPose& from, const BodyPose& to) {
   return step;
 }
 
-Bones place_bones(const BodyPose& pose, const Shape& shape) {
+Bones forward_kinematics(const BodyPose& pose, const Shape& shape) {
   Bones bones;
   bones[kPelvis] = pose.root;
   for (std::size_t j = 1; j < kJoints; ++j) {
@@ -208,8 +208,8 @@ void find_bone_twists(const BodyPose& pose, const Shape& shape, const Bones& bon
     auto& twist = twists[j];
     twist = twists[parent];
     const Vec offset = bones[parent].linear() * sized_offset(joint, shape);
-    twist.block<3, 1>(0, kPoseFreedoms + kHeight) += offset;
-    if (joint.length != kHeight) twist.block<3, 1>(0, kPoseFreedoms + joint.length) += offset;
+    twist.block<3, 1>(0, kPoseDof + kHeight) += offset;
+    if (joint.length != kHeight) twist.block<3, 1>(0, kPoseDof + joint.length) += offset;
     const Eigen::Matrix3d axes = bones[parent].linear() * joint_axes(joint, pose.angles);
     for (int i = 0; i < joint.angle_count; ++i) {
       twist.block<3, 1>(0, 6 + joint.first_angle + i) = bones[j].translation().cross(axes.col(i));

@@ -69,12 +69,12 @@ enum Measure {
 
 constexpr double kMeanHeight = 1.70; ///< metres
 constexpr int kAngles = 40;
-constexpr int kPoseFreedoms = 6 + kAngles;           ///< the pelvis moves freely
-constexpr int kFreedoms = kPoseFreedoms + kMeasures; ///< of pose and shape together
+constexpr int kPoseDof = 6 + kAngles;      ///< the pelvis moves freely
+constexpr int kDof = kPoseDof + kMeasures; ///< of pose and shape together
 
 using Shape = Eigen::Matrix<double, kMeasures, 1>;
 using Angles = Eigen::Matrix<double, kAngles, 1>;
-using PoseStep = Eigen::Matrix<double, kPoseFreedoms, 1>;
+using PoseStep = Eigen::Matrix<double, kPoseDof, 1>;
 
 /// Bones have axes x to the person's left, y up, z forward when the body stands with its arms stretched to the sides,
 /// where all angles are zero. Ball joints hold a rotation vector; others turn about one or two axes in turn.
@@ -94,13 +94,13 @@ struct JointInfo {
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(); ///< limits of the angles, radians
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();
   Eigen::Vector3d usual = Eigen::Vector3d::Zero(); ///< mean and standard deviation in everyday poses
-  Eigen::Vector3d spread = Eigen::Vector3d::Ones();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Ones();
 };
 
 const std::array<JointInfo, kJoints>& joints();
 
 /// The pose of somebody who stands and lets the arms hang, in the space of the pelvis.
-BodyPose usual_pose();
+BodyPose rest_pose();
 
 /// Rows 0–2 of a step move the pelvis, rows 3–5 turn the body about it, the others add to the angles.
 BodyPose moved(const BodyPose& pose, const PoseStep& step);
@@ -108,11 +108,11 @@ BodyPose moved(const BodyPose& pose, const PoseStep& step);
 PoseStep step_between(const BodyPose& from, const BodyPose& to);
 
 using Bones = std::array<SE3, kJoints>; ///< bone to the space around the body
-Bones place_bones(const BodyPose& pose, const Shape& shape);
+Bones forward_kinematics(const BodyPose& pose, const Shape& shape);
 
 /// How each bone moves with each freedom: twists about the origin of the space around the body (rows 0–2 velocity of
 /// what is at the origin, rows 3–5 rotation). Columns: the pose's freedoms, then the measures.
-using BoneTwists = std::array<Eigen::Matrix<double, 6, kFreedoms>, kJoints>;
+using BoneTwists = std::array<Eigen::Matrix<double, 6, kDof>, kJoints>;
 void find_bone_twists(const BodyPose& pose, const Shape& shape, const Bones& bones, BoneTwists& twists);
 
 } // namespace kinora::tracking

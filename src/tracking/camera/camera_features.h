@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "core/se3.h"
-#include "tracking/view/object_view.h"
+#include "tracking/view/layer_view.h"
 
 namespace kinora::tracking {
 
@@ -21,15 +21,15 @@ struct SurfaceFeatures {
   Eigen::Index count() const { return descriptors.cols(); }
 };
 
-/// At most kMostFeatures, fairly over the picture: corners of the texture on surface that is seen well. `camera_to_map`
+/// At most kMaxFeatures, fairly over the picture: corners of the texture on surface that is seen well. `camera_to_map`
 /// tells which way pieces are turned: views are known again if it is right to about 20°. `size`: of a piece, metres.
-SurfaceFeatures find_features(const ObjectView& view, const Eigen::Matrix3d& camera_to_map, double size);
+SurfaceFeatures find_features(const LayerView& view, const Eigen::Matrix3d& camera_to_map, double size);
 
 /// How many features are each other's likeliest, and alike: a guess whether both views show the same place.
-std::size_t count_alike(const SurfaceFeatures& a, const SurfaceFeatures& b);
+std::size_t count_matches(const SurfaceFeatures& a, const SurfaceFeatures& b);
 
 /// The pose b → a by which more of the like features lie upon each other than chance would have it, to a few
 /// centimetres; nothing without one. Deterministic.
-std::optional<SE3> place_by_features(const SurfaceFeatures& a, const SurfaceFeatures& b);
+std::optional<SE3> register_by_features(const SurfaceFeatures& a, const SurfaceFeatures& b);
 
 } // namespace kinora::tracking

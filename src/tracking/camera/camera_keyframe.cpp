@@ -12,22 +12,22 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr int kCell = 4;            // pixels
-constexpr int kStride = 2;          // pixels between those that directions are drawn from
-constexpr std::size_t kFair = 1000; // points over the directions of the normal
+constexpr int kCell = 4;                          // pixels
+constexpr int kStride = 2;                        // pixels between those that directions are drawn from
+constexpr std::size_t kNormalSpaceSamples = 1000; // points over the directions of the normal
 constexpr std::size_t kMinInliers = 150;
 constexpr double kMinInlierShare = 0.5;
 constexpr double kMinCorrelation = 0.5;
-constexpr double kWeakShare = 0.002;       // means of blocks have steadier normals than an object's single pixels
+constexpr double kDegenerateShare = 0.002; // means of blocks have steadier normals than an object's single pixels
 constexpr double kTextureTolerance = 0.01; // metres; a hand's motion is not foretold better
 constexpr double kUnseenCost = 0.1;        // about what a point costs that is where it should be
 constexpr double kCertainShare = 0.75;
 
-ModelPoint point_at(const ObjectView& view, int u, int v) {
+ModelPoint point_at(const LayerView& view, int u, int v) {
   const float* plane = view.planes.planes.pixel(u, v);
   ModelPoint point{view.point(u, v).cast<float>(), {plane[0], plane[1], plane[2]}, {}, 0};
   point.direction = direction_of(point.normal);
-  for (int level = 0; level < ObjectView::kLevels; ++level) {
+  for (int level = 0; level < LayerView::kLevels; ++level) {
     point.texture[static_cast<std::size_t>(level)] = view.mask.at(u, v) == MaskArea::kInterior
                                                          ? view.sample_texture(level, u, v).value
                                                          : std::numeric_limits<float>::quiet_NaN();
@@ -35,7 +35,7 @@ ModelPoint point_at(const ObjectView& view, int u, int v) {
   return point;
 }
 
-void add_textured(const ObjectView& view, std::vector<ModelPoint>& points) {
+void add_high_gradient_points(const LayerView& view, std::vector<ModelPoint>& points) {
   for (int top = 0; top < view.intrinsics.height; top += kCell) {
     for (int left = 0; left < view.intrinsics.width; left += kCell) {
       float strongest = -1;
@@ -58,7 +58,7 @@ void add_textured(const ObjectView& view, std::vector<ModelPoint>& points) {
   }
 }
 
-void add_fairly(const ObjectView& view, std::vector<ModelPoint>& points) {
+void add_normal_space_samples(const LayerView& view, std::vector<ModelPoint>& points) {
   std::vector<SurfacePoint> surface;
   for (int v = 0; v < view.intrinsics.height; v += kStride) {
     for (int u = 0; u < view.intrinsics.width; u += kStride) {
@@ -67,7 +67,7 @@ void add_fairly(const ObjectView& view, std::vector<ModelPoint>& points) {
       surface.push_back({point.position, point.normal, point.texture[0], 1});
     }
   }
-  for (const ModelPoint& chosen : select_points(surface, view, SE3::Identity(), kFair)) {
+  for (const ModelPoint& chosen : select_points(surface, view, SE3::Identity(), kNormalSpaceSamples)) {
     const Eigen::Vector2d pixel = view.intrinsics.project(chosen.position.cast<double>());
     points.push_back(
         point_at(view, static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))));
@@ -91,10 +91,10 @@ bool have_texture(std::span<const ModelPoint> points) {
 
 } // namespace
 
-CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const ObjectView& view) {
+CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const LayerView& view) {
   CameraKeyframe keyframe{reduced, {}, 1, {}};
-  add_textured(view, keyframe.points);
-  add_fairly(view, keyframe.points);
+  add_high_gradient_points(view, keyframe.points);
+  add_normal_space_samples(view, keyframe.points);
   std::vector<double> depths;
   for (const ModelPoint& point : keyframe.points) depths.push_back(point.position.z());
   if (!depths.empty()) keyframe.distance = median(depths);
@@ -102,32 +102,33 @@ CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const ObjectView& v
 }
 
 bool CameraFit::supported() const {
-  return quality.inliers >= kMinInliers && quality.inlier_share() >= kMinInlierShare && alignment.weak_directions < 6;
+  return quality.inliers >= kMinInliers && quality.inlier_share() >= kMinInlierShare &&
+         alignment.degenerate_directions < 6;
 }
 
 bool CameraFit::certain() const { return complete() && quality.inlier_share() >= kCertainShare; }
 
-CameraFit fit_camera(std::span<const ModelPoint> points, const ObjectView& view, const SE3& expected,
+CameraFit fit_camera(std::span<const ModelPoint> points, const LayerView& view, const SE3& expected,
                      int coarsest_level) {
-  std::vector<ModelPoint> shown;
+  std::vector<ModelPoint> visible;
   if (!view.empty()) {
     for (const ModelPoint& point : points) {
-      if (project(point, view, expected)) shown.push_back(point);
+      if (project(point, view, expected)) visible.push_back(point);
     }
   }
   CameraFit fit;
   AlignmentConfig config;
   config.coarsest_level = coarsest_level;
-  config.weak_share = kWeakShare;
+  config.degenerate_share = kDegenerateShare;
   config.texture_tolerance = kTextureTolerance;
   config.unseen_cost = kUnseenCost;
-  fit.alignment = align(shown, view, expected, expected, {}, config);
-  fit.quality = judge_pose(shown, view, fit.pose());
-  if (have_texture(shown) && fit.quality.texture_correlation < kMinCorrelation) {
-    config.photometric_share = 0;
+  fit.alignment = align(visible, view, expected, expected, {}, config);
+  fit.quality = evaluate_pose(visible, view, fit.pose());
+  if (have_texture(visible) && fit.quality.texture_correlation < kMinCorrelation) {
+    config.photometric_weight = 0;
     fit.dark = true;
-    fit.alignment = align(shown, view, expected, expected, {}, config);
-    fit.quality = judge_pose(shown, view, fit.pose());
+    fit.alignment = align(visible, view, expected, expected, {}, config);
+    fit.quality = evaluate_pose(visible, view, fit.pose());
   }
   return fit;
 }
@@ -150,8 +151,8 @@ double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intri
   return count > 0 ? std::sqrt(squares / count) : 0.0;
 }
 
-std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const ObjectView& b_view,
-                          const SE3& b_to_a) {
+std::optional<SE3> relative_pose(const CameraKeyframe& a, const CameraKeyframe& b, const LayerView& b_view,
+                                 const SE3& b_to_a) {
   const CameraFit there = fit_camera(b.points, view_background(a.frame), b_to_a);
   if (!there.complete()) return std::nullopt;
   const CameraFit back = fit_camera(a.points, b_view, there.pose().inverse());

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "tracking/camera/background_view.h"
 #include "tracking/camera/camera_features.h"
-#include "tracking/camera/camera_view.h"
 #include "tracking/rigid/pose_quality.h"
-#include "tracking/rigid/rigid_alignment.h"
+#include "tracking/rigid/rigid_icp.h"
 
 namespace kinora::tracking {
 
@@ -22,7 +22,7 @@ struct CameraKeyframe {
 
 /// Of each cell of 4×4 pixels the point with the strongest texture, and as many again at most, fairly over the
 /// directions of the normal: corners of a room count as much as its walls.
-CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const ObjectView& view);
+CameraKeyframe make_keyframe(const BackgroundFrame& reduced, const LayerView& view);
 
 /// Where points are in a view, and whether to believe it.
 struct CameraFit {
@@ -36,12 +36,12 @@ struct CameraFit {
   /// Complete, and hardly any of the points on the view's surface speaks against it.
   bool certain() const;
   /// Supported, in all directions, and by the picture too if there is texture.
-  bool complete() const { return supported() && !dark && alignment.weak_directions == 0; }
+  bool complete() const { return supported() && !dark && alignment.degenerate_directions == 0; }
 };
 
 /// Aligns those of the points that the view shows at `expected` (points' space to camera), which is also the prior.
 /// `coarsest_level`: as in AlignmentConfig.
-CameraFit fit_camera(std::span<const ModelPoint> points, const ObjectView& view, const SE3& expected,
+CameraFit fit_camera(std::span<const ModelPoint> points, const LayerView& view, const SE3& expected,
                      int coarsest_level = 2);
 
 /// How much the view changes with a motion of the camera: radians, and metres over the distance of what is seen.
@@ -53,7 +53,7 @@ double visible_shift(std::span<const ModelPoint> points, const Intrinsics& intri
 
 /// The pose b → a (`b_view` is b's) that aligning b's points to a's view finds from `b_to_a` on, if aligning a's points
 /// to b's view finds the same one to less than a camera can tell.
-std::optional<SE3> relate(const CameraKeyframe& a, const CameraKeyframe& b, const ObjectView& b_view,
-                          const SE3& b_to_a);
+std::optional<SE3> relative_pose(const CameraKeyframe& a, const CameraKeyframe& b, const LayerView& b_view,
+                                 const SE3& b_to_a);
 
 } // namespace kinora::tracking

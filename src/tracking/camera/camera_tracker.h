@@ -9,7 +9,7 @@
 
 #include "motion/motion.h"
 #include "tracking/camera/camera_keyframe.h"
-#include "tracking/camera/camera_loops.h"
+#include "tracking/camera/loop_closure.h"
 #include "tracking/camera/pose_graph.h"
 #include "tracking/rigid/tracking_gap.h"
 
@@ -17,9 +17,9 @@ namespace kinora::tracking {
 
 /// What is expected of a camera that is held in hand.
 struct CameraMotionConfig {
-  double longest_step = 0.2;       ///< seconds that the last velocity is believed to last
-  double velocity_share = 0.95;    ///< of it that is expected, and
-  double fading = 0.8;             ///< of that after each frame that shows no motion, or not in all directions
+  double max_extrapolation = 0.2;  ///< seconds that the last velocity is believed to last
+  double velocity_weight = 0.95;   ///< of it that is expected, and
+  double velocity_decay = 0.8;     ///< of that after each frame that shows no motion, or not in all directions
   double max_angular_velocity = 4; ///< radians per second
   double max_velocity = 2;         ///< metres per second
 };
@@ -28,7 +28,7 @@ struct CameraMotionConfig {
 struct CameraRelocalisationConfig {
   std::size_t keyframes = 4;  ///< that it is looked for at
   double feature_size = 0.15; ///< over the distance of what the first key frame shows
-  double same_place = 0.1;    ///< change of view that places which are one may differ by
+  double same_pose = 0.1;     ///< change of view that places which are one may differ by
 };
 
 struct CameraTrackerConfig {
@@ -41,10 +41,10 @@ struct CameraTrackerConfig {
   int frames_to_move = 3;          ///< in a row that must show motion before the camera counts as moving; 0: it does
   int held_frames = 30;            ///< without support for longer: lost
   std::size_t max_points = 1200;   ///< that a frame is aligned to
-  double doubtful_weight = 0.01;   ///< of an edge over frames that did not show where the camera was
+  double uncertain_edge_weight = 0.01; ///< of an edge over frames that did not show where the camera was
   CameraMotionConfig motion;
   CameraRelocalisationConfig relocalisation;
-  CameraLoopsConfig loops;
+  LoopClosureConfig loops;
 };
 
 /// One frame's answer.
@@ -52,15 +52,15 @@ struct CameraTrackingResult {
   SE3 camera_to_world = SE3::Identity(); ///< world = camera of the first key frame, normally of frame 0
   motion::Health health = motion::Health::kTracked;
   PoseQuality quality;
-  int weak_directions = 0; ///< left to the motion prior, of six
+  int degenerate_directions = 0; ///< left to the motion prior, of six
 };
 
 /// The camera is still, and its pose exactly the identity, until several frames in a row are explained significantly
-/// better by another pose (StillnessVotes), unless the configuration says that it moves. Health: kTracked: geometry and
-/// texture support the pose in all directions; kHeld: some directions, or all, follow the motion so far; kLost: without
-/// support for long. Only tracked frames become key frames. Loops are closed among the key frames as they are made; the
-/// live poses stay continuous, `path` has the corrected ones. Not thread-safe. Same frames, same bits, for any number
-/// of threads.
+/// better by another pose (StationarityVotes), unless the configuration says that it moves. Health: kTracked: geometry
+/// and texture support the pose in all directions; kHeld: some directions, or all, follow the motion so far; kLost:
+/// without support for long. Only tracked frames become key frames. Loops are closed among the key frames as they are
+/// made; the live poses stay continuous, `path` has the corrected ones. Not thread-safe. Same frames, same bits, for
+/// any number of threads.
 class CameraTracker {
 public:
   explicit CameraTracker(const CameraTrackerConfig& config = {})
@@ -83,7 +83,7 @@ public:
   std::size_t loop_count() const { return loops_; }
 
 private:
-  struct Place {
+  struct RelativePose {
     std::size_t keyframe;
     SE3 camera_to_keyframe;
   };
@@ -91,27 +91,28 @@ private:
   struct Gap {
     std::size_t first;
     std::size_t count;
-    Place expected; ///< where the motion before would have led by then
+    RelativePose expected; ///< where the motion before would have led by then
   };
 
-  void follow(const BackgroundFrame& reduced, const ObjectView& view, CameraTrackingResult& result);
-  SE3 carried_on(double time, double share) const;
+  void follow(const BackgroundFrame& reduced, const LayerView& view, CameraTrackingResult& result);
+  SE3 extrapolated(double time, double share) const;
   std::vector<std::size_t> nearest_keyframes(const SE3& camera_to_map, std::size_t count) const;
   std::vector<std::size_t> references_for(const SE3& camera_to_map, std::size_t reference) const;
-  CameraFit fit_near(const ObjectView& view, const SE3& camera_to_map, std::size_t reference, int coarsest_level,
-                     Place& found) const;
-  CameraFit search(const ObjectView& view, double time, const SE3& expected, Place& found);
-  bool may_have_come_to(const SE3& camera_to_map, double time) const;
-  bool find_by_features(const ObjectView& view, double time, const SE3& expected, CameraFit& fit, Place& found) const;
-  SurfaceFeatures features_of(const ObjectView& view, const SE3& camera_to_map) const;
-  void judge_stillness(const ObjectView& view, const SE3& camera_to_map);
-  void grow_map(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
-  void add_keyframe(const BackgroundFrame& reduced, const ObjectView& view, const SE3& camera_to_map);
-  void connect(const PoseEdge& edge);
-  bool close_near_loops(std::size_t previous, const ObjectView& view);
-  bool close_far_loops(const ObjectView& view);
-  void settle();
-  SE3 map_pose(const Place& place) const { return map_[place.keyframe] * place.camera_to_keyframe; }
+  CameraFit fit_near(const LayerView& view, const SE3& camera_to_map, std::size_t reference, int coarsest_level,
+                     RelativePose& found) const;
+  CameraFit find_pose(const LayerView& view, double time, const SE3& expected, RelativePose& found);
+  bool is_reachable(const SE3& camera_to_map, double time) const;
+  bool relocalise_by_features(const LayerView& view, double time, const SE3& expected, CameraFit& fit,
+                              RelativePose& found) const;
+  SurfaceFeatures features_of(const LayerView& view, const SE3& camera_to_map) const;
+  void test_stationarity(const LayerView& view, const SE3& camera_to_map);
+  void grow_map(const BackgroundFrame& reduced, const LayerView& view, const SE3& camera_to_map);
+  void add_keyframe(const BackgroundFrame& reduced, const LayerView& view, const SE3& camera_to_map);
+  void add_edge(const PoseEdge& edge);
+  bool close_near_loops(std::size_t previous, const LayerView& view);
+  bool close_far_loops(const LayerView& view);
+  void optimise_graph();
+  SE3 map_pose(const RelativePose& relative) const { return map_[relative.keyframe] * relative.camera_to_keyframe; }
 
   CameraTrackerConfig config_;
   std::vector<CameraKeyframe> keyframes_;
@@ -119,19 +120,19 @@ private:
   std::vector<PoseEdge> edges_;
   std::vector<std::vector<std::size_t>> neighbours_; ///< of each key frame, by edges
   std::size_t loops_ = 0;
-  CameraLoops far_loops_;
+  LoopClosure far_loops_;
   std::size_t reference_ = 0; ///< key frame that the last frame was measured against
   SE3 map_to_live_ = SE3::Identity();
-  std::vector<Place> places_; ///< of all frames
+  std::vector<RelativePose> relative_poses_; ///< of all frames
   std::vector<Gap> gaps_;
   std::vector<CameraTrackingResult> results_;
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
-  TrackingGap gap_;       ///< of frames that do not show where the camera is in all directions
-  bool doubtful_ = false; ///< since the last key frame the camera was lost, and has not been found by features
-  Place anchor_{};        ///< the last that a frame showed in all directions
+  TrackingGap gap_;        ///< of frames that do not show where the camera is in all directions
+  bool uncertain_ = false; ///< since the last key frame the camera was lost, and has not been found by features
+  RelativePose anchor_{};  ///< the last that a frame showed in all directions
   double anchor_time_ = 0;
-  int showing_motion_ = 0;
+  int frames_with_motion_ = 0;
   std::optional<std::size_t> moving_from_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kIterations = 20;
-constexpr double kSettled = 1e-7; // metres, of the largest step
+constexpr double kConverged = 1e-7; // metres, of the largest step
 // Keeps what no edge ties in its place; against an edge's information of one it moves nothing else.
 constexpr double kAnchor = 1e-9;
 
@@ -84,7 +84,7 @@ void optimise_poses(std::span<const PoseEdge> edges, double lever, std::vector<S
     for (std::size_t p = 1; p < poses.size(); ++p) {
       poses[p] = renormalized(poses[p] * exp_se3(step.segment<6>(static_cast<Eigen::Index>(6 * (p - 1)))));
     }
-    if (step.lpNorm<Eigen::Infinity>() < kSettled) return;
+    if (step.lpNorm<Eigen::Infinity>() < kConverged) return;
   }
 }
 

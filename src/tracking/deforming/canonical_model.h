@@ -11,7 +11,7 @@
 
 #include "motion/skinning/blended_motion.h"
 #include "tracking/deforming/graph_growth.h"
-#include "tracking/deforming/new_pieces.h"
+#include "tracking/deforming/new_components.h"
 #include "tracking/model/brick_influences.h"
 #include "tracking/model/brick_surface.h"
 #include "tracking/model/surface_graph.h"
@@ -22,10 +22,10 @@ namespace kinora::tracking {
 /// How the graph and the model grow. Lengths in units of the nodes' spacing, but where metres are said.
 struct GraphGrowthConfig {
   double weight_radius = 1.1;
-  double influence_radius = 2.5;   ///< so that a surface between nodes, and what lies before it, moves with them
-  double sample_spacing = 1.0 / 3; ///< grid of the thinned surface
-  float min_views = 2.5F;          ///< that a surface must have been seen in before it gets nodes
-  double unfold_reach = 0.03;      ///< metres from the model to what is fused
+  double influence_radius = 2.5;      ///< so that a surface between nodes, and what lies before it, moves with them
+  double sample_spacing = 1.0 / 3;    ///< grid of the thinned surface
+  float min_views = 2.5F;             ///< that a surface must have been seen in before it gets nodes
+  double max_surface_distance = 0.03; ///< metres from the model to what is fused
 };
 
 struct CanonicalModelConfig {
@@ -43,7 +43,7 @@ class CanonicalModel {
 public:
   /// Of the layer's first view, in the pose it has there. Nothing if nothing of what is measured can be fused: it is
   /// nearer than any sensor measures.
-  static std::optional<CanonicalModel> from_view(const ObjectView& view, const SE3& camera_to_world,
+  static std::optional<CanonicalModel> from_view(const LayerView& view, const SE3& camera_to_world,
                                                  const CanonicalModelConfig& config = {});
 
   const Eigen::Vector3d& origin() const { return volume_.origin(); } ///< in the world
@@ -62,23 +62,24 @@ public:
   /// Fuses a view in which the nodes have these states (canonical to camera). Surface without nodes gets some, and so
   /// do pieces that have kept apart from the model for long enough. `frame`: a number that counts frames up; which
   /// parts of the surface rest goes by turns.
-  GraphGrowth fuse(const ObjectView& view, motion::NodeStates states, std::size_t frame);
+  GraphGrowth fuse(const LayerView& view, motion::NodeStates states, std::size_t frame);
 
   /// Takes another canonical pose, to which `pose` leads each node. What is known goes along, each piece of surface
   /// with its own nodes, and edges are found anew.
-  void repose(std::span<const SE3> pose);
+  void set_canonical_pose(std::span<const SE3> pose);
 
 private:
   CanonicalModel(const CanonicalModelConfig& config, TsdfVolume volume);
 
-  std::vector<std::size_t> adopt_pieces(const ObjectView& view, motion::NodeStates& states, TsdfVolume::Places& places);
+  std::vector<std::size_t> add_components(const LayerView& view, motion::NodeStates& states,
+                                          TsdfVolume::CanonicalMap& positions);
   std::vector<motion::Influence> grow_graph(float min_weight, std::span<const std::uint8_t> changed);
-  std::vector<SurfaceSample> samples_beyond_nodes(float min_weight, std::span<const std::uint8_t> changed) const;
-  motion::Influence movers_of(const Eigen::Vector3d& place) const;
-  void renew_graph();
+  std::vector<SurfaceSample> unsupported_samples(float min_weight, std::span<const std::uint8_t> changed) const;
+  motion::Influence influence_at(const Eigen::Vector3d& position) const;
+  void update_graph();
   void connect_graph(std::size_t old, float min_weight);
-  void renew_skin();
-  void repose_volume(std::span<const Eigen::Vector3d> old_nodes, std::span<const SE3> pose);
+  void update_skinning();
+  void warp_volume(std::span<const Eigen::Vector3d> old_nodes, std::span<const SE3> pose);
 
   CanonicalModelConfig config_;
   double spacing_ = 0;
@@ -89,7 +90,7 @@ private:
   BrickInfluences influences_;
   BrickSurface surface_;
   float unit_weight_ = 0; ///< of a surface point seen once
-  LastingPieces pieces_;
+  PersistentComponents components_;
 };
 
 } // namespace kinora::tracking

@@ -14,17 +14,17 @@ namespace kinora::tracking {
 
 /// Textures that a point of the model is known by; NaN where it is not.
 struct PointTexture {
-  std::array<float, ObjectView::kLevels> last; ///< as the last view showed it, per level
-  float fused;                                 ///< of the canonical model; compared at the finest level
-  std::uint8_t direction;                      ///< of the canonical normal: points of one direction are lit alike
+  std::array<float, LayerView::kLevels> last; ///< as the last view showed it, per level
+  float fused;                                ///< of the canonical model; compared at the finest level
+  std::uint8_t direction;                     ///< of the canonical normal: points of one direction are lit alike
 };
 
 struct DeformingAlignmentConfig {
   static constexpr std::size_t kStages = 3;
-  double rigidity = 0.1;          ///< standard deviation of a neighbour's place, in units of the nodes' spacing
-  double prior_sigma = 0.05;      ///< metres
-  double photometric_share = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
-  double silhouette_share = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
+  double rigidity = 0.1;           ///< standard deviation of a neighbour's place, in units of the nodes' spacing
+  double prior_sigma = 0.05;       ///< metres
+  double photometric_weight = 0.3; ///< neighbouring pixels are not independent: weight of a texture term
+  double silhouette_weight = 1;    ///< weight of a point that the camera sees past, for a pixel off the silhouette
   double texture_sigma = TextureModel::kMinTextureSigma; ///< at least; log luminance
   double plane_gate = 0.1; ///< metres; measured surface farther away than this is another one
   /// Metres from a point to what it may be compared with, from the coarsest level to the finest.
@@ -32,7 +32,7 @@ struct DeformingAlignmentConfig {
   int rigid_iterations = 4;
   std::array<int, kStages> iterations{1, 1, 5}; ///< at most, from the coarsest level to the finest
   int damping_attempts = 4;                     ///< at a step that lowers the energy
-  double worthwhile = 0.005;                    ///< share of the energy that a step saves if another is to follow it
+  double min_decrease = 0.005;                  ///< share of the energy that a step saves if another is to follow it
   int pcg_iterations = 40;
   double pcg_tolerance = 1e-2;
 };
@@ -64,24 +64,25 @@ struct DeformingQuality {
 /// taken. `spacing`: of the nodes, metres. `rigid_first`: all nodes are moved as one body before they are let go.
 /// Deterministic for any number of threads.
 DeformingAlignment align_deforming(const LayerModel& model, std::span<const PointTexture> textures,
-                                   const ObjectView& view, const motion::NodeStates& start,
+                                   const LayerView& view, const motion::NodeStates& start,
                                    const motion::NodeStates& prior, double spacing,
-                                   const DeformingAlignmentConfig& config = {}, std::span<const NodePull> binding = {});
+                                   const DeformingAlignmentConfig& config = {},
+                                   std::span<const NodeTarget> binding = {});
 
 /// One rigid motion of all nodes that brings the model nearer to the view; correspondences within `gate` metres.
-motion::NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures,
-                                 const ObjectView& view, const motion::NodeStates& start, int level, double gate,
-                                 int iterations, const DeformingAlignmentConfig& config = {});
+motion::NodeStates align_rigidly(const LayerModel& model, std::span<const PointTexture> textures, const LayerView& view,
+                                 const motion::NodeStates& start, int level, double gate, int iterations,
+                                 const DeformingAlignmentConfig& config = {});
 
-DeformingQuality judge_deformation(const LayerModel& model, std::span<const PointTexture> textures,
-                                   const ObjectView& view, const motion::NodeStates& states);
+DeformingQuality evaluate_deformation(const LayerModel& model, std::span<const PointTexture> textures,
+                                      const LayerView& view, const motion::NodeStates& states);
 
 /// Finds what each point is compared with at `pose`: the plane of the pixel that it falls on, and its textures; or,
 /// where the camera sees past it, the plane through the camera and the nearest rim of the silhouette. What has turned
 /// away from the camera has only the latter.
 /// Exposed for tests.
-void associate(const LayerModel& model, std::span<const PointTexture> textures, const ObjectView& view,
+void associate(const LayerModel& model, std::span<const PointTexture> textures, const LayerView& view,
                const motion::LayerPose& pose, int level, double gate, const DeformingAlignmentConfig& config,
-               std::vector<PointTerms>& terms);
+               std::vector<DataTerm>& terms);
 
 } // namespace kinora::tracking

@@ -15,7 +15,7 @@
 #include "tracking/deforming/topology_change.h"
 #include "tracking/deforming/tracked_layer.h"
 #include "tracking/rigid/tracking_gap.h"
-#include "tracking/view/frame_memory.h"
+#include "tracking/view/frame_history.h"
 
 namespace kinora::tracking {
 
@@ -63,8 +63,8 @@ public:
   /// images differ in size. `objects`: those that the layer may hold, as they are in this frame.
   DeformingTrackingResult track(const ingest::Frame& frame, std::span<const NearbyObject> objects = {});
 
-  /// As LayerBinding::motion_of_held, as of the last frame.
-  std::optional<SE3> carried(int label) const;
+  /// As LayerBinding::contact_motion, as of the last frame.
+  std::optional<SE3> contact_motion_of(int label) const;
 
   int label() const { return label_; }
   /// The motion over all frames so far, as in TrackedLayer. Throws Error(kFailure) before the layer was seen.
@@ -79,25 +79,25 @@ private:
   struct Seen {
     CanonicalModel model;
     NodeTrajectory trajectory;
-    FoundView last_found;
+    TrackedView last_found;
     TrackingGap gap;
     Relocalisation relocalisation;
   };
 
-  motion::Health begin(const ingest::Frame& frame, const ObjectView& view);
-  motion::Health follow(const ingest::Frame& frame, const ObjectView& view, std::span<const NearbyObject> objects,
+  motion::Health begin(const ingest::Frame& frame, const LayerView& view);
+  motion::Health follow(const ingest::Frame& frame, const LayerView& view, std::span<const NearbyObject> objects,
                         DeformingQuality& quality);
   DeformingAlignment align(const ModelInView& now, double time, DeformingQuality& quality) const;
   void accept(const ModelInView& now, double time, DeformingAlignment alignment, const DeformingQuality& quality,
               std::span<const NearbyObject> objects);
-  motion::NodeStates part_surfaces(const ModelInView& now, std::span<const std::size_t> parted);
+  motion::NodeStates part_surfaces(const ModelInView& now, std::span<const std::size_t> separated);
   bool is_healthy(const DeformingQuality& quality) const;
   bool is_doubtful(const DeformingQuality& quality) const;
 
   int label_;
   DeformingTrackerConfig config_;
   LayerBinding binding_;
-  FrameMemory memory_; ///< of all frames so far
+  FrameHistory history_; ///< of all frames so far
   std::optional<Seen> seen_;
 };
 

@@ -8,9 +8,9 @@
 
 namespace kinora::tracking {
 
-/// New nodes in the order of their numbers: first those in `adopted`, then those in `grown`.
+/// New nodes in the order of their numbers: first those in `attached`, then those in `grown`.
 struct GraphGrowth {
-  std::vector<std::size_t> adopted;     ///< each has gone along with this one node, which is older
+  std::vector<std::size_t> attached;    ///< each has gone along with this one node, which is older
   std::vector<motion::Influence> grown; ///< each has moved as the surface about it did, by nodes that are older
 };
 

@@ -7,33 +7,34 @@
 
 namespace kinora::tracking {
 
-void LayerBinding::track(const ObjectView& view, const SE3& camera_to_world, double time,
+void LayerBinding::track(const LayerView& view, const SE3& camera_to_world, double time,
                          std::span<const NearbyObject> objects) {
   seen_.clear();
   if (config_.use_body) body_.track(view, camera_to_world, time, objects);
 }
 
-NodeTies LayerBinding::ties(const CanonicalModel& model, std::size_t frame, const SE3& world_to_camera,
-                            std::span<const NearbyObject> objects) const {
-  NodeTies ties;
-  ties.pulls = body_.pulls(frame, world_to_camera);
-  ties.pulls.resize(model.nodes().size());
+NodeConstraints LayerBinding::constraints(const CanonicalModel& model, std::size_t frame, const SE3& world_to_camera,
+                                          std::span<const NearbyObject> objects) const {
+  NodeConstraints constraints;
+  constraints.targets = body_.targets(frame, world_to_camera);
+  constraints.targets.resize(model.nodes().size());
   for (std::size_t n = 0; n < model.nodes().size(); ++n) {
-    const auto place = interaction_.place_of(n, objects);
-    if (place) ties.pulls[n] = {world_to_camera * *place, 1 / config_.holding_sigma};
+    const auto position = contacts_.position_of(n, objects);
+    if (position) constraints.targets[n] = {world_to_camera * *position, 1 / config_.contact_sigma};
   }
   // Bones tell which surfaces only happen to be side by side, where they have a say.
-  const auto is_pulled = [&](std::size_t node) { return ties.pulls[node].scale > 0; };
-  std::copy_if(model.edges().begin(), model.edges().end(), std::back_inserter(ties.edges), [&](const GraphEdge& edge) {
-    const auto a = static_cast<std::size_t>(edge.a);
-    const auto b = static_cast<std::size_t>(edge.b);
-    return !(is_pulled(a) && is_pulled(b) && body_.are_apart(a, b));
-  });
-  return ties;
+  const auto has_target = [&](std::size_t node) { return constraints.targets[node].scale > 0; };
+  std::copy_if(model.edges().begin(), model.edges().end(), std::back_inserter(constraints.edges),
+               [&](const GraphEdge& edge) {
+                 const auto a = static_cast<std::size_t>(edge.a);
+                 const auto b = static_cast<std::size_t>(edge.b);
+                 return !(has_target(a) && has_target(b) && body_.are_disconnected(a, b));
+               });
+  return constraints;
 }
 
-std::vector<SE3> LayerBinding::placed_by_bones(const CanonicalModel& model, std::size_t frame) const {
-  std::vector<SE3> nodes = body_.placed(frame);
+std::vector<SE3> LayerBinding::bone_driven_nodes(const CanonicalModel& model, std::size_t frame) const {
+  std::vector<SE3> nodes = body_.node_transforms(frame);
   if (nodes.size() != model.nodes().size()) return {};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     nodes[n].translation() -= model.origin() + nodes[n].linear() * model.nodes()[n];
@@ -42,53 +43,53 @@ std::vector<SE3> LayerBinding::placed_by_bones(const CanonicalModel& model, std:
   return nodes;
 }
 
-void LayerBinding::learn(const CanonicalModel& model, const NodeTrajectory& trajectory, std::span<const double> seen,
-                         std::span<const NearbyObject> objects) {
+void LayerBinding::update(const CanonicalModel& model, const NodeTrajectory& trajectory, std::span<const double> seen,
+                          std::span<const NearbyObject> objects) {
   seen_.assign(seen.begin(), seen.end());
   seen_.resize(model.nodes().size(), 0);
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
   std::vector<SE3> nodes;
   for (std::size_t n = 0; n < model.nodes().size(); ++n) {
     const SE3& node = trajectory.last().nodes[n];
     nodes.push_back(node);
-    nodes.back().translation() = places.emplace_back(model.origin() + node * model.nodes()[n]);
+    nodes.back().translation() = positions.emplace_back(model.origin() + node * model.nodes()[n]);
   }
-  if (config_.use_body) body_.learn(nodes, seen_);
-  interaction_.learn(objects, places, seen_);
-  for (const NearbyObject& object : objects) met_[object.label] = trajectory.frame_count() - 1;
+  if (config_.use_body) body_.update(nodes, seen_);
+  contacts_.update(objects, positions, seen_);
+  for (const NearbyObject& object : objects) last_contact_[object.label] = trajectory.frame_count() - 1;
 }
 
-void LayerBinding::repose(std::span<const SE3> pose) {
+void LayerBinding::set_canonical_pose(std::span<const SE3> pose) {
   std::vector<Eigen::Quaterniond> rotations;
   rotations.reserve(pose.size());
   for (const SE3& node : pose) rotations.emplace_back(node.linear());
-  body_.turn_nodes_back(rotations);
+  body_.apply_inverse_rotation(rotations);
 }
 
 // Source: Umeyama, "Least-Squares Estimation of Transformation Parameters Between Two Point Patterns", PAMI 13(4),
 // 1991.
-std::optional<SE3> LayerBinding::motion_of_held(int label, const CanonicalModel& model,
+std::optional<SE3> LayerBinding::contact_motion(int label, const CanonicalModel& model,
                                                 const NodeTrajectory& trajectory) const {
-  constexpr double kMostlySeen = 0.5;
+  constexpr double kMinVisible = 0.5;
   constexpr double kArm = 0.03; // metres, from a node to the points that stand for its rotation
-  const auto met = met_.find(label);
-  if (met == met_.end() || seen_.empty()) return std::nullopt;
-  const std::vector<SE3>& then = trajectory.at(met->second).nodes;
+  const auto contact = last_contact_.find(label);
+  if (contact == last_contact_.end() || seen_.empty()) return std::nullopt;
+  const std::vector<SE3>& then = trajectory.at(contact->second).nodes;
   const std::vector<SE3>& now = trajectory.last().nodes;
   std::vector<std::size_t> seen;
   std::vector<std::size_t> on_limbs;
   for (std::size_t n = 0; n < std::min(then.size(), seen_.size()); ++n) {
-    if (!interaction_.holds(n, label)) continue;
+    if (!contacts_.is_in_contact(n, label)) continue;
     const auto limb = body_.limb_of(n);
-    if (seen_[n] > kMostlySeen) seen.push_back(n);
-    if (limb && body_.shows(*limb)) on_limbs.push_back(n);
+    if (seen_[n] > kMinVisible) seen.push_back(n);
+    if (limb && body_.is_visible(*limb)) on_limbs.push_back(n);
   }
-  const std::vector<std::size_t>& holding = seen.empty() ? on_limbs : seen;
-  if (holding.empty()) return std::nullopt;
-  Eigen::Matrix3Xd before(3, 4 * static_cast<Eigen::Index>(holding.size()));
+  const std::vector<std::size_t>& contact_nodes = seen.empty() ? on_limbs : seen;
+  if (contact_nodes.empty()) return std::nullopt;
+  Eigen::Matrix3Xd before(3, 4 * static_cast<Eigen::Index>(contact_nodes.size()));
   Eigen::Matrix3Xd after = before;
   Eigen::Index column = 0;
-  for (const std::size_t n : holding) {
+  for (const std::size_t n : contact_nodes) {
     for (int axis = -1; axis < 3; ++axis, ++column) {
       Eigen::Vector3d point = model.nodes()[n];
       if (axis >= 0) point[axis] += kArm;

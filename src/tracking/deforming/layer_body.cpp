@@ -22,14 +22,14 @@ BodyVerdict LayerBody::verdict() const {
   return fits ? BodyVerdict::kPerson : BodyVerdict::kNobody;
 }
 
-void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double time,
+void LayerBody::track(const LayerView& view, const SE3& camera_to_world, double time,
                       std::span<const NearbyObject> objects) {
   if (verdict() == BodyVerdict::kNobody) return;
   last_ = tracker_.track(view, camera_to_world, time, objects);
   records_.emplace_back();
   if (!tracker_.started()) return;
   const BodyState& state = tracker_.state();
-  records_.back() = Record{place_bones(state.pose, state.shape), last_.limbs,
+  records_.back() = Record{forward_kinematics(state.pose, state.shape), last_.limbs,
                            last_.health == motion::Health::kTracked && !last_.refitted};
   if (last_.health == motion::Health::kHeld) return;
   ++frames_;
@@ -38,19 +38,19 @@ void LayerBody::track(const ObjectView& view, const SE3& camera_to_world, double
   detected_ += static_cast<double>(last_.detected);
 }
 
-std::vector<NodePull> LayerBody::pulls(std::size_t frame, const SE3& from_world) const {
+std::vector<NodeTarget> LayerBody::targets(std::size_t frame, const SE3& from_world) const {
   if (verdict() != BodyVerdict::kPerson || frame >= records_.size()) return {};
   const std::optional<Record>& record = records_[frame];
   if (!record || !record->trusted) return {};
-  return binding_.pulls(record->bones, record->limbs, from_world, config_.binding_sigma);
+  return binding_.targets(record->bones, record->limbs, from_world, config_.binding_sigma);
 }
 
-std::vector<SE3> LayerBody::placed(std::size_t frame) const {
+std::vector<SE3> LayerBody::node_transforms(std::size_t frame) const {
   if (verdict() != BodyVerdict::kPerson || frame >= records_.size() || !records_[frame]) return {};
-  return binding_.placed(records_[frame]->bones);
+  return binding_.node_transforms(records_[frame]->bones);
 }
 
-bool LayerBody::shows(Limb limb) const {
+bool LayerBody::is_visible(Limb limb) const {
   if (verdict() != BodyVerdict::kPerson || records_.empty() || !records_.back()) return false;
   return records_.back()->trusted && records_.back()->limbs[limb] == LimbHealth::kSeen;
 }
@@ -62,17 +62,17 @@ std::optional<motion::JointPaths> LayerBody::joint_paths() const {
   motion::JointPaths paths;
   for (const JointInfo& joint : joints()) paths.names.emplace_back(joint.name);
   for (const std::optional<Record>& record : records_) {
-    std::vector<Eigen::Vector3d>& places = paths.places.emplace_back();
-    for (const SE3& bone : (record ? *record : **first).bones) places.emplace_back(bone.translation());
+    std::vector<Eigen::Vector3d>& positions = paths.positions.emplace_back();
+    for (const SE3& bone : (record ? *record : **first).bones) positions.emplace_back(bone.translation());
   }
   return paths;
 }
 
-void LayerBody::learn(std::span<const SE3> nodes, std::span<const double> seen) {
+void LayerBody::update(std::span<const SE3> nodes, std::span<const double> seen) {
   if (verdict() == BodyVerdict::kNobody || last_.health != motion::Health::kTracked) return;
   const PosedBody body = pose_body(tracker_.state().pose, tracker_.state().shape);
   if (last_.refitted) binding_ = {};
-  binding_.renew(body.bones, nodes, seen);
+  binding_.update_offsets(body.bones, nodes, seen);
   binding_.bind(body, nodes, seen);
 }
 

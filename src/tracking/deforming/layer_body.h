@@ -9,7 +9,7 @@
 
 #include "motion/joint_paths.h"
 #include "tracking/body/body_tracker.h"
-#include "tracking/deforming/body_binding.h"
+#include "tracking/deforming/bone_skinning.h"
 
 namespace kinora::tracking {
 
@@ -36,27 +36,27 @@ public:
 
   /// The next frame, whether the layer is seen in it or not; time in seconds. A layer that has turned out to be nobody
   /// is not followed on. `objects`: those that the hands may hold, as they are in this frame.
-  void track(const ObjectView& view, const SE3& camera_to_world, double time,
+  void track(const LayerView& view, const SE3& camera_to_world, double time,
              std::span<const NearbyObject> objects = {});
 
   /// Where the bones would have the graph's nodes in a frame (counted from 0), in the space that `from_world` leads to;
   /// none if there is no body to trust.
-  std::vector<NodePull> pulls(std::size_t frame, const SE3& from_world) const;
+  std::vector<NodeTarget> targets(std::size_t frame, const SE3& from_world) const;
   /// Where the bones would have each node in a frame, as a place and a turn; none if there is no person in it.
-  std::vector<SE3> placed(std::size_t frame) const;
+  std::vector<SE3> node_transforms(std::size_t frame) const;
   /// The bone that carries a node; nothing if none does.
   std::optional<Joint> bone_of(std::size_t node) const { return binding_.bone_of(node); }
   /// The limb that carries a node; nothing for trunk and head.
   std::optional<Limb> limb_of(std::size_t node) const { return binding_.limb_of(node); }
-  /// As BodyBinding::are_apart.
-  bool are_apart(std::size_t a, std::size_t b) const { return binding_.are_apart(a, b); }
+  /// As BoneSkinning::are_disconnected.
+  bool are_disconnected(std::size_t a, std::size_t b) const { return binding_.are_disconnected(a, b); }
   /// Whether the last frame shows the lower bones of a limb, and the body can be trusted.
-  bool shows(Limb limb) const;
+  bool is_visible(Limb limb) const;
   /// Where the nodes are in the last frame, a place and a turn, and how much of each the view shows (both one for each
   /// node); nodes that were not there before are bound.
-  void learn(std::span<const SE3> nodes, std::span<const double> seen);
-  /// As BodyBinding::turn_back.
-  void turn_nodes_back(std::span<const Eigen::Quaterniond> before) { binding_.turn_back(before); }
+  void update(std::span<const SE3> nodes, std::span<const double> seen);
+  /// As BoneSkinning::apply_inverse_rotation.
+  void apply_inverse_rotation(std::span<const Eigen::Quaterniond> before) { binding_.apply_inverse_rotation(before); }
 
   BodyVerdict verdict() const;
   /// Of all frames so far, those before the first that shows the body as in that; nothing unless it is a person.
@@ -68,7 +68,7 @@ public:
 private:
   LayerBodyConfig config_;
   BodyTracker tracker_;
-  BodyBinding binding_;
+  BoneSkinning binding_;
   BodyTrackingResult last_;
   struct Record {
     Bones bones;

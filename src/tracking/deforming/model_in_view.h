@@ -8,7 +8,7 @@
 
 #include "tracking/deforming/canonical_model.h"
 #include "tracking/deforming/deforming_alignment.h"
-#include "tracking/deforming/deforming_selection.h"
+#include "tracking/deforming/deforming_point_selection.h"
 #include "tracking/deforming/layer_binding.h"
 
 namespace kinora::tracking {
@@ -22,11 +22,11 @@ struct ModelInViewConfig {
 /// `NodeStates` are canonical to camera. Refers to model, view and configuration, which must outlive it. Thread-safe.
 class ModelInView {
 public:
-  ModelInView(const CanonicalModel& model, const ObjectView& view, const SE3& camera_to_world, NodeTies ties,
-              const ModelInViewConfig& config);
+  ModelInView(const CanonicalModel& model, const LayerView& view, const SE3& camera_to_world,
+              NodeConstraints constraints, const ModelInViewConfig& config);
 
   const CanonicalModel& model() const { return model_; }
-  const ObjectView& view() const { return view_; }
+  const LayerView& view() const { return view_; }
   const SE3& origin_to_camera() const { return origin_to_camera_; }
 
   /// `transforms`: of each node, canonical to world, both relative to the origin; and back.
@@ -40,28 +40,28 @@ public:
                             const std::function<bool(const motion::Influence&)>& takes_part = {}) const;
 
   /// The share of the surface that would face the camera that the view shows where it is.
-  double shown_share(const motion::NodeStates& states,
-                     const std::function<bool(const motion::Influence&)>& takes_part = {}) const;
+  double facing_inlier_share(const motion::NodeStates& states,
+                             const std::function<bool(const motion::Influence&)>& takes_part = {}) const;
   DeformingQuality quality(const DeformingSelection& selection, const motion::NodeStates& states) const;
   /// As tracking::contradiction.
-  double contradiction(const DeformingSelection& selection, const motion::NodeStates& states) const;
+  double alignment_cost(const DeformingSelection& selection, const motion::NodeStates& states) const;
 
   DeformingAlignment align(const DeformingSelection& selection, const motion::NodeStates& start,
                            const motion::NodeStates& prior) const;
   /// Without a frame just before, from which there is farther to go.
-  DeformingAlignment align_from_afar(const DeformingSelection& selection, motion::NodeStates start) const;
-  /// The same from the place in the whole view to which search_layer() leads.
-  DeformingAlignment align_from_anywhere(const DeformingSelection& selection, const motion::NodeStates& start) const;
+  DeformingAlignment align_repeatedly(const DeformingSelection& selection, motion::NodeStates start) const;
+  /// The same from the place in the whole view to which search_pose() leads.
+  DeformingAlignment align_with_search(const DeformingSelection& selection, const motion::NodeStates& start) const;
 
 private:
   LayerModel layer(const DeformingSelection& selection) const {
-    return {model_.nodes(), ties_.edges, selection.points};
+    return {model_.nodes(), constraints_.edges, selection.points};
   }
 
   const CanonicalModel& model_;
-  const ObjectView& view_;
+  const LayerView& view_;
   SE3 origin_to_camera_;
-  NodeTies ties_;
+  NodeConstraints constraints_;
   const ModelInViewConfig& config_;
 };
 

@@ -9,7 +9,7 @@ namespace kinora::tracking {
 namespace {
 
 SE3 blended(std::span<const SE3> nodes, const motion::Influence& influence) {
-  std::array<DualQuaternion, motion::Influence::kMost> transforms;
+  std::array<DualQuaternion, motion::Influence::kMax> transforms;
   const auto count = static_cast<std::size_t>(influence.count);
   for (std::size_t k = 0; k < count; ++k) {
     transforms[k] = DualQuaternion::from(nodes[static_cast<std::size_t>(influence.nodes[k])]);
@@ -21,7 +21,7 @@ SE3 blended(std::span<const SE3> nodes, const motion::Influence& influence) {
 
 NodeTrajectory::NodeTrajectory(std::size_t first, std::size_t nodes, double time)
     : first_(first), frames_{{std::vector<SE3>(nodes, SE3::Identity()), motion::Health::kTracked, time}},
-      births_(nodes, first) {}
+      first_observed_(nodes, first) {}
 
 void NodeTrajectory::add_tracked(std::vector<SE3> nodes, double time) {
   frames_.push_back({std::move(nodes), motion::Health::kTracked, time});
@@ -32,12 +32,12 @@ void NodeTrajectory::add_untracked(motion::Health health, double time) {
 }
 
 std::vector<SE3> NodeTrajectory::predicted(std::span<const Eigen::Vector3d> canonical, double time,
-                                           double velocity_share) const {
+                                           double velocity_weight) const {
   const Frame& last = frames_.back();
   if (frames_.size() < 2 || last.health != motion::Health::kTracked) return last.nodes;
   const Frame& earlier = frames_[frames_.size() - 2];
   if (earlier.health != motion::Health::kTracked) return last.nodes;
-  const double steps = velocity_share * steps_ahead(earlier.time, last.time, time);
+  const double steps = velocity_weight * steps_ahead(earlier.time, last.time, time);
   std::vector<SE3> result;
   result.reserve(last.nodes.size());
   for (std::size_t n = 0; n < last.nodes.size(); ++n) {
@@ -48,17 +48,17 @@ std::vector<SE3> NodeTrajectory::predicted(std::span<const Eigen::Vector3d> cano
 
 void NodeTrajectory::add_nodes(const GraphGrowth& growth) {
   for (Frame& frame : frames_) {
-    for (const std::size_t node : growth.adopted) frame.nodes.push_back(SE3(frame.nodes[node]));
+    for (const std::size_t node : growth.attached) frame.nodes.push_back(SE3(frame.nodes[node]));
     for (const motion::Influence& influence : growth.grown) frame.nodes.push_back(blended(frame.nodes, influence));
   }
-  births_.resize(last().nodes.size(), frame_count() - 1);
+  first_observed_.resize(last().nodes.size(), frame_count() - 1);
 }
 
-std::size_t NodeTrajectory::first_without_guess() const {
-  return births_.empty() ? first_ : *std::max_element(births_.begin(), births_.end());
+std::size_t NodeTrajectory::first_without_extrapolation() const {
+  return first_observed_.empty() ? first_ : *std::max_element(first_observed_.begin(), first_observed_.end());
 }
 
-void NodeTrajectory::repose(std::span<const SE3> pose) {
+void NodeTrajectory::set_canonical_pose(std::span<const SE3> pose) {
   for (Frame& frame : frames_) {
     for (std::size_t n = 0; n < frame.nodes.size(); ++n) {
       frame.nodes[n] = renormalized(frame.nodes[n] * pose[n].inverse());

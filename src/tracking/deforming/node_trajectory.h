@@ -37,22 +37,22 @@ public:
   void add_untracked(motion::Health health, double time);
 
   /// Where the nodes, which are at `canonical`, are at a time after the last frame: as in that one, and farther by
-  /// `velocity_share` of the motion that led there if both the last frames were tracked.
-  std::vector<SE3> predicted(std::span<const Eigen::Vector3d> canonical, double time, double velocity_share) const;
+  /// `velocity_weight` of the motion that led there if both the last frames were tracked.
+  std::vector<SE3> predicted(std::span<const Eigen::Vector3d> canonical, double time, double velocity_weight) const;
 
   /// Nodes that the last frame has brought, with the past that the nodes so far would have given them: a guess.
   void add_nodes(const GraphGrowth& growth);
   /// From now on what frames before the last say of the node is a guess.
-  void doubt_past(std::size_t node) { births_[node] = frame_count() - 1; }
+  void mark_past_extrapolated(std::size_t node) { first_observed_[node] = frame_count() - 1; }
   /// Whether nobody saw the node in that frame, nor what stood for it.
-  bool is_guess(std::size_t node, std::size_t frame) const { return births_[node] > frame; }
+  bool is_extrapolated(std::size_t node, std::size_t frame) const { return first_observed_[node] > frame; }
   /// The first frame in which no node is a guess.
-  std::size_t first_without_guess() const;
+  std::size_t first_without_extrapolation() const;
   /// Other nodes for a frame, after a look back.
   void correct(std::size_t frame, std::vector<SE3> nodes) { frames_[frame - first_].nodes = std::move(nodes); }
 
   /// Another canonical pose, to which `pose` leads each node from that so far; in the world nothing moves.
-  void repose(std::span<const SE3> pose);
+  void set_canonical_pose(std::span<const SE3> pose);
 
   /// For all frames, those before the first as lost where the layer was in the first. `origin`: of the layer, world.
   std::vector<motion::Motion::Deformation> deformations(const Eigen::Vector3d& origin) const;
@@ -60,7 +60,7 @@ public:
 private:
   std::size_t first_;
   std::vector<Frame> frames_;
-  std::vector<std::size_t> births_; ///< for each node, the first frame in which it is not a guess
+  std::vector<std::size_t> first_observed_; ///< for each node, the first frame in which it is not a guess
 };
 
 } // namespace kinora::tracking

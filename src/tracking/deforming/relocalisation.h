@@ -9,13 +9,13 @@
 
 #include "tracking/deforming/model_in_view.h"
 #include "tracking/deforming/node_trajectory.h"
-#include "tracking/deforming/pose_library.h"
+#include "tracking/deforming/pose_database.h"
 
 namespace kinora::tracking {
 
 struct RelocalisationConfig {
-  std::size_t ranked_points = 1000; ///< of the surface, that rank the poses
-  std::size_t aligned_poses = 3;
+  std::size_t max_ranked_points = 1000; ///< of the surface, that rank the poses
+  std::size_t max_aligned_poses = 3;
 };
 
 /// Not thread-safe. Same calls, same bits, for any number of threads.
@@ -24,23 +24,24 @@ public:
   explicit Relocalisation(const RelocalisationConfig& config = {}) : config_(config) {}
 
   /// A frame of the trajectory in which the layer was tracked well.
-  void remember(std::size_t frame, const SE3& origin_to_camera, const NodeTrajectory& trajectory);
+  void add(std::size_t frame, const SE3& origin_to_camera, const NodeTrajectory& trajectory);
   /// What is remembered in the canonical pose that the trajectory has now.
-  void repose(const NodeTrajectory& trajectory);
+  void set_canonical_pose(const NodeTrajectory& trajectory);
 
   /// `best`, or what explains the view better: alignment from the rigid motion of `prior` that lies best anywhere in
-  /// the view, or from `placed`, where bones have the nodes (may be empty). `selection`: of the prior.
+  /// the view, or from `node_transforms`, where bones have the nodes (may be empty). `selection`: of the prior.
   static DeformingAlignment search(const ModelInView& now, const DeformingSelection& selection,
-                                   const motion::NodeStates& prior, std::span<const SE3> placed,
+                                   const motion::NodeStates& prior, std::span<const SE3> node_transforms,
                                    DeformingAlignment best);
   /// `best`, or what explains the view better: alignment from the frames remembered that agree with it most.
-  DeformingAlignment recall(const ModelInView& now, const NodeTrajectory& trajectory, DeformingAlignment best) const;
+  DeformingAlignment relocalise(const ModelInView& now, const NodeTrajectory& trajectory,
+                                DeformingAlignment best) const;
 
 private:
   std::vector<motion::NodeStates> candidates(const ModelInView& now, const NodeTrajectory& trajectory) const;
 
   RelocalisationConfig config_;
-  PoseLibrary library_;
+  PoseDatabase pose_database_;
 };
 
 } // namespace kinora::tracking

@@ -9,7 +9,7 @@
 
 namespace kinora::tracking {
 
-void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const motion::DeformationGraph> graph) {
+void BrickInfluences::update(const TsdfVolume& volume, std::shared_ptr<const motion::DeformationGraph> graph) {
   constexpr std::size_t kBricksPerChunk = 64;
   const std::vector<Eigen::Vector3d>& nodes = graph->nodes();
   const std::span added = std::span(nodes).subspan(graph_ ? graph_->nodes().size() : 0);
@@ -25,7 +25,7 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const moti
       const Eigen::Vector3d centre = volume.brick_centre(i);
       std::vector<std::int32_t>& candidates = candidates_[i];
       const std::size_t before = candidates.size();
-      if (i >= old || before + added.size() > motion::NodeCandidates::kMost) {
+      if (i >= old || before + added.size() > motion::NodeCandidates::kMax) {
         candidates.clear();
         search.append(centre, candidates);
         ++revisions_[i];
@@ -33,19 +33,19 @@ void BrickInfluences::renew(const TsdfVolume& volume, std::shared_ptr<const moti
       }
       for (std::size_t n = nodes.size() - added.size(); n < nodes.size(); ++n) {
         const auto node = static_cast<std::int32_t>(n);
-        if (search.is_another(centre, node, candidates)) candidates.push_back(node);
+        if (search.is_new_candidate(centre, node, candidates)) candidates.push_back(node);
       }
       if (candidates.size() > before) ++revisions_[i];
     }
   });
 }
 
-void BrickInfluences::weigh(std::size_t brick, const motion::PointLanes& points,
-                            motion::InfluenceLanes& influences) const {
+void BrickInfluences::skinning_weights_of(std::size_t brick, const motion::PointLanes& points,
+                                          motion::InfluenceLanes& influences) const {
   if (brick < candidates_.size()) {
-    motion::weigh_nodes({candidates_[brick], positions_.data(), static_cast<float>(graph_->influence_radius()),
-                         static_cast<float>(graph_->weight_radius())},
-                        points, influences);
+    motion::skinning_weights({candidates_[brick], positions_.data(), static_cast<float>(graph_->influence_radius()),
+                              static_cast<float>(graph_->weight_radius())},
+                             points, influences);
     return;
   }
   for (std::size_t i = 0; i < motion::PointLanes::kPoints; ++i) {

@@ -6,23 +6,24 @@
 #include <memory>
 #include <vector>
 
-#include "motion/skinning/carried_lanes.h"
 #include "motion/skinning/deformation_graph.h"
+#include "motion/skinning/skinned_lanes.h"
 #include "tracking/tsdf/tsdf.h"
 
 namespace kinora::tracking {
 
-/// Thread-safe to read; renew() needs exclusive use.
+/// Thread-safe to read; update() needs exclusive use.
 class BrickInfluences {
 public:
   /// Takes in bricks and nodes that volume and graph have got since the last call: both only ever grow. `graph`: over
   /// canonical space relative to the volume's origin. Same bits for any number of threads.
-  void renew(const TsdfVolume& volume, std::shared_ptr<const motion::DeformationGraph> graph);
+  void update(const TsdfVolume& volume, std::shared_ptr<const motion::DeformationGraph> graph);
 
   /// As DeformationGraph::influence at places of that brick (metres, relative to the volume's origin), in single
   /// precision; a brick that is newer than the last renewal may be asked for, too.
-  void weigh(std::size_t brick, const motion::PointLanes& points, motion::InfluenceLanes& influences) const;
-  /// Another number after a renewal that has changed what weigh() says of that brick.
+  void skinning_weights_of(std::size_t brick, const motion::PointLanes& points,
+                           motion::InfluenceLanes& influences) const;
+  /// Another number after a renewal that has changed what skinning_weights_of() says of that brick.
   std::uint32_t revision(std::size_t brick) const { return brick < revisions_.size() ? revisions_[brick] : 0; }
 
 private:

@@ -8,7 +8,7 @@ namespace kinora::tracking {
 namespace {
 
 constexpr std::size_t kBricksPerChunk = 16;
-constexpr float kSeenOften = 6;      // views
+constexpr float kMinViews = 6;       // views
 constexpr std::size_t kFewInTen = 1; // points of ten that may have been seen less often
 
 bool is_known(std::span<const SurfacePoint> points, float weight) {
@@ -19,7 +19,7 @@ bool is_known(std::span<const SurfacePoint> points, float weight) {
 
 } // namespace
 
-void BrickSurface::renew_points(const TsdfVolume& volume, std::span<const std::uint8_t> changed, float unit_weight) {
+void BrickSurface::update_points(const TsdfVolume& volume, std::span<const std::uint8_t> changed, float unit_weight) {
   pieces_.resize(volume.brick_count());
   parallel_for(pieces_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
@@ -27,7 +27,7 @@ void BrickSurface::renew_points(const TsdfVolume& volume, std::span<const std::u
       Piece& piece = pieces_[b];
       piece.points.clear();
       volume.append_surface(b, 0, piece.points);
-      piece.is_known = is_known(piece.points, kSeenOften * unit_weight);
+      piece.is_known = is_known(piece.points, kMinViews * unit_weight);
       piece.is_skinned = false;
     }
   });
@@ -35,7 +35,7 @@ void BrickSurface::renew_points(const TsdfVolume& volume, std::span<const std::u
   for (const Piece& piece : pieces_) points_.insert(points_.end(), piece.points.begin(), piece.points.end());
 }
 
-void BrickSurface::renew_skin(const BrickInfluences& influences) {
+void BrickSurface::update_skinning(const BrickInfluences& influences) {
   parallel_for(pieces_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t b = chunk.begin; b < chunk.end; ++b) {
       Piece& piece = pieces_[b];
@@ -47,7 +47,7 @@ void BrickSurface::renew_skin(const BrickInfluences& influences) {
       for (std::size_t first = 0; first < piece.points.size(); first += motion::PointLanes::kPoints) {
         const std::size_t count = std::min(motion::PointLanes::kPoints, piece.points.size() - first);
         for (std::size_t i = 0; i < count; ++i) points.set(i, piece.points[first + i].position);
-        influences.weigh(b, points, lanes);
+        influences.skinning_weights_of(b, points, lanes);
         for (std::size_t i = 0; i < count; ++i) piece.skin.push_back(lanes.at(i));
       }
       piece.is_skinned = true;
@@ -58,8 +58,9 @@ void BrickSurface::renew_skin(const BrickInfluences& influences) {
   for (const Piece& piece : pieces_) skin_.insert(skin_.end(), piece.skin.begin(), piece.skin.end());
 }
 
-std::vector<std::uint8_t> BrickSurface::beyond_nodes(std::span<const Eigen::Vector3d> nodes, double reach,
-                                                     float min_weight, std::span<const std::uint8_t> changed) const {
+std::vector<std::uint8_t> BrickSurface::unsupported_bricks(std::span<const Eigen::Vector3d> nodes, double reach,
+                                                           float min_weight,
+                                                           std::span<const std::uint8_t> changed) const {
   std::vector<std::uint8_t> marks(pieces_.size(), 0);
   for (std::size_t b = 0; b < pieces_.size(); ++b) {
     if (b < changed.size() && changed[b] == 0) continue;
@@ -76,7 +77,7 @@ std::vector<std::uint8_t> BrickSurface::beyond_nodes(std::span<const Eigen::Vect
   return marks;
 }
 
-std::vector<std::uint8_t> BrickSurface::resting(std::size_t frame, std::size_t interval) const {
+std::vector<std::uint8_t> BrickSurface::skipped(std::size_t frame, std::size_t interval) const {
   std::vector<std::uint8_t> marks;
   for (std::size_t b = 0; b < pieces_.size(); ++b) {
     marks.push_back(pieces_[b].is_known && (b + frame) % interval != 0 ? 1 : 0);

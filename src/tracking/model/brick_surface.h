@@ -15,13 +15,13 @@ class BrickSurface {
 public:
   /// Takes anew the points of bricks that are marked as changed, or have no mark. `unit_weight`: of a point that was
   /// seen once; 0: not known yet.
-  void renew_points(const TsdfVolume& volume, std::span<const std::uint8_t> changed, float unit_weight);
+  void update_points(const TsdfVolume& volume, std::span<const std::uint8_t> changed, float unit_weight);
   /// Takes anew the skin of bricks whose points, or whose influences, are others than in the last call.
-  void renew_skin(const BrickInfluences& influences);
+  void update_skinning(const BrickInfluences& influences);
 
   /// As TsdfVolume::surface_points, brick by brick.
   std::span<const SurfacePoint> points() const { return points_; }
-  /// For each point, what moves it; as of the last renew_skin.
+  /// For each point, what moves it; as of the last update_skinning.
   std::span<const motion::Influence> skin() const { return skin_; }
   /// Points of some bricks, those for which `wanted(brick)` holds.
   template <class Wanted> std::vector<SurfacePoint> points_of(const Wanted& wanted) const {
@@ -34,12 +34,12 @@ public:
 
   /// Marks of bricks that hold a point at least as heavy as `min_weight` that none of the nodes that move it comes
   /// within `reach` metres of; among those marked as changed, or without a mark. Without skin, all such bricks.
-  std::vector<std::uint8_t> beyond_nodes(std::span<const Eigen::Vector3d> nodes, double reach, float min_weight,
-                                         std::span<const std::uint8_t> changed) const;
+  std::vector<std::uint8_t> unsupported_bricks(std::span<const Eigen::Vector3d> nodes, double reach, float min_weight,
+                                               std::span<const std::uint8_t> changed) const;
 
   /// Marks of bricks that the frame of that number need not teach: each brick whose surface has been seen often is
   /// taught by every `interval`-th frame only, by turns.
-  std::vector<std::uint8_t> resting(std::size_t frame, std::size_t interval) const;
+  std::vector<std::uint8_t> skipped(std::size_t frame, std::size_t interval) const;
 
 private:
   struct Piece {

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
-
-#include "core/random.h"
 
 namespace kinora::tracking {
 namespace {
@@ -21,14 +16,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The thinned surface as a graph: samples side by side whose normals do not point apart. A sample's links are found
 /// when they are asked for: walks pass by few samples.
-class SampleLinks {
+class SampleGraph {
 public:
   struct Link {
     int to;
     double length;
   };
 
-  SampleLinks(std::span<const SurfaceSample> samples, double sample_spacing)
+  SampleGraph(std::span<const SurfaceSample> samples, double sample_spacing)
       : samples_(samples), nearest_(positions_of(samples), 2.2 * sample_spacing), links_(samples.size()) {}
 
   std::size_t size() const { return samples_.size(); }
@@ -37,7 +32,7 @@ public:
     const auto i = static_cast<std::size_t>(sample);
     Links& links = links_[i];
     if (links.count < 0) {
-      std::array<motion::NearestPoints::Neighbour, kMost> found{};
+      std::array<motion::NearestPoints::Neighbour, kMax> found{};
       const std::size_t count = nearest_.find(samples_[i].position, found);
       links.count = 0;
       for (std::size_t k = 0; k < count; ++k) {
@@ -52,7 +47,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMost = 24;
+  static constexpr std::size_t kMax = 24;
   struct Links {
     std::size_t begin = 0;
     int count = -1; ///< not found yet
@@ -72,12 +67,12 @@ private:
 };
 
 /// Walks along the surface from one sample to others, in order of distance. Reusable.
-class SurfacePaths {
+class GeodesicSearch {
 public:
-  explicit SurfacePaths(SampleLinks& links) : links_(links), distance_(links.size(), kInfinity) {}
+  explicit GeodesicSearch(SampleGraph& links) : links_(links), distance_(links.size(), kInfinity) {}
 
   /// Calls `visit(sample, distance)` for each sample within reach, the nearest first, until it returns false.
-  template <class Visit> void walk(int start, double reach, const Visit& visit) {
+  template <class Visit> void visit_nearest(int start, double reach, const Visit& visit) {
     for (const int i : reached_) distance_[static_cast<std::size_t>(i)] = kInfinity;
     reached_.clear();
     queue_.clear();
@@ -90,7 +85,7 @@ public:
       queue_.pop_back();
       if (length > distance_[static_cast<std::size_t>(at)]) continue;
       if (!visit(at, length)) return;
-      for (const SampleLinks::Link& link : links_.of(at)) {
+      for (const SampleGraph::Link& link : links_.of(at)) {
         const double next = length + link.length;
         double& known = distance_[static_cast<std::size_t>(link.to)];
         if (next > reach || next >= known) continue;
@@ -103,7 +98,7 @@ public:
   }
 
 private:
-  SampleLinks& links_;
+  SampleGraph& links_;
   std::vector<double> distance_;
   std::vector<int> reached_;
   std::vector<std::pair<double, int>> queue_; ///< a heap
@@ -124,9 +119,9 @@ std::vector<int> nearest_samples(std::span<const Eigen::Vector3d> nodes, std::sp
 }
 
 /// Which nodes hang together.
-class Pieces {
+class DisjointSets {
 public:
-  explicit Pieces(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
   int of(int i) {
     while (parent_[static_cast<std::size_t>(i)] != i) i = parent_[static_cast<std::size_t>(i)];
     return i;
@@ -142,23 +137,23 @@ private:
 };
 
 // Ties each piece to its nearest other one, by its three shortest straight lines, until all is one.
-void tie_pieces(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, int>>& edges) {
-  constexpr std::size_t kTies = 3;
-  Pieces pieces(nodes.size());
-  for (const auto& [a, b] : edges) pieces.join(a, b);
+void connect_components(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, int>>& edges) {
+  constexpr std::size_t kBridges = 3;
+  DisjointSets components(nodes.size());
+  for (const auto& [a, b] : edges) components.join(a, b);
   const int count = static_cast<int>(nodes.size());
   while (true) {
     // The last piece, by the number of its first node, goes to its nearest neighbour.
-    int piece = 0;
-    for (int i = 0; i < count; ++i) piece = std::max(piece, pieces.of(i));
-    if (piece == 0) return;
+    int component = 0;
+    for (int i = 0; i < count; ++i) component = std::max(component, components.of(i));
+    if (component == 0) return;
     std::vector<std::pair<double, std::pair<int, int>>> lines;
     for (int i = 0; i < count; ++i) {
-      if (pieces.of(i) != piece) continue;
+      if (components.of(i) != component) continue;
       double best = kInfinity;
       int other = -1;
       for (int j = 0; j < count; ++j) {
-        if (pieces.of(j) == piece) continue;
+        if (components.of(j) == component) continue;
         const double squared = (nodes[static_cast<std::size_t>(i)] - nodes[static_cast<std::size_t>(j)]).squaredNorm();
         if (squared < best) {
           best = squared;
@@ -168,68 +163,20 @@ void tie_pieces(std::span<const Eigen::Vector3d> nodes, std::set<std::pair<int, 
       lines.push_back({best, {std::min(i, other), std::max(i, other)}});
     }
     std::sort(lines.begin(), lines.end());
-    for (std::size_t k = 0; k < std::min(kTies, lines.size()); ++k) {
+    for (std::size_t k = 0; k < std::min(kBridges, lines.size()); ++k) {
       edges.insert(lines[k].second);
-      pieces.join(lines[k].second.first, lines[k].second.second);
+      components.join(lines[k].second.first, lines[k].second.second);
     }
   }
 }
 
 } // namespace
 
-std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight) {
-  constexpr int kBits = 21; // of a cell's number along an axis
-  constexpr double kFarthest = (1 << (kBits - 1)) - 1;
-  struct Entry {
-    std::uint64_t cell;
-    std::int64_t heaviest; ///< point; −1: no entry
-  };
-  std::vector<Entry> table(std::bit_ceil(2 * surface.size() + 1), {0, -1}); // open addressing
-  std::vector<Entry> cells;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (surface[i].weight < min_weight) continue;
-    std::uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double c = std::clamp(std::floor(surface[i].position[axis] / cell), -kFarthest, kFarthest);
-      key = key << kBits | static_cast<std::uint64_t>(c + kFarthest);
-    }
-    std::size_t slot = mix64(key) & (table.size() - 1);
-    while (table[slot].heaviest >= 0 && table[slot].cell != key) slot = (slot + 1) & (table.size() - 1);
-    std::int64_t& heaviest = table[slot].heaviest;
-    if (heaviest >= 0 && surface[i].weight <= surface[static_cast<std::size_t>(heaviest)].weight) continue;
-    table[slot] = {key, static_cast<std::int64_t>(i)};
-  }
-  std::copy_if(table.begin(), table.end(), std::back_inserter(cells), [](const Entry& e) { return e.heaviest >= 0; });
-  std::sort(cells.begin(), cells.end(), [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
-  std::vector<SurfaceSample> result;
-  result.reserve(cells.size());
-  for (const Entry& entry : cells) {
-    const SurfacePoint& point = surface[static_cast<std::size_t>(entry.heaviest)];
-    result.push_back({point.position.cast<double>(), point.normal.cast<double>()});
-  }
-  return result;
-}
-
-void add_nodes(std::span<const SurfaceSample> samples, double spacing, std::size_t limit,
-               std::vector<Eigen::Vector3d>& nodes) {
-  const motion::NearestPoints before(nodes, spacing);
-  const std::size_t old = nodes.size();
-  std::array<motion::NearestPoints::Neighbour, 1> found{};
-  for (const SurfaceSample& sample : samples) {
-    if (nodes.size() >= limit) return;
-    if (before.find(sample.position, found) > 0) continue;
-    const bool crowded = std::any_of(nodes.begin() + static_cast<std::ptrdiff_t>(old), nodes.end(), [&](const auto& n) {
-      return (n - sample.position).squaredNorm() < spacing * spacing;
-    });
-    if (!crowded) nodes.push_back(sample.position);
-  }
-}
-
 void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples,
                           double spacing, double sample_spacing, const EdgeConfig& config) {
   const std::size_t old = neighbours_.size();
   neighbours_.resize(nodes.size());
-  SampleLinks links(samples, sample_spacing);
+  SampleGraph links(samples, sample_spacing);
   const std::vector<int> sample_of = nearest_samples(nodes, samples, 2 * sample_spacing);
   std::vector<std::vector<int>> nodes_at(samples.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -237,13 +184,13 @@ void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<cons
   }
   const double reach = config.reach * spacing;
   const motion::NearestPoints added(nodes.subspan(old), reach);
-  SurfacePaths paths(links);
+  GeodesicSearch paths(links);
   std::array<motion::NearestPoints::Neighbour, 1> beside{};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (sample_of[i] < 0 || (i < old && added.find(nodes[i], beside) == 0)) continue;
     std::vector<int>& found = neighbours_[i];
     found.clear();
-    paths.walk(sample_of[i], reach, [&](int sample, double along) {
+    paths.visit_nearest(sample_of[i], reach, [&](int sample, double along) {
       for (const int j : nodes_at[static_cast<std::size_t>(sample)]) {
         const auto other = static_cast<std::size_t>(j);
         // Half a sample at both ends is no detour.
@@ -258,7 +205,7 @@ void SurfaceEdges::extend(std::span<const Eigen::Vector3d> nodes, std::span<cons
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const int j : neighbours_[i]) pairs.insert(std::minmax(static_cast<int>(i), j));
   }
-  tie_pieces(nodes, pairs);
+  connect_components(nodes, pairs);
   edges_.clear();
   for (const auto& [a, b] : pairs) edges_.push_back({a, b});
 }

@@ -1,29 +1,14 @@
-// Which points of a surface become nodes of the deformation graph, and which nodes hold each other.
-// Source: Sumner et al., "Embedded Deformation", SIGGRAPH 2007; neighbours along the surface as in Li et al., "Robust
-// Single-View Geometry and Motion Reconstruction", SIGGRAPH Asia 2009.
+// Which nodes of a deformation graph hold each other: those that are near along the surface.
+// Source: Li et al., "Robust Single-View Geometry and Motion Reconstruction", SIGGRAPH Asia 2009.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "motion/skinning/deformation_graph.h"
-#include "tracking/tsdf/tsdf.h"
+#include "tracking/model/node_sampling.h"
 
 namespace kinora::tracking {
-
-/// An oriented point of a thinned surface, relative to the layer's origin, metres.
-struct SurfaceSample {
-  Eigen::Vector3d position;
-  Eigen::Vector3d normal;
-};
-
-/// One point for each cell of a grid that the surface meets: the heaviest, in the order of the surface.
-std::vector<SurfaceSample> thin_surface(std::span<const SurfacePoint> surface, double cell, float min_weight);
-
-/// Samples that lie farther than `spacing` from every node so far, taken in order, as further nodes; at most up to
-/// `limit` nodes in all. Nodes so far stay the first.
-void add_nodes(std::span<const SurfaceSample> samples, double spacing, std::size_t limit,
-               std::vector<Eigen::Vector3d>& nodes);
 
 struct GraphEdge {
   int a, b; ///< a < b
@@ -41,7 +26,8 @@ class SurfaceEdges {
 public:
   /// `nodes`: those of the last call, and further ones, all in canonical space, `spacing` metres apart. New ones, and
   /// old ones within edges' reach of them, get their edges from the surface's `samples`, which are wanted within twice
-  /// that reach of new nodes. `sample_spacing`: the grid cell of thin_surface. Same bits for any number of threads.
+  /// that reach of new nodes. `sample_spacing`: the grid cell of downsample_surface. Same bits for any number of
+  /// threads.
   void extend(std::span<const Eigen::Vector3d> nodes, std::span<const SurfaceSample> samples, double spacing,
               double sample_spacing, const EdgeConfig& config = {});
   const std::vector<GraphEdge>& edges() const { return edges_; }

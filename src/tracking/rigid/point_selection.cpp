@@ -40,7 +40,7 @@ Eigen::Vector2f visible_pixel(const SurfacePoint& surface, const FloatPose& pose
 }
 
 // The largest number that may be drawn from each bin such that at most `limit` are drawn in all.
-std::size_t fair_quota(const std::array<std::vector<std::size_t>, kDirections>& bins, std::size_t limit) {
+std::size_t normal_space_quota(const std::array<std::vector<std::size_t>, kDirections>& bins, std::size_t limit) {
   std::size_t low = 0;
   std::size_t high = limit;
   while (low < high) {
@@ -58,7 +58,7 @@ std::size_t fair_quota(const std::array<std::vector<std::size_t>, kDirections>& 
 
 } // namespace
 
-std::vector<ModelPoint> select_points(std::span<const SurfacePoint> surface, const ObjectView& view,
+std::vector<ModelPoint> select_points(std::span<const SurfacePoint> surface, const LayerView& view,
                                       const SE3& model_to_camera, std::size_t max_points) {
   const FloatPose pose(model_to_camera);
   std::array<std::vector<std::size_t>, kDirections> bins;
@@ -67,7 +67,7 @@ std::vector<ModelPoint> select_points(std::span<const SurfacePoint> surface, con
     if (visible_pixel(surface[i], pose, view.intrinsics, z).x() >= 0)
       bins[direction_of(surface[i].normal)].push_back(i);
   }
-  const std::size_t quota = fair_quota(bins, max_points);
+  const std::size_t quota = normal_space_quota(bins, max_points);
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   std::vector<ModelPoint> points;
   for (const std::vector<std::size_t>& bin : bins) {
@@ -80,19 +80,19 @@ std::vector<ModelPoint> select_points(std::span<const SurfacePoint> surface, con
   return points;
 }
 
-void add_coarse_texture(const ObjectView& view, const SE3& model_to_camera, ModelPoint& point) {
+void add_coarse_texture(const LayerView& view, const SE3& model_to_camera, ModelPoint& point) {
   // The residual against a texture of zero is the image's own texture, with every test of visibility made.
   ModelPoint probe = point;
   probe.texture.fill(0.0F);
   const auto projected = project(probe, view, model_to_camera);
   if (!projected) return;
-  for (int level = 1; level < ObjectView::kLevels; ++level) {
+  for (int level = 1; level < LayerView::kLevels; ++level) {
     const auto seen = photometric_residual(*projected, probe, view, Pivot(), level);
     if (seen) point.texture[static_cast<std::size_t>(level)] = static_cast<float>(seen->value);
   }
 }
 
-void remove_occluders(std::span<const SurfacePoint> surface, const SE3& model_to_camera, const ObjectView& view,
+void remove_occluders(std::span<const SurfacePoint> surface, const SE3& model_to_camera, const LayerView& view,
                       DepthPlanes& planes) {
   const FloatPose pose(model_to_camera);
   DepthImage nearest((view.intrinsics.width + kCell - 1) / kCell, (view.intrinsics.height + kCell - 1) / kCell);

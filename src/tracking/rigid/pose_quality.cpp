@@ -10,13 +10,13 @@ namespace kinora::tracking {
 namespace {
 
 constexpr double kMinSamples = 30;
-constexpr int kRim = 2; // pixels that a silhouette may be wrong by
+constexpr int kSilhouetteMargin = 2; // pixels that a silhouette may be wrong by
 
 // Beside the label, where the camera sees past it: what is measured there lies behind, or is background out of range.
-bool violates_free_space(const ProjectedPoint& p, const ObjectView& view) {
+bool violates_free_space(const ProjectedPoint& p, const LayerView& view) {
   if (view.to_silhouette.empty()) return false;
   const std::int16_t* offset = view.to_silhouette.pixel(p.pixel_u, p.pixel_v);
-  if (offset[0] * offset[0] + offset[1] * offset[1] <= kRim * kRim) return false;
+  if (offset[0] * offset[0] + offset[1] * offset[1] <= kSilhouetteMargin * kSilhouetteMargin) return false;
   const double z = p.point.z();
   const double measured = view.depth.at(p.pixel_u, p.pixel_v);
   return !(measured > 0) || kinora::violates_free_space(z, measured, kPoseMargin);
@@ -50,7 +50,7 @@ private:
 /// The crop in cells, each large enough to hold several of the model's points if the model covers it.
 class Coverage {
 public:
-  Coverage(const ObjectView& view, std::size_t points)
+  Coverage(const LayerView& view, std::size_t points)
       : view_(view),
         cell_(std::max(4, static_cast<int>(std::ceil(
                               std::sqrt(8.0 * static_cast<double>(view.depth_pixels) / static_cast<double>(points)))))),
@@ -75,14 +75,14 @@ public:
   }
 
 private:
-  const ObjectView& view_;
+  const LayerView& view_;
   int cell_;
   LabelImage covered_;
 };
 
 } // namespace
 
-PoseQuality judge_pose(std::span<const ModelPoint> points, const ObjectView& view, const SE3& model_to_camera) {
+PoseQuality evaluate_pose(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera) {
   PoseQuality quality;
   if (points.empty() || view.empty()) return quality;
   std::vector<double> distances;

@@ -28,6 +28,6 @@ struct PoseQuality {
 };
 
 /// All zero without points or view. Thread-safe.
-PoseQuality judge_pose(std::span<const ModelPoint> points, const ObjectView& view, const SE3& model_to_camera);
+PoseQuality evaluate_pose(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera);
 
 } // namespace kinora::tracking

@@ -26,7 +26,7 @@ SE3 step_about(const Pivot& pivot, const Twist& step, const SE3& model_to_camera
   return result;
 }
 
-TextureModel measure_texture(std::span<const ModelPoint> points, const ObjectView& view, const SE3& model_to_camera,
+TextureModel measure_texture(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera,
                              int level) {
   TextureModel model;
   std::array<std::vector<double>, ModelPoint::kDirections> differences;

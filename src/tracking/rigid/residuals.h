@@ -12,7 +12,7 @@
 
 #include "core/se3.h"
 #include "core/sensor_noise.h"
-#include "tracking/view/object_view.h"
+#include "tracking/view/layer_view.h"
 #include "tracking/view/visibility.h"
 
 namespace kinora::tracking {
@@ -21,8 +21,8 @@ namespace kinora::tracking {
 struct ModelPoint {
   Eigen::Vector3f position;
   Eigen::Vector3f normal; ///< unit, out of the surface
-  /// Texture expected at each level of ObjectView::pyramid; NaN where none is.
-  std::array<float, ObjectView::kLevels> texture;
+  /// Texture expected at each level of LayerView::pyramid; NaN where none is.
+  std::array<float, LayerView::kLevels> texture;
   /// Which way the normal points, below kDirections: points of one direction are lit alike.
   std::uint8_t direction;
   static constexpr std::size_t kDirections = 27;
@@ -49,7 +49,7 @@ struct ProjectedPoint {
 };
 
 /// Nothing if the point's surface faces away (from 80° on) or it leaves the crop.
-std::optional<ProjectedPoint> project(const ModelPoint& model, const ObjectView& view, const SE3& model_to_camera);
+std::optional<ProjectedPoint> project(const ModelPoint& model, const LayerView& view, const SE3& model_to_camera);
 
 /// In units of the noise it is value / sigma; `jacobian` is d value / d step at zero.
 struct Residual {
@@ -72,7 +72,7 @@ constexpr double inlier_distance(double sigma) { return 3 * sigma + 0.005; }
 
 /// The signed distance in metres of the model's point from the measured point at its pixel, along the model's normal.
 /// Nothing if the pixel is not the label's, has no depth, or lies outside the gates.
-std::optional<Residual> geometric_residual(const ProjectedPoint& projected, const ObjectView& view, const Pivot& pivot,
+std::optional<Residual> geometric_residual(const ProjectedPoint& projected, const LayerView& view, const Pivot& pivot,
                                            const Gates& gates);
 
 /// Texture of the image minus that of the model that lighting explains, by direction of the normal.
@@ -82,7 +82,7 @@ using LightOffsets = std::array<double, ModelPoint::kDirections>;
 /// at that level, lies within two pixels of the label's border or where the view has no detail, or something measured
 /// stands before it by more than kPoseMargin.
 std::optional<Residual> photometric_residual(const ProjectedPoint& projected, const ModelPoint& model,
-                                             const ObjectView& view, const Pivot& pivot, int level,
+                                             const LayerView& view, const Pivot& pivot, int level,
                                              const LightOffsets& light = {});
 
 /// How the textures of image and model differ at a pose: by light (median of each direction), and by what it leaves
@@ -92,12 +92,12 @@ struct TextureModel {
   LightOffsets light{};
   double sigma = kMinTextureSigma;
 };
-TextureModel measure_texture(std::span<const ModelPoint> points, const ObjectView& view, const SE3& model_to_camera,
+TextureModel measure_texture(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera,
                              int level);
 
 // What follows runs for every point in every step of the solver: it is worth being inlined.
 
-inline std::optional<ProjectedPoint> project(const ModelPoint& model, const ObjectView& view,
+inline std::optional<ProjectedPoint> project(const ModelPoint& model, const LayerView& view,
                                              const SE3& model_to_camera) {
   ProjectedPoint p;
   p.point = model_to_camera * model.position.cast<double>();
@@ -114,7 +114,7 @@ inline std::optional<ProjectedPoint> project(const ModelPoint& model, const Obje
   return p;
 }
 
-inline std::optional<Residual> geometric_residual(const ProjectedPoint& p, const ObjectView& view, const Pivot& pivot,
+inline std::optional<Residual> geometric_residual(const ProjectedPoint& p, const LayerView& view, const Pivot& pivot,
                                                   const Gates& gates) {
   if (view.planes.weights.at(p.pixel_u, p.pixel_v) <= 0) return std::nullopt;
   const Eigen::Vector3d measured = view.point(p.pixel_u, p.pixel_v);
@@ -132,7 +132,7 @@ inline std::optional<Residual> geometric_residual(const ProjectedPoint& p, const
 }
 
 inline std::optional<Residual> photometric_residual(const ProjectedPoint& p, const ModelPoint& model,
-                                                    const ObjectView& view, const Pivot& pivot, int level,
+                                                    const LayerView& view, const Pivot& pivot, int level,
                                                     const LightOffsets& light) {
   const float expected = model.texture[static_cast<std::size_t>(level)];
   if (std::isnan(expected) || view.mask.at(p.pixel_u, p.pixel_v) != MaskArea::kInterior) return std::nullopt;

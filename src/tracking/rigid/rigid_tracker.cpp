@@ -18,7 +18,7 @@ constexpr double kMaxVoxel = 0.03;
 
 // About a pixel's footprint and no finer than the sensor's noise, which would only be modelled as roughness; no more
 // than a hundred voxels across the object.
-TsdfConfig choose_volume(const ObjectView& view, double requested) {
+TsdfConfig choose_volume(const LayerView& view, double requested) {
   double squared = 0;
   for (int v = 0; v < view.mask.height(); ++v) {
     for (int u = 0; u < view.mask.width(); ++u) {
@@ -49,11 +49,11 @@ constexpr std::array<std::array<int, 3>, 10> kDiagonals{{{1, 1, 0},
                                                          {-1, 1, 1}}};
 
 // About each axis, both ways.
-std::vector<Eigen::Matrix3d> turns(Axes axes, double angle) {
+std::vector<Eigen::Matrix3d> rotations_about(Axes axes, double angle) {
   std::vector<Eigen::Matrix3d> result;
   for (const auto& [x, y, z] : axes) {
     const Eigen::Vector3d axis = Eigen::Vector3d(x, y, z).normalized();
-    for (const double turned : {-angle, angle}) result.emplace_back(Eigen::AngleAxisd(turned, axis));
+    for (const double rotated : {-angle, angle}) result.emplace_back(Eigen::AngleAxisd(rotated, axis));
   }
   return result;
 }
@@ -67,15 +67,15 @@ struct RigidTracker::Candidate {
   std::vector<ModelPoint> seen; ///< there
 };
 
-struct RigidTracker::Past {
-  ObjectView view;
+struct RigidTracker::PreviousFrame {
+  LayerView view;
   SE3 model_to_camera;
   SE3 model_to_world;
   PoseQuality quality;
-  std::vector<RimPoint> rim;           ///< in the model, of this view or one before that was like it
-  SE3 rim_to_camera = SE3::Identity(); ///< model to camera when it was seen
-  std::size_t rim_pixels = 1;          ///< of the label, then
-  int rim_age = 0;                     ///< tracked frames
+  std::vector<ContourPoint> contour;       ///< in the model, of this view or one before that was like it
+  SE3 contour_to_camera = SE3::Identity(); ///< model to camera when it was seen
+  std::size_t contour_pixels = 1;          ///< of the label, then
+  int contour_age = 0;                     ///< tracked frames
   double time = 0;
   /// The tracked pose before, if it was the frame before.
   std::optional<SE3> earlier_model_to_world;
@@ -89,9 +89,9 @@ RigidTracker::RigidTracker(RigidTracker&&) noexcept = default;
 RigidTracker& RigidTracker::operator=(RigidTracker&&) noexcept = default;
 
 RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
-  ObjectView view = view_object(frame, label_);
-  leave_out_shading(view);
-  if (config_.remembers) memory_.add(frame, view);
+  LayerView view = view_label(frame, label_);
+  mask_shading(view);
+  if (config_.keeps_history) history_.add(frame, view);
   RigidTrackingResult result;
   result.pixels = view.depth_pixels;
   if (volume_ == nullptr) {
@@ -105,7 +105,7 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
       result.pose.health = result.visible ? motion::Health::kLost : motion::Health::kHeld;
       result.missed = MissedObject{std::move(view)};
     }
-    is_carried_ = false;
+    is_moved_by_contact_ = false;
     result.pose.health = gap_.add(result.pose.health);
     result.pose.canonical_to_world = canonical_to_world();
   }
@@ -115,13 +115,13 @@ RigidTrackingResult RigidTracker::track(const ingest::Frame& frame) {
 
 // Light stays where it is while a thing turns. What has shown a print is taken at its whole texture: blurred by motion,
 // or from afar, a print is hardly told from light.
-void RigidTracker::leave_out_shading(ObjectView& view) {
-  if (wears_print_ || view.empty()) return;
+void RigidTracker::mask_shading(LayerView& view) {
+  if (has_texture_detail_ || view.empty()) return;
   LabelImage detail = detail_of(view.texture, view.mask);
   const auto inner = std::count(view.mask.values().begin(), view.mask.values().end(), MaskArea::kInterior);
-  const auto printed = std::count(detail.values().begin(), detail.values().end(), 1);
-  wears_print_ = static_cast<double>(printed) > config_.print_share * static_cast<double>(inner);
-  if (!wears_print_) view.detail = std::move(detail);
+  const auto detailed = std::count(detail.values().begin(), detail.values().end(), 1);
+  has_texture_detail_ = static_cast<double>(detailed) > config_.min_detail_share * static_cast<double>(inner);
+  if (!has_texture_detail_) view.detail = std::move(detail);
 }
 
 SE3 RigidTracker::canonical_to_world() const { return model_to_world_ * Eigen::Translation3d(-volume_->origin()); }
@@ -132,35 +132,35 @@ bool RigidTracker::is_in_free_space(const ingest::Frame& frame, const SE3& model
   std::size_t facing = 0;
   std::size_t violations = 0;
   for (const SurfacePoint& point : surface_) {
-    const Eigen::Vector3d place = to_camera * point.position.cast<double>();
-    if (place.z() <= 0 || place.dot(to_camera.linear() * point.normal.cast<double>()) >= 0) continue;
-    const Eigen::Vector2d pixel = camera.project(place);
+    const Eigen::Vector3d position = to_camera * point.position.cast<double>();
+    if (position.z() <= 0 || position.dot(to_camera.linear() * point.normal.cast<double>()) >= 0) continue;
+    const Eigen::Vector2d pixel = camera.project(position);
     const auto u = static_cast<int>(std::floor(pixel.x() + 0.5));
     const auto v = static_cast<int>(std::floor(pixel.y() + 0.5));
     if (!frame.depth.contains(u, v)) continue;
     ++facing;
-    violations += violates_free_space(place.z(), frame.depth.at(u, v), kPoseMargin) ? 1 : 0;
+    violations += violates_free_space(position.z(), frame.depth.at(u, v), kPoseMargin) ? 1 : 0;
   }
   return static_cast<double>(violations) > config_.let_go_share * static_cast<double>(facing);
 }
 
-void RigidTracker::carry(const ingest::Frame& frame, MissedObject missed, const SE3& motion) {
-  if (is_let_go_) return;
-  const SE3 there = renormalized(motion * past_->model_to_world);
-  is_let_go_ = is_in_free_space(frame, there);
-  if (is_let_go_) return;
+void RigidTracker::move_with_contact(const ingest::Frame& frame, MissedObject missed, const SE3& motion) {
+  if (is_released_) return;
+  const SE3 there = renormalized(motion * previous_->model_to_world);
+  is_released_ = is_in_free_space(frame, there);
+  if (is_released_) return;
   model_to_world_ = there;
-  past_->earlier_model_to_world.reset(); // its motion is what holds it
-  is_carried_ = true;
+  previous_->earlier_model_to_world.reset(); // its motion is what holds it
+  is_moved_by_contact_ = true;
   motion::Motion::Pose& pose = poses_.back();
   if (is_visible(missed.view)) {
     const SE3 start = frame.camera.camera_to_world.inverse() * model_to_world_;
-    Candidate found = attempt(missed.view, start, start, {});
-    for (const SE3& turned : starts(missed.view, frame.camera.camera_to_world, Where::kInHand)) {
-      Candidate other = attempt(missed.view, turned, turned, {});
-      if (other.score > found.score + config_.search.clearly_better) found = std::move(other);
+    Candidate found = align_from(missed.view, start, start, {});
+    for (const SE3& rotated : start_poses(missed.view, frame.camera.camera_to_world, StartSet::kInContact)) {
+      Candidate other = align_from(missed.view, rotated, rotated, {});
+      if (other.score > found.score + config_.search.min_share_gain) found = std::move(other);
     }
-    if (is_found_again(found.quality)) {
+    if (is_relocalised(found.quality)) {
       RigidTrackingResult result;
       accept(frame, std::move(missed.view), found, result);
       pose.health = gap_.add(result.pose.health);
@@ -171,31 +171,31 @@ void RigidTracker::carry(const ingest::Frame& frame, MissedObject missed, const 
   pose.canonical_to_world = canonical_to_world();
 }
 
-void RigidTracker::begin(const ingest::Frame& frame, ObjectView view, RigidTrackingResult& result) {
+void RigidTracker::begin(const ingest::Frame& frame, LayerView view, RigidTrackingResult& result) {
   const Eigen::Vector3d centre = frame.camera.camera_to_world * view.centroid;
   volume_ = std::make_unique<TsdfVolume>(choose_volume(view, config_.voxel_size), centre);
   model_to_world_ = SE3(Eigen::Translation3d(centre));
-  past_ = std::make_unique<Past>();
+  previous_ = std::make_unique<PreviousFrame>();
   fuse(frame, view);
-  past_->view = std::move(view);
-  past_->quality.explained_share = 1;
-  past_->model_to_world = model_to_world_;
-  past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
-  past_->time = frame.time;
-  renew_rim();
-  keyframes_.emplace_back(past_->model_to_camera.linear());
+  previous_->view = std::move(view);
+  previous_->quality.explained_share = 1;
+  previous_->model_to_world = model_to_world_;
+  previous_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  previous_->time = frame.time;
+  update_contour();
+  keyframes_.emplace_back(previous_->model_to_camera.linear());
   result.visible = true;
   result.pose.health = motion::Health::kTracked;
 }
 
 // Constant velocity, of the object's centre and of its rotation about it.
 SE3 RigidTracker::predicted(double time) const {
-  if (gap_.frames() >= config_.max_predicted_steps || !past_->earlier_model_to_world) return model_to_world_;
-  const double steps = config_.velocity_share * steps_ahead(past_->earlier_time, past_->time, time);
-  return extrapolated(*past_->earlier_model_to_world, model_to_world_, Eigen::Vector3d::Zero(), steps);
+  if (gap_.frames() >= config_.max_predicted_steps || !previous_->earlier_model_to_world) return model_to_world_;
+  const double steps = config_.velocity_weight * steps_ahead(previous_->earlier_time, previous_->time, time);
+  return extrapolated(*previous_->earlier_model_to_world, model_to_world_, Eigen::Vector3d::Zero(), steps);
 }
 
-std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, const SE3& model_to_camera) const {
+std::vector<ModelPoint> RigidTracker::visible_points(const LayerView& view, const SE3& model_to_camera) const {
   std::vector<ModelPoint> points = select_points(surface_, view, model_to_camera, config_.max_points);
   // The fused texture is as sharp as the image; at coarse levels the last image stands for it.
   for (ModelPoint& point : points) {
@@ -203,34 +203,35 @@ std::vector<ModelPoint> RigidTracker::visible_points(const ObjectView& view, con
       point.texture[level] = std::numeric_limits<float>::quiet_NaN();
     }
     if (gap_.is_open()) continue;
-    add_coarse_texture(past_->view, past_->model_to_camera, point);
+    add_coarse_texture(previous_->view, previous_->model_to_camera, point);
   }
   return points;
 }
 
 // An older rim leads to less drift, while the view shows the same edges.
-void RigidTracker::renew_rim() {
-  const double turned = rotation_angle(past_->rim_to_camera.inverse() * past_->model_to_camera);
-  const double more = static_cast<double>(past_->view.depth_pixels) / static_cast<double>(past_->rim_pixels);
-  const bool serves = !gap_.is_open() && ++past_->rim_age < config_.contour.max_age &&
-                      turned < config_.contour.max_rotation && std::abs(more - 1) < config_.contour.max_change;
-  if (serves && !past_->rim.empty()) return;
-  past_->rim = rim_of(past_->view);
-  const SE3 to_model = past_->model_to_camera.inverse();
-  for (RimPoint& point : past_->rim) point.place = to_model * point.place;
-  past_->rim_to_camera = past_->model_to_camera;
-  past_->rim_pixels = past_->view.depth_pixels;
-  past_->rim_age = 0;
+void RigidTracker::update_contour() {
+  const double rotated = rotation_angle(previous_->contour_to_camera.inverse() * previous_->model_to_camera);
+  const double more =
+      static_cast<double>(previous_->view.depth_pixels) / static_cast<double>(previous_->contour_pixels);
+  const bool is_recent = !gap_.is_open() && ++previous_->contour_age < config_.contour.max_age &&
+                         rotated < config_.contour.max_rotation && std::abs(more - 1) < config_.contour.max_change;
+  if (is_recent && !previous_->contour.empty()) return;
+  previous_->contour = contour_of(previous_->view);
+  const SE3 to_model = previous_->model_to_camera.inverse();
+  for (ContourPoint& point : previous_->contour) point.position = to_model * point.position;
+  previous_->contour_to_camera = previous_->model_to_camera;
+  previous_->contour_pixels = previous_->view.depth_pixels;
+  previous_->contour_age = 0;
 }
 
-RigidTracker::Candidate RigidTracker::attempt(const ObjectView& view, const SE3& start, const SE3& prior,
-                                              const RimSource& rims) const {
+RigidTracker::Candidate RigidTracker::align_from(const LayerView& view, const SE3& start, const SE3& prior,
+                                                 const ContourSource& contours) const {
   const std::vector<ModelPoint> points = visible_points(view, start);
   Candidate candidate;
-  candidate.alignment = align(points, view, start, prior, rims, config_.alignment);
+  candidate.alignment = align(points, view, start, prior, contours, config_.alignment);
   const SE3& pose = candidate.alignment.model_to_camera;
   candidate.seen = select_points(surface_, view, pose, config_.max_points);
-  candidate.quality = judge_pose(candidate.seen, view, pose);
+  candidate.quality = evaluate_pose(candidate.seen, view, pose);
   const PoseQuality& quality = candidate.quality;
   candidate.score =
       quality.inlier_share() + quality.explained_share + quality.texture_correlation - quality.free_space_share();
@@ -247,22 +248,24 @@ bool RigidTracker::is_healthy(const PoseQuality& quality) const {
 // silhouette says so.
 bool RigidTracker::is_doubtful(const PoseQuality& quality) const {
   if (quality.has_texture() && quality.texture_correlation < config_.search.doubtful_correlation) return true;
-  if (quality.free_space_share() > past_->quality.free_space_share() + config_.search.silhouette_change) return true;
+  if (quality.free_space_share() > previous_->quality.free_space_share() + config_.search.silhouette_change)
+    return true;
   return quality.texture_correlation <= config_.search.certain_correlation &&
-         quality.explained_share < past_->quality.explained_share - config_.search.silhouette_change;
+         quality.explained_share < previous_->quality.explained_share - config_.search.silhouette_change;
 }
 
 // Without the support of the last frame the view itself must be convincing.
-bool RigidTracker::is_found_again(const PoseQuality& quality) const {
+bool RigidTracker::is_relocalised(const PoseQuality& quality) const {
   return is_healthy(quality) && quality.inlier_share() >= 0.75 && quality.explained_share >= 0.5 &&
-         quality.free_space_share() <= past_->quality.free_space_share() + config_.search.silhouette_change &&
+         quality.free_space_share() <= previous_->quality.free_space_share() + config_.search.silhouette_change &&
          (!quality.has_texture() || quality.texture_correlation >= 0.5);
 }
 
 // Other places to look, as poses of the model in the camera: where it was last, and moved so that the visible points'
 // mean meets the measured one, turned as it was last, as each key frame saw it, or farther than a frame's motion goes;
 // turned where it is, as what holds it may have turned it unseen.
-std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_to_world, Where where) const {
+std::vector<SE3> RigidTracker::start_poses(const LayerView& view, const SE3& camera_to_world,
+                                           StartSet start_set) const {
   std::vector<SE3> result;
   const SE3 last = camera_to_world.inverse() * model_to_world_;
   const auto add_centred = [&](const Eigen::Matrix3d& rotation) {
@@ -276,24 +279,26 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
     pose.translation() += view.centroid - sum / static_cast<double>(points.size());
     result.push_back(pose);
   };
-  switch (where) {
-  case Where::kNear:
+  switch (start_set) {
+  case StartSet::kNearPrevious:
     result.push_back(last);
     add_centred(last.linear());
     break;
-  case Where::kAsBefore:
+  case StartSet::kKeyframes:
     for (const Eigen::Matrix3d& rotation : keyframes_) add_centred(rotation);
     break;
-  case Where::kTurned:
-    for (const Eigen::Matrix3d& turn : turns(kAxes, config_.search.rotation)) add_centred(turn * last.linear());
+  case StartSet::kRotated:
+    for (const Eigen::Matrix3d& rotation : rotations_about(kAxes, config_.search.rotation))
+      add_centred(rotation * last.linear());
     break;
-  case Where::kTurnedDiagonally:
-    for (const Eigen::Matrix3d& turn : turns(kDiagonals, config_.search.rotation)) add_centred(turn * last.linear());
+  case StartSet::kRotatedDiagonally:
+    for (const Eigen::Matrix3d& rotation : rotations_about(kDiagonals, config_.search.rotation))
+      add_centred(rotation * last.linear());
     break;
-  case Where::kInHand:
-    for (const Eigen::Matrix3d& turn : turns(kAxes, config_.search.rotation_in_hand)) {
+  case StartSet::kInContact:
+    for (const Eigen::Matrix3d& rotation : rotations_about(kAxes, config_.search.contact_rotation)) {
       result.push_back(last);
-      result.back().linear() = turn * last.linear();
+      result.back().linear() = rotation * last.linear();
     }
     break;
   }
@@ -301,83 +306,83 @@ std::vector<SE3> RigidTracker::starts(const ObjectView& view, const SE3& camera_
 }
 
 // Near to where it is expected, or elsewhere; nothing if no place is to be believed.
-std::optional<RigidTracker::Candidate> RigidTracker::find(const ingest::Frame& frame, const ObjectView& view,
+std::optional<RigidTracker::Candidate> RigidTracker::find(const ingest::Frame& frame, const LayerView& view,
                                                           RigidTrackingResult& result) {
-  std::optional<RimPair> pair;
-  const RimSource rims = [&]() -> const RimPair* {
+  std::optional<ContourPair> pair;
+  const ContourSource contours = [&]() -> const ContourPair* {
     if (gap_.is_open()) return nullptr;
-    if (!pair) pair = RimPair{past_->rim, RimMap(view)};
+    if (!pair) pair = ContourPair{previous_->contour, ContourMap(view)};
     return &*pair;
   };
   const SE3 world_to_camera = frame.camera.camera_to_world.inverse();
   const SE3 prior = world_to_camera * predicted(frame.time);
-  Candidate best = attempt(view, prior, prior, rims);
+  Candidate best = align_from(view, prior, prior, contours);
   bool elsewhere = false;
-  const auto try_starts = [&](Where where) {
-    for (const SE3& start : starts(view, frame.camera.camera_to_world, where)) {
-      Candidate other = attempt(view, start, start, {});
-      if (other.score < best.score + config_.search.clearly_better) continue;
-      const bool has_turned_in_hand = is_carried_ && where != Where::kNear;
-      if (has_turned_in_hand && other.quality.explained_share < config_.search.explained_share) continue;
+  const auto try_start_poses = [&](StartSet start_set) {
+    for (const SE3& start : start_poses(view, frame.camera.camera_to_world, start_set)) {
+      Candidate other = align_from(view, start, start, {});
+      if (other.score < best.score + config_.search.min_share_gain) continue;
+      const bool has_rotated_in_contact = is_moved_by_contact_ && start_set != StartSet::kNearPrevious;
+      if (has_rotated_in_contact && other.quality.explained_share < config_.search.explained_share) continue;
       best = std::move(other);
       elsewhere = true;
     }
   };
   const auto believed = [&] {
-    return !gap_.is_open() && !elsewhere ? is_healthy(best.quality) : is_found_again(best.quality);
+    return !gap_.is_open() && !elsewhere ? is_healthy(best.quality) : is_relocalised(best.quality);
   };
-  if (!believed() || is_doubtful(best.quality)) try_starts(Where::kNear);
-  if (gap_.is_open()) try_starts(Where::kAsBefore);
-  if (!believed() || is_doubtful(best.quality)) try_starts(Where::kTurned);
-  if (!believed()) try_starts(Where::kTurnedDiagonally);
+  if (!believed() || is_doubtful(best.quality)) try_start_poses(StartSet::kNearPrevious);
+  if (gap_.is_open()) try_start_poses(StartSet::kKeyframes);
+  if (!believed() || is_doubtful(best.quality)) try_start_poses(StartSet::kRotated);
+  if (!believed()) try_start_poses(StartSet::kRotatedDiagonally);
   result.quality = best.quality;
   const bool shows_its_texture =
       best.quality.has_texture() && best.quality.texture_correlation >= config_.search.doubtful_correlation;
   if (believed() || shows_its_texture) {
-    bending_.add(poses_.size(), contradiction_of_rigid(best.seen, view, best.alignment.model_to_camera));
+    non_rigidity_test_.add(poses_.size(), rigidity_violation(best.seen, view, best.alignment.model_to_camera));
   }
   return believed() ? std::optional(std::move(best)) : std::nullopt;
 }
 
-void RigidTracker::accept(const ingest::Frame& frame, ObjectView view, const Candidate& best,
+void RigidTracker::accept(const ingest::Frame& frame, LayerView view, const Candidate& best,
                           RigidTrackingResult& result) {
   const Eigen::Matrix3d camera_rotation = frame.camera.camera_to_world.linear();
   result.pose.health = motion::Health::kTracked;
   result.relocalised = gap_.is_open();
-  is_let_go_ = false;
-  result.weak_directions = best.alignment.weak_directions;
-  for (int i = 0; i < best.alignment.weak_directions; ++i) {
+  is_released_ = false;
+  result.degenerate_directions = best.alignment.degenerate_directions;
+  for (int i = 0; i < best.alignment.degenerate_directions; ++i) {
     const Twist direction = best.alignment.directions.col(i);
     Twist in_world;
     in_world << camera_rotation * direction.head<3>(), camera_rotation * direction.tail<3>();
-    result.weak.push_back(in_world);
+    result.degenerate.push_back(in_world);
   }
   if (!gap_.is_open()) {
-    past_->earlier_model_to_world = past_->model_to_world;
-    past_->earlier_time = past_->time;
+    previous_->earlier_model_to_world = previous_->model_to_world;
+    previous_->earlier_time = previous_->time;
   } else {
-    past_->earlier_model_to_world.reset();
+    previous_->earlier_model_to_world.reset();
   }
   model_to_world_ = renormalized(frame.camera.camera_to_world * best.alignment.model_to_camera);
-  past_->view = std::move(view);
-  past_->quality = best.quality;
-  past_->time = frame.time;
-  past_->model_to_world = model_to_world_;
-  past_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
-  renew_rim();
+  previous_->view = std::move(view);
+  previous_->quality = best.quality;
+  previous_->time = frame.time;
+  previous_->model_to_world = model_to_world_;
+  previous_->model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
+  update_contour();
   ++unfused_;
   if (fused_ < config_.fusion.first_frames || unfused_ >= config_.fusion.interval ||
-      best.quality.explained_share < config_.fusion.known_share) {
-    fuse(frame, past_->view);
+      best.quality.explained_share < config_.fusion.min_coverage) {
+    fuse(frame, previous_->view);
   }
-  const Eigen::Matrix3d rotation = past_->model_to_camera.linear();
+  const Eigen::Matrix3d rotation = previous_->model_to_camera.linear();
   const bool is_new = std::all_of(keyframes_.begin(), keyframes_.end(), [&](const Eigen::Matrix3d& known) {
     return Eigen::AngleAxisd(known.transpose() * rotation).angle() > config_.search.keyframe_angle;
   });
   if (is_new && keyframes_.size() < config_.search.max_keyframes) keyframes_.push_back(rotation);
 }
 
-void RigidTracker::fuse(const ingest::Frame& frame, const ObjectView& view) {
+void RigidTracker::fuse(const ingest::Frame& frame, const LayerView& view) {
   DepthPlanes planes = view.planes;
   const SE3 model_to_camera = frame.camera.camera_to_world.inverse() * model_to_world_;
   remove_occluders(surface_, model_to_camera, view, planes);

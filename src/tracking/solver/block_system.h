@@ -1,5 +1,5 @@
 // Sparse normal equations of many rigid bodies: one block of 6×6 for each pair of nodes that some residual ties. Blocks
-// are in single precision; products with them are vectorised with Highway and chosen at run time for the processor.
+// are in single precision.
 #pragma once
 
 #include <array>
@@ -64,24 +64,11 @@ struct BlockSystem {
   std::vector<Twist> gradient;
 };
 
-struct PcgResult {
-  std::vector<Twist> step;
-  int iterations = 0;
-};
-
 /// Diagonal that damping adds to each node: damping · diag(H), and at least `floor` of that node's largest entry.
 std::vector<Twist> damping_of(const BlockPattern& pattern, const BlockSystem& system, double damping, double floor);
 
-/// Solves (H + diag(added)) · step = −gradient by conjugate gradients in single precision with block-Jacobi
-/// preconditioning, down to `tolerance` of the gradient's preconditioned norm. Finite for finite input: stops where
-/// curvature vanishes. Same bits for any number of threads.
-PcgResult solve_pcg(const BlockPattern& pattern, const BlockSystem& system, std::span<const Twist> added,
-                    int max_iterations, double tolerance);
-
-/// The same by a dense LDLᵀ: the reference that tests hold the other against. Cubic in the number of nodes.
+/// Solves (H + diag(added)) · step = −gradient by a dense LDLᵀ: the reference that tests hold solve_pcg() against.
+/// Cubic in the number of nodes.
 std::vector<Twist> solve_dense(const BlockPattern& pattern, const BlockSystem& system, std::span<const Twist> added);
-
-/// Change of the quadratic model over a step: gᵀs + ½ sᵀHs (without damping).
-double model_change(const BlockPattern& pattern, const BlockSystem& system, std::span<const Twist> step);
 
 } // namespace kinora::tracking

@@ -12,18 +12,18 @@
 #include "core/robust_cost.h"
 #include "motion/skinning/layer_pose.h"
 #include "tracking/model/surface_graph.h"
+#include "tracking/solver/arap_term.h"
 #include "tracking/solver/block_system.h"
-#include "tracking/solver/edge_terms.h"
-#include "tracking/solver/point_products.h"
-#include "tracking/solver/point_terms.h"
-#include "tracking/view/object_view.h"
+#include "tracking/solver/data_term.h"
+#include "tracking/solver/jacobian_products.h"
+#include "tracking/view/layer_view.h"
 
 namespace kinora::tracking {
 
 /// A place that something beside the view would have a node at.
-struct NodePull {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero(); ///< in the camera
-  double scale = 0;                                ///< one over the standard deviation, metres; zero: no pull
+struct NodeTarget {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(); ///< in the camera
+  double scale = 0;                                   ///< one over the standard deviation, metres; zero: no pull
 };
 
 struct ProblemWeights {
@@ -42,19 +42,19 @@ struct LayerModel {
 /// Thread-safe to read.
 class DeformingProblem {
 public:
-  DeformingProblem(const LayerModel& model, const ObjectView& view, const ProblemWeights& weights);
+  DeformingProblem(const LayerModel& model, const LayerView& view, const ProblemWeights& weights);
 
   const LayerModel& model() const { return model_; }
   /// Of the systems; known from the first linearise() on.
   const BlockPattern& pattern() const { return pattern_; }
   /// One for each point; to be filled before energy() and linearise().
-  std::vector<PointTerms>& terms() { return terms_; }
+  std::vector<DataTerm>& terms() { return terms_; }
   /// Pyramid level that textures are compared at.
   void set_level(int level) { level_ = level; }
   /// Where the prior would have the nodes.
   void set_prior(const motion::NodeStates& prior);
   /// Where a skeleton would have them: one pull for each node, or none.
-  void set_binding(std::span<const NodePull> binding) { binding_.assign(binding.begin(), binding.end()); }
+  void set_binding(std::span<const NodeTarget> binding) { binding_.assign(binding.begin(), binding.end()); }
   void set_rigidity_sigma(double sigma) { weights_.rigidity_sigma = sigma; }
 
   /// Half the sum of squares of all terms, in standard deviations, with Huber's cost.
@@ -68,42 +68,42 @@ public:
                        Twist& gradient) const;
 
 private:
-  struct EdgeUse {
+  struct EdgeIncidence {
     int edge;
     std::uint32_t block;
   };
 
-  void tie_nodes();
-  std::span<const PointUse> uses_of(std::size_t node) const {
-    return std::span(point_uses_)
-        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  void find_pattern();
+  std::span<const PointIncidence> incidences_of(std::size_t node) const {
+    return std::span(point_incidences_)
+        .subspan(point_incidences_begin_[node], point_incidences_begin_[node + 1] - point_incidences_begin_[node]);
   }
-  std::span<PointUse> uses_of(std::size_t node) {
-    return std::span(point_uses_)
-        .subspan(point_uses_begin_[node], point_uses_begin_[node + 1] - point_uses_begin_[node]);
+  std::span<PointIncidence> incidences_of(std::size_t node) {
+    return std::span(point_incidences_)
+        .subspan(point_incidences_begin_[node], point_incidences_begin_[node + 1] - point_incidences_begin_[node]);
   }
   double jacobians_at(const motion::LayerPose& pose);
-  double pulls_energy(const motion::NodeStates& states) const;
+  double targets_energy(const motion::NodeStates& states) const;
   void add_points(std::size_t node);
-  void add_edges(std::size_t node, const motion::NodeStates& states);
-  void add_pull(std::size_t node, const NodePull& pull, const motion::NodeStates& states);
-  double pull_energy(std::span<const NodePull> pulls, const motion::NodeStates& states) const;
+  void add_arap_term(std::size_t node, const motion::NodeStates& states);
+  void add_target(std::size_t node, const NodeTarget& target, const motion::NodeStates& states);
+  double target_energy(std::span<const NodeTarget> targets, const motion::NodeStates& states) const;
 
   LayerModel model_;
-  const ObjectView& view_;
+  const LayerView& view_;
   ProblemWeights weights_;
   int level_ = 0;
   BlockPattern pattern_;
-  std::vector<PointTerms> terms_;
-  std::vector<NodePull> prior_;
-  std::vector<NodePull> binding_;
+  std::vector<DataTerm> terms_;
+  std::vector<NodeTarget> prior_;
+  std::vector<NodeTarget> binding_;
   BlockSystem system_;
-  std::unique_ptr<PointJacobians[]> jacobians_; ///< one for each point, as of the last linearise()
-  std::vector<PointUse> point_uses_;            ///< of each node, one after the other
-  std::vector<std::size_t> point_uses_begin_;   ///< for each node, and one more at the end
-  std::vector<EdgeRow> edges_;
-  std::vector<EdgeResiduals> edge_residuals_; ///< one for each edge, as of the last linearise()
-  std::vector<std::vector<EdgeUse>> edge_uses_;
+  std::unique_ptr<PointJacobians[]> jacobians_;     ///< one for each point, as of the last linearise()
+  std::vector<PointIncidence> point_incidences_;    ///< of each node, one after the other
+  std::vector<std::size_t> point_incidences_begin_; ///< for each node, and one more at the end
+  std::vector<ArapEdge> edges_;
+  std::vector<ArapResiduals> arap_residuals_; ///< one for each edge, as of the last linearise()
+  std::vector<std::vector<EdgeIncidence>> edge_incidences_;
 };
 
 } // namespace kinora::tracking

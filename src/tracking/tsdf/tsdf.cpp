@@ -99,13 +99,13 @@ void TsdfVolume::grow_table() {
 }
 
 // Makes the bricks within the truncation of the measured surface; returns a mark for each that this image touches.
-std::vector<std::uint8_t> TsdfVolume::touch_bricks(const View& view) {
+std::vector<std::uint8_t> TsdfVolume::allocate_bricks(const View& view) {
   const float brick_size = static_cast<float>(kSide * config_.voxel_size);
   const float truncation = static_cast<float>(config_.truncation);
   const int samples = 1 + static_cast<int>(std::ceil(2 * truncation / (0.5F * brick_size)));
   // A quarter of a brick between the rays at 4 m: what falls between two rays belongs to a brick that one of them hits.
   const int stride = std::clamp(static_cast<int>(0.25F * brick_size * view.fx / 4.0F), 1, 4);
-  std::vector<std::uint8_t> touched(bricks_.size(), 0);
+  std::vector<std::uint8_t> allocated(bricks_.size(), 0);
   std::array<int, 3> last{};
   bool has_last = false;
   for (int v = 0; v < view.planes.height(); v += stride) {
@@ -114,8 +114,8 @@ std::vector<std::uint8_t> TsdfVolume::touch_bricks(const View& view) {
       const float* plane = view.planes.pixel(u, v);
       const Eigen::Vector3f ray((static_cast<float>(u) - view.cx) / view.fx,
                                 (static_cast<float>(v) - view.cy) / view.fy, 1.0F);
-      const float slope = plane[0] * ray.x() + plane[1] * ray.y() + plane[2];
-      const Eigen::Vector3f point = ray * (-plane[3] / slope);
+      const float normal_dot_ray = plane[0] * ray.x() + plane[1] * ray.y() + plane[2];
+      const Eigen::Vector3f point = ray * (-plane[3] / normal_dot_ray);
       const Eigen::Vector3f direction = ray.normalized();
       for (int s = 0; s < samples; ++s) {
         const float along = truncation * (2.0F * static_cast<float>(s) / static_cast<float>(samples - 1) - 1.0F);
@@ -128,12 +128,12 @@ std::vector<std::uint8_t> TsdfVolume::touch_bricks(const View& view) {
         last = coordinate;
         has_last = true;
         const auto index = static_cast<std::size_t>(find_or_insert(coordinate));
-        if (index >= touched.size()) touched.resize(index + 1, 0);
-        touched[index] = 1;
+        if (index >= allocated.size()) allocated.resize(index + 1, 0);
+        allocated[index] = 1;
       }
     }
   }
-  return touched;
+  return allocated;
 }
 
 // Whether the image may say something about a brick that no ray has touched: that it is empty now.
@@ -225,11 +225,11 @@ void TsdfVolume::integrate(const DepthPlanes& view, const Image<float>& intensit
                    static_cast<float>(intrinsics.cy),
                    volume_to_camera.linear().cast<float>(),
                    (volume_to_camera * origin_).cast<float>()};
-  const std::vector<std::uint8_t> touched = touch_bricks(local);
+  const std::vector<std::uint8_t> allocated = allocate_bricks(local);
   parallel_for(bricks_.size(), kBricksPerChunk, [&](const Chunk& chunk) {
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const bool is_touched = i < touched.size() && touched[i] != 0;
-      if (is_touched || may_be_seen(*bricks_[i], local)) update(*bricks_[i], local);
+      const bool is_allocated = i < allocated.size() && allocated[i] != 0;
+      if (is_allocated || may_be_seen(*bricks_[i], local)) update(*bricks_[i], local);
     }
   });
 }

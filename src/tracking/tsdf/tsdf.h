@@ -15,7 +15,7 @@
 #include <Eigen/Core>
 
 #include "core/camera.h"
-#include "tracking/tsdf/bent_brick.h"
+#include "tracking/tsdf/warped_brick.h"
 #include "tracking/view/depth_planes.h"
 
 namespace kinora::tracking {
@@ -59,31 +59,32 @@ public:
                  const SE3& camera_to_volume);
 
   /// Where points of a bent volume (of that brick, relative to the origin) are in the camera; NaN where space is empty.
-  using Bending = std::function<void(std::size_t brick, const BrickCorners& points, BrickCorners& in_camera)>;
+  using BrickWarp = std::function<void(std::size_t brick, const BrickCorners& points, BrickCorners& in_camera)>;
   /// Which place of the volume (relative to the origin) a pixel shows: one for each cell of stride × stride pixels, in
   /// the first three of four channels; NaN where the pixels show nothing of it.
-  struct Places {
+  struct CanonicalMap {
     int stride = 4;
     Image<float> of_cell;
   };
   /// Fuses one image into a volume that has been bent since: each voxel is carried into the camera and averaged with
   /// the distance there. A voxel learns only from pixels whose cell shows a place near it, and nothing, not even
   /// emptiness, farther than the truncation from what is measured: the bending may be wrong. The bending is taken at
-  /// every fourth voxel and in between trilinearly; it must be thread-safe. Bricks with a mark in `resting` (one for
+  /// every fourth voxel and in between trilinearly; it must be thread-safe. Bricks with a mark in `skipped` (one for
   /// each brick, or for the first ones) learn nothing. Returns a mark for each brick that may have learnt something.
   /// Throws Error(kFailure) if sizes differ.
-  std::vector<std::uint8_t> integrate_bent(const DepthPlanes& view, const Image<float>& intensity,
-                                           const Intrinsics& intrinsics, const Bending& to_camera, const Places& places,
-                                           std::span<const std::uint8_t> resting = {});
+  std::vector<std::uint8_t> integrate_non_rigid(const DepthPlanes& view, const Image<float>& intensity,
+                                                const Intrinsics& intrinsics, const BrickWarp& to_camera,
+                                                const CanonicalMap& positions,
+                                                std::span<const std::uint8_t> skipped = {});
 
-  /// Makes the bricks that come within the truncation of a surface: space for what take() brings.
+  /// Makes the bricks that come within the truncation of a surface: space for what resample() brings.
   void make_bricks(std::span<const SurfacePoint> surface);
   /// Where points of a brick (relative to the origin) are in another volume (relative to its origin); NaN: nowhere.
-  using Carrying =
+  using PointWarp =
       std::function<void(std::size_t brick, const motion::PointLanes& points, motion::PointLanes& in_other)>;
   /// Each voxel takes what the other volume has, trilinearly, in the place it is carried to; where that is nowhere or
   /// was never seen, it keeps what it has. `to_other` must be thread-safe. Same bits for any number of threads.
-  void take(const TsdfVolume& other, const Carrying& to_other);
+  void resample(const TsdfVolume& other, const PointWarp& to_other);
 
   /// Trilinear; nothing where one of the eight voxels around was never seen.
   std::optional<double> distance(const Eigen::Vector3d& point) const;
@@ -116,21 +117,21 @@ private:
     std::int32_t brick = -1;
   };
   struct View;
-  struct BentView;
+  struct WarpedView;
   struct Neighbourhood;
   struct Limits;
   struct Block;
 
-  void read(const Eigen::Vector3d& place, Brick& brick, std::size_t voxel) const;
+  void read(const Eigen::Vector3d& position, Brick& brick, std::size_t voxel) const;
   std::int32_t find(const std::array<int, 3>& coordinate) const;
   std::int32_t find_or_insert(const std::array<int, 3>& coordinate);
   void grow_table();
-  std::vector<std::uint8_t> touch_bricks(const View& view);
+  std::vector<std::uint8_t> allocate_bricks(const View& view);
   bool holds_surface(const Brick& brick, const Limits& limits) const;
   bool may_be_seen(const Brick& brick, const View& view) const;
   void update(Brick& brick, const View& view) const;
-  std::vector<std::uint8_t> touch_around(const Places& places, float reach);
-  void update_bent(std::size_t number, const BentView& view);
+  std::vector<std::uint8_t> touch_around(const CanonicalMap& positions, float reach);
+  void update_warped(std::size_t number, const WarpedView& view);
   Eigen::Vector3d to_grid(const Eigen::Vector3d& point) const { return (point - origin_) / config_.voxel_size; }
 
   TsdfConfig config_;

@@ -116,8 +116,8 @@ std::optional<double> TsdfVolume::intensity(const Eigen::Vector3d& point) const 
                                                                                              : std::nullopt;
 }
 
-void TsdfVolume::read(const Eigen::Vector3d& place, Brick& brick, std::size_t voxel) const {
-  const Eigen::Vector3d grid = place / config_.voxel_size;
+void TsdfVolume::read(const Eigen::Vector3d& position, Brick& brick, std::size_t voxel) const {
+  const Eigen::Vector3d grid = position / config_.voxel_size;
   if (!is_addressable(grid)) return;
   Neighbourhood around(*this, base_voxel(grid));
   double weight = 0;

@@ -19,7 +19,7 @@ using namespace vectors::HWY_NAMESPACE;
 
 constexpr int kRadius = static_cast<int>(PlaneRows::kRadius);
 constexpr float kMinNeighbours = 6;
-constexpr float kLeastAcross = 0.05F; // of the spread of pixels: less is a line, which leaves the slope across it open
+constexpr float kMinSpread = 0.05F; // of the spread of pixels: less is a line, which leaves the slope across it open
 
 /// Over the neighbours that lie within the gate, du and dv from the pixel, and inverse depth w.
 struct Sums {
@@ -82,7 +82,7 @@ HWY_INLINE InversePlane solve(const Sums& s) {
   plane.dv = hn::Div(hn::NegMulAdd(uv, wu, hn::Mul(uu, wv)), determinant);
   plane.value = hn::NegMulAdd(plane.dv, mean_v, hn::NegMulAdd(plane.du, mean_u, mean_w));
   plane.valid = hn::And(hn::And(hn::Ge(s.n, constant(kMinNeighbours)), hn::Gt(plane.value, zero())),
-                        hn::Ge(determinant, hn::Mul(constant(kLeastAcross), hn::Mul(spread, spread))));
+                        hn::Ge(determinant, hn::Mul(constant(kMinSpread), hn::Mul(spread, spread))));
   return plane;
 }
 
@@ -90,15 +90,16 @@ void fit_lanes(const PlaneRows& rows, std::size_t begin, std::size_t end, float*
   const Floats d;
   const F none = zero();
   const F one = constant(1);
-  const F slope = constant(6 / rows.fx);
+  const F max_gradient = constant(6 / rows.fx);
   const F y = constant(rows.y);
   const F reference = depth_sigma(one);
-  HWY_ALIGN float plane[4 * kMostLanes];
-  HWY_ALIGN float weight[kMostLanes];
+  HWY_ALIGN float plane[4 * kMaxLanes];
+  HWY_ALIGN float weight[kMaxLanes];
   for (std::size_t u = begin; u < end; u += hn::Lanes(d)) {
     const std::size_t count = std::min(hn::Lanes(d), end - u);
     const F z = hn::LoadU(d, rows.depth[PlaneRows::kRadius] + u);
-    const F gate = hn::IfThenElseZero(hn::Gt(z, none), hn::MulAdd(constant(4), depth_sigma(z), hn::Mul(slope, z)));
+    const F gate =
+        hn::IfThenElseZero(hn::Gt(z, none), hn::MulAdd(constant(4), depth_sigma(z), hn::Mul(max_gradient, z)));
     if (hn::AllFalse(d, hn::Gt(gate, none))) {
       std::fill_n(planes + 4 * u, 4 * count, 0.0F);
       std::fill_n(weights + u, count, 0.0F);

@@ -5,7 +5,7 @@
 
 namespace kinora::tracking {
 
-/// Values of ObjectView::mask; whatever is not kOutside is the label's.
+/// Values of LayerView::mask; whatever is not kOutside is the label's.
 struct MaskArea {
   static constexpr std::uint8_t kOutside = 0;
   static constexpr std::uint8_t kBorder = 1;   ///< less than two pixels from the label's border

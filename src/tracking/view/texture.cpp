@@ -8,8 +8,8 @@
 namespace kinora::tracking {
 namespace {
 
-constexpr int kReach = 2;             // pixels
-constexpr float kLeastDetail = 0.03F; // of the logarithm; light on a ball 40 pixels wide has as much at its limb only
+constexpr int kReach = 2;           // pixels
+constexpr float kMinDetail = 0.03F; // of the logarithm; light on a ball 40 pixels wide has as much at its limb only
 
 // Sums over 5×5 pixels; 0 within two of the picture's border.
 template <class T> Image<T> sums_around(const Image<T>& values) {
@@ -50,7 +50,7 @@ TextureLevel with_gradient(const Image<float>& values, float scale) {
   TextureLevel level{Image<float>(values.width(), values.height(), 3), scale};
   const int last_u = values.width() - 1;
   const int last_v = values.height() - 1;
-  const auto slope = [scale](float from, float to, int steps) {
+  const auto derivative = [scale](float from, float to, int steps) {
     return steps > 0 ? scale * (to - from) / static_cast<float>(steps) : 0.0F;
   };
   for (int v = 0; v <= last_v; ++v) {
@@ -66,9 +66,9 @@ TextureLevel with_gradient(const Image<float>& values, float scale) {
       out[2] = share * (below[u] - above[u]);
     }
     out = level.values.pixel(0, v);
-    out[1] = slope(row[0], row[std::min(1, last_u)], std::min(1, last_u));
+    out[1] = derivative(row[0], row[std::min(1, last_u)], std::min(1, last_u));
     for (int u = 1; u < last_u; ++u) out[3 * u + 1] = scale * (row[u + 1] - row[u - 1]) * 0.5F;
-    if (last_u > 0) out[3 * last_u + 1] = slope(row[last_u - 1], row[last_u], 1);
+    if (last_u > 0) out[3 * last_u + 1] = derivative(row[last_u - 1], row[last_u], 1);
   }
   return level;
 }
@@ -114,7 +114,7 @@ LabelImage detail_of(const Image<float>& texture, const LabelImage& mask) {
   for (int v = 0; v < mask.height(); ++v) {
     for (int u = 0; u < mask.width(); ++u) {
       const float contrast = texture.at(u, v) - sums.at(u, v) / kPixels;
-      if (mask.at(u, v) == MaskArea::kInterior && std::abs(contrast) > kLeastDetail) differs.at(u, v) = 1;
+      if (mask.at(u, v) == MaskArea::kInterior && std::abs(contrast) > kMinDetail) differs.at(u, v) = 1;
     }
   }
   LabelImage detail = sums_around(differs);

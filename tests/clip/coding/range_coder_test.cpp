@@ -27,8 +27,8 @@ std::vector<std::byte> encode(const std::vector<std::int32_t>& values) {
 }
 
 std::vector<std::int32_t> decode(const std::vector<std::byte>& code, std::size_t count) {
-  const std::string place = "a.mkv";
-  RangeDecoder decoder(code, place);
+  const std::string location = "a.mkv";
+  RangeDecoder decoder(code, location);
   IntegerModel model;
   std::vector<std::int32_t> values;
   for (std::size_t i = 0; i < count; ++i) values.push_back(code_integer(decoder, model));

@@ -12,11 +12,11 @@ using fields::Confidence;
 using testing::random_confidence;
 using testing::random_field;
 
-constexpr const char* kPlace = "a.mkv: track 3";
+constexpr const char* kLocation = "a.mkv: track 3";
 
 Confidence decode(const Bytes& payload, const fields::Occupancy& occupancy) {
   AllocationBudget budget(payload.size());
-  return decode_confidence(payload, occupancy, kPlace, budget);
+  return decode_confidence(payload, occupancy, kLocation, budget);
 }
 
 void expect_corrupt(const Bytes& payload, const fields::Occupancy& occupancy) {
@@ -25,7 +25,7 @@ void expect_corrupt(const Bytes& payload, const fields::Occupancy& occupancy) {
     FAIL() << "decoded without an error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCorruptInput);
-    EXPECT_EQ(std::string(error.what()).rfind(kPlace, 0), 0U) << error.what();
+    EXPECT_EQ(std::string(error.what()).rfind(kLocation, 0), 0U) << error.what();
   }
 }
 
@@ -75,7 +75,7 @@ TEST(ConfidenceCodec, RefusesMoreMemoryThanItMayTake) {
   const Bytes payload = encode_confidence(random_confidence(occupancy, 1));
   AllocationBudget budget(0);
   ASSERT_TRUE(budget.try_take(std::uint64_t{256} << 20));
-  EXPECT_THROW(decode_confidence(payload, occupancy, kPlace, budget), Error);
+  EXPECT_THROW(decode_confidence(payload, occupancy, kLocation, budget), Error);
 }
 
 } // namespace

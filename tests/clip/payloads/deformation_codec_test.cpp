@@ -247,7 +247,7 @@ TEST(DeformationCodec, RefusesToStoreWhatIsNotRigidOrNotFinite) {
   expect_refused(bad);
   EXPECT_THROW(encode_graph(DeformationGraph({{0, 0, 5000}}, 0.1, 0.1)), Error);
   EXPECT_THROW(encode_graph(DeformationGraph({{0, 0, 0}}, 1e-9, 0.1)), Error);
-  EXPECT_THROW(encode_graph(DeformationGraph(std::vector(kMostNodes + 1, Eigen::Vector3d(0, 0, 1)), 0.1, 0.1)), Error);
+  EXPECT_THROW(encode_graph(DeformationGraph(std::vector(kMaxNodes + 1, Eigen::Vector3d(0, 0, 1)), 0.1, 0.1)), Error);
 }
 
 } // namespace

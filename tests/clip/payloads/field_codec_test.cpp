@@ -14,11 +14,11 @@ using fields::Field;
 using fields::FieldConfig;
 using testing::random_field;
 
-constexpr const char* kPlace = "a.mkv: byte 5";
+constexpr const char* kLocation = "a.mkv: byte 5";
 
 Field decode(const Bytes& payload) {
   AllocationBudget budget(payload.size());
-  return decode_field(payload, kPlace, budget);
+  return decode_field(payload, kLocation, budget);
 }
 
 void expect_corrupt(const Bytes& payload) {
@@ -27,7 +27,7 @@ void expect_corrupt(const Bytes& payload) {
     FAIL() << "decoded without an error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCorruptInput);
-    EXPECT_EQ(std::string(error.what()).rfind(kPlace, 0), 0U) << error.what();
+    EXPECT_EQ(std::string(error.what()).rfind(kLocation, 0), 0U) << error.what();
   }
 }
 
@@ -145,9 +145,9 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
 // The announced size of the occupancy must be that of its resolution: a bomb is refused before it is unpacked.
 TEST(FieldCodec, RefusesCompressedDataThatAnnouncesAnotherSize) {
   const Bytes bomb = compress(Bytes(100'000'000));
-  EXPECT_THROW(decompress(bomb, 1000, kPlace), Error);
-  EXPECT_THROW(decompress(bomb, 100'000'001, kPlace), Error);
-  EXPECT_THROW(decompress({}, 0, kPlace), Error);
+  EXPECT_THROW(decompress(bomb, 1000, kLocation), Error);
+  EXPECT_THROW(decompress(bomb, 100'000'001, kLocation), Error);
+  EXPECT_THROW(decompress({}, 0, kLocation), Error);
 }
 
 TEST(FieldCodec, RefusesToAllocateMoreThanTheBudget) {

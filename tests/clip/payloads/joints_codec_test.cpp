@@ -13,11 +13,11 @@ namespace {
 using motion::JointPaths;
 using testing::random_joints;
 
-constexpr const char* kPlace = "a.mkv: byte 7";
+constexpr const char* kLocation = "a.mkv: byte 7";
 
 JointPaths decode(const Bytes& payload, std::size_t frames) {
   AllocationBudget budget(payload.size());
-  return decode_joints(payload, frames, kPlace, budget);
+  return decode_joints(payload, frames, kLocation, budget);
 }
 
 void expect_corrupt(const Bytes& payload, std::size_t frames) {
@@ -26,7 +26,7 @@ void expect_corrupt(const Bytes& payload, std::size_t frames) {
     ADD_FAILURE() << "decoded without an error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kCorruptInput);
-    EXPECT_EQ(std::string(error.what()).rfind(kPlace, 0), 0U) << error.what();
+    EXPECT_EQ(std::string(error.what()).rfind(kLocation, 0), 0U) << error.what();
   }
 }
 
@@ -43,10 +43,10 @@ TEST(JointsCodec, GivesBackNamesAndPlacesToAMillimetre) {
   const JointPaths joints = random_joints(1, 40);
   const JointPaths stored = decode(encode_joints(joints), 40);
   EXPECT_EQ(stored.names, joints.names);
-  ASSERT_EQ(stored.places.size(), 40U);
+  ASSERT_EQ(stored.positions.size(), 40U);
   for (std::size_t f = 0; f < 40; ++f) {
     for (std::size_t j = 0; j < joints.names.size(); ++j) {
-      EXPECT_LT((stored.places[f][j] - joints.places[f][j]).cwiseAbs().maxCoeff(), 0.001);
+      EXPECT_LT((stored.positions[f][j] - joints.positions[f][j]).cwiseAbs().maxCoeff(), 0.001);
     }
   }
 }
@@ -60,7 +60,7 @@ TEST(JointsCodec, NeedsLittleForJointsThatMoveTogether) {
   JointPaths joints = random_joints(3, 90);
   for (std::size_t f = 1; f < 90; ++f) {
     for (std::size_t j = 0; j < joints.names.size(); ++j) {
-      joints.places[f][j] = joints.places[f - 1][j] + Eigen::Vector3d(0.02, 0, -0.01);
+      joints.positions[f][j] = joints.positions[f - 1][j] + Eigen::Vector3d(0.02, 0, -0.01);
     }
   }
   EXPECT_LT(encode_joints(joints).size(), 1500U); // in 3 s
@@ -71,10 +71,10 @@ TEST(JointsCodec, HoldsJointsAtTheEdgeOfTheRange) {
   const Eigen::Vector3d far(16384, -16384, 16384);
   const Eigen::Vector3d opposite = -far;
   for (int f = 0; f < 2; ++f) {
-    joints.places.push_back({far, opposite});
-    joints.places.push_back({opposite, far});
+    joints.positions.push_back({far, opposite});
+    joints.positions.push_back({opposite, far});
   }
-  EXPECT_EQ(decode(encode_joints(joints), 4).places, joints.places);
+  EXPECT_EQ(decode(encode_joints(joints), 4).positions, joints.positions);
 }
 
 TEST(JointsCodec, RefusesWhatIsCutOrGoesOnOrHasAnotherNumberOfFrames) {
@@ -114,10 +114,10 @@ TEST(JointsCodec, StoresNoImpossibleSkeleton) {
   changed.names[3] = "Näme";
   expect_refused(changed);
   changed = joints;
-  changed.places[2].pop_back();
+  changed.positions[2].pop_back();
   expect_refused(changed);
   changed = joints;
-  changed.places[2][1].x() = std::numeric_limits<double>::quiet_NaN();
+  changed.positions[2][1].x() = std::numeric_limits<double>::quiet_NaN();
   expect_refused(changed);
   expect_refused({});
 }

@@ -5,7 +5,7 @@
 #include "fields/rendering/renderer.h"
 #include "fields/scenes/analytic_scene.h"
 #include "fields/scenes/drawn_scene.h"
-#include "fields/training/confidence_of_views.h"
+#include "fields/training/view_confidence.h"
 
 namespace kinora::fields {
 namespace {
@@ -29,46 +29,46 @@ const Field& ball_field() {
 Confidence seen(int frames, double angle = 0) {
   PixelStore store(1'000'000, static_cast<std::size_t>(frames));
   for (int i = 0; i < frames; ++i) store.add(kScene.frame(i, angle), i);
-  return confidence_of_views({store, kBall, kStill}, ball_field());
+  return view_confidence({store, kBall, kStill}, ball_field());
 }
 
 /// Of the ball's surface out along a unit vector.
 float at(const Confidence& confidence, const Eigen::Vector3d& out) {
   const FieldBox& box = ball_field().config.box;
-  const Eigen::Vector3f place = ((kScene.centre + kScene.radius * out - box.origin) / box.side).cast<float>();
-  return confidence.at({place.x(), place.y(), place.z()}, out.cast<float>());
+  const Eigen::Vector3f position = ((kScene.centre + kScene.radius * out - box.origin) / box.side).cast<float>();
+  return confidence.at({position.x(), position.y(), position.z()}, out.cast<float>());
 }
 
 /// Degrees away from the camera that stood before the ball, towards x.
-Eigen::Vector3d turned(double degrees) {
+Eigen::Vector3d rotated(double degrees) {
   const double angle = degrees * EIGEN_PI / 180;
   return {std::sin(angle), 0, -std::cos(angle)};
 }
 
 TEST(Confidence, IsHighInFrontNothingBehindAndFallsTowardsTheRim) {
   const Confidence confidence = seen(kFrames);
-  EXPECT_GT(at(confidence, turned(0)), 0.8F);
-  EXPECT_GT(at(confidence, turned(20)), 0.8F);
-  EXPECT_LT(at(confidence, turned(70)), 0.5F * at(confidence, turned(0)));
-  EXPECT_GT(at(confidence, turned(55)), at(confidence, turned(75)));
-  for (const double behind : {95.0, 120.0, 150.0, 180.0}) EXPECT_LT(at(confidence, turned(behind)), 0.05F) << behind;
+  EXPECT_GT(at(confidence, rotated(0)), 0.8F);
+  EXPECT_GT(at(confidence, rotated(20)), 0.8F);
+  EXPECT_LT(at(confidence, rotated(70)), 0.5F * at(confidence, rotated(0)));
+  EXPECT_GT(at(confidence, rotated(55)), at(confidence, rotated(75)));
+  for (const double behind : {95.0, 120.0, 150.0, 180.0}) EXPECT_LT(at(confidence, rotated(behind)), 0.05F) << behind;
 }
 
 TEST(Confidence, FollowsTheCameraAroundTheBall) {
   for (const double angle : {0.4, 1.2, 2.9}) {
     const Confidence confidence = seen(kFrames, angle);
-    const Eigen::Vector3d front = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * turned(0);
+    const Eigen::Vector3d front = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * rotated(0);
     EXPECT_GT(at(confidence, front), 0.8F) << angle;
     EXPECT_LT(at(confidence, -front), 0.05F) << angle;
   }
 }
 
 TEST(Confidence, OfWhatWasSeenOnceFromTheFrontIsAboutOneHalfAndGrowsWithEveryView) {
-  EXPECT_NEAR(at(seen(1), turned(0)), 0.5, 0.2);
+  EXPECT_NEAR(at(seen(1), rotated(0)), 0.5, 0.2);
   Confidence before = seen(1);
   for (const int frames : {2, 5, 12, 30}) {
     const Confidence more = seen(frames);
-    EXPECT_GT(at(more, turned(0)), at(before, turned(0))) << frames;
+    EXPECT_GT(at(more, rotated(0)), at(before, rotated(0))) << frames;
     for (std::size_t b = 0; b < more.levels().size(); ++b) {
       for (std::size_t d = 0; d < Confidence::kNormals; ++d) EXPECT_GE(more.levels()[b][d], before.levels()[b][d]);
     }
@@ -80,8 +80,8 @@ TEST(Confidence, OfWhatWasSeenOnceFromTheFrontIsAboutOneHalfAndGrowsWithEveryVie
 TEST(Confidence, DoesNotDependOnHowManyPixelsAreStored) {
   PixelStore store(kFrames * kWidth * kHeight / 2, kFrames);
   for (int i = 0; i < kFrames; ++i) store.add(kScene.frame(i, 0), i);
-  const Confidence half = confidence_of_views({store, kBall, kStill}, ball_field());
-  EXPECT_NEAR(at(half, turned(0)), at(seen(kFrames), turned(0)), 0.05);
+  const Confidence half = view_confidence({store, kBall, kStill}, ball_field());
+  EXPECT_NEAR(at(half, rotated(0)), at(seen(kFrames), rotated(0)), 0.05);
 }
 
 TEST(Confidence, OfALayerThatMovesIsInItsCanonicalSpace) {
@@ -95,18 +95,17 @@ TEST(Confidence, OfALayerThatMovesIsInItsCanonicalSpace) {
     poses.push_back({pose, motion::Health::kTracked});
     store.add(kScene.frame(i, 0), i);
   }
-  const Confidence confidence =
-      confidence_of_views({store, kBall, motion::Motion::rigid(std::move(poses))}, ball_field());
-  EXPECT_GT(at(confidence, turned(0)), 0.8F);
-  EXPECT_GT(at(confidence, turned(180)), 0.8F);
-  EXPECT_LT(at(confidence, turned(90)), 0.3F);
+  const Confidence confidence = view_confidence({store, kBall, motion::Motion::rigid(std::move(poses))}, ball_field());
+  EXPECT_GT(at(confidence, rotated(0)), 0.8F);
+  EXPECT_GT(at(confidence, rotated(180)), 0.8F);
+  EXPECT_LT(at(confidence, rotated(90)), 0.3F);
 }
 
 class DrawnConfidence : public ::testing::Test {
 protected:
   Picture draw(double degrees, const DrawOptions& options = {.confidence = true}) const {
     const PosedField posed{&field_};
-    return render({&posed, 1}, camera_at(kScene.centre + 1.2 * turned(degrees), kScene.centre), options);
+    return render({&posed, 1}, camera_at(kScene.centre + 1.2 * rotated(degrees), kScene.centre), options);
   }
   DrawableField field_{ball_field(), nullptr, seen(kFrames)};
 };
@@ -140,7 +139,7 @@ TEST_F(DrawnConfidence, IsNothingForFieldsOfWhichItIsNotKnown) {
   const DrawableField unknown(ball_field());
   const PosedField posed{&unknown};
   const Picture picture =
-      render({&posed, 1}, camera_at(kScene.centre + 1.2 * turned(0), kScene.centre), {.confidence = true});
+      render({&posed, 1}, camera_at(kScene.centre + 1.2 * rotated(0), kScene.centre), {.confidence = true});
   for (const std::uint8_t confidence : picture.confidence.values()) EXPECT_EQ(confidence, 0);
 }
 
@@ -158,7 +157,7 @@ TEST_F(DrawnConfidence, FadesWhatWasNeverSeenAndKeepsTheRest) {
 TEST_F(DrawnConfidence, FadesNoFieldOfWhichItIsNotKnown) {
   const DrawableField unknown(ball_field());
   const PosedField posed{&unknown};
-  const Camera camera = camera_at(kScene.centre + 1.2 * turned(180), kScene.centre);
+  const Camera camera = camera_at(kScene.centre + 1.2 * rotated(180), kScene.centre);
   const Picture kept = render({&posed, 1}, camera);
   const Picture faded = render({&posed, 1}, camera, {.unseen = Unseen::kFade});
   EXPECT_TRUE(std::ranges::equal(kept.color.values(), faded.color.values()));

@@ -103,7 +103,7 @@ TEST(Reference, RayWithoutSamplesIsTransparentAndHasNoGradient) {
   RandomRays given;
   Parameters<double> gradient = given.parameters.zeros();
   RayTarget target;
-  target.own = false;
+  target.foreground = false;
   EXPECT_EQ(reference::ray_loss<double>(given.field.config, given.levels, given.parameters, {}, target, given.weights,
                                         1.0, &gradient),
             0.0);

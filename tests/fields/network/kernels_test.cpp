@@ -5,8 +5,8 @@
 #include "fields/network/reference.h"
 #include "fields/scenes/random_field.h"
 #include "fields/training/adam.h"
+#include "fields/training/field_optimizer.h"
 #include "fields/training/loss_reference.h"
-#include "fields/training/optimizer.h"
 #include "support/every_instruction_set.h"
 
 namespace kinora::fields {
@@ -131,10 +131,10 @@ TEST(FieldOptimizer, LeavesOutOnlyWhatDoesNotMatter) {
     return gradient;
   };
   const FieldOptimizer::Gradient all = gradient_without(0);
-  const FieldOptimizer::Gradient most = gradient_without(5e-3F);
+  const FieldOptimizer::Gradient fewest_gradients = gradient_without(5e-3F);
   const std::vector<double> exact(all.table.begin(), all.table.end());
-  EXPECT_NE(all.table, most.table);
-  EXPECT_LT(relative_difference(most.table, exact), 0.05);
+  EXPECT_NE(all.table, fewest_gradients.table);
+  EXPECT_LT(relative_difference(fewest_gradients.table, exact), 0.05);
   const FieldOptimizer::Gradient none = gradient_without(1e9F);
   EXPECT_TRUE(std::all_of(none.table.begin(), none.table.end(), [](float g) { return g == 0; }));
   EXPECT_EQ(none.color_net, all.color_net); // of rays, not of samples

@@ -37,28 +37,28 @@ struct Board {
 
 struct Chosen {
   FieldConfig config;
-  FieldNeed need;
+  FieldRequirements requirements;
 };
 
 Chosen choose(const std::vector<ingest::Frame>& frames, const motion::Motion& motion = motion::Motion::still()) {
   PixelStore store(1'000'000, frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) store.add(frames[i], static_cast<int>(i));
   Chosen chosen;
-  chosen.config = choose_field_config({store, kBoard, motion}, &chosen.need);
+  chosen.config = choose_field_config({store, kBoard, motion}, &chosen.requirements);
   return chosen;
 }
 
 TEST(FieldSize, HalvesItsCellsPerSideForASurfaceSeenFromTwiceAsFar) {
   const Chosen near = choose({Board{.depth = 1}.frame()});
   const Chosen far = choose({Board{.depth = 2}.frame()});
-  EXPECT_NEAR(near.need.footprint, 1 / 300.0, 1e-6);
-  EXPECT_NEAR(near.config.cell_size(), near.need.footprint, 0.01 * near.need.footprint);
+  EXPECT_NEAR(near.requirements.footprint, 1 / 300.0, 1e-6);
+  EXPECT_NEAR(near.config.cell_size(), near.requirements.footprint, 0.01 * near.requirements.footprint);
   EXPECT_NEAR(static_cast<double>(far.config.finest_resolution) / near.config.finest_resolution, 0.5, 0.02);
 }
 
 TEST(FieldSize, IsThatOfTheNearestLooks) {
   const Chosen both = choose({Board{.depth = 2}.frame(), Board{.depth = 1}.frame()});
-  EXPECT_NEAR(both.need.footprint, 1 / 300.0, 1e-6);
+  EXPECT_NEAR(both.requirements.footprint, 1 / 300.0, 1e-6);
 }
 
 TEST(FieldSize, HoldsTheLayerAndLittleElse) {
@@ -90,8 +90,8 @@ TEST(FieldSize, GivesMoreSurfaceLargerTables) {
   const Chosen strip = choose({Board{.height = 0.07}.frame()});
   const Chosen board = choose({Board{}.frame()});
   EXPECT_EQ(strip.config.finest_resolution, board.config.finest_resolution);
-  EXPECT_NEAR(board.need.surface_cells, std::pow(0.7 * 300, 2), 0.1 * std::pow(0.7 * 300, 2));
-  EXPECT_NEAR(strip.need.surface_cells / board.need.surface_cells, 0.1, 0.03);
+  EXPECT_NEAR(board.requirements.surface_cells, std::pow(0.7 * 300, 2), 0.1 * std::pow(0.7 * 300, 2));
+  EXPECT_NEAR(strip.requirements.surface_cells / board.requirements.surface_cells, 0.1, 0.03);
   EXPECT_EQ(strip.config.log2_table_size, 13);
   EXPECT_EQ(board.config.log2_table_size, 15);
 }

@@ -226,13 +226,13 @@ TEST(Drawing, ShowsTheSameWhicheverPixelsAreDrawnFirst) {
   EXPECT_GT(10 * std::log10(255 * 255 / (squared / count)), 50) << "largest difference " << largest;
 }
 
-/// Nodes everywhere in the box; each turned about the vertical by `bend` times its height.
-motion::Warp twisted(const std::shared_ptr<const motion::DeformationGraph>& graph, double bend, const SE3& pose) {
+/// Nodes everywhere in the box; each turned about the vertical by `twist` times its height.
+motion::Warp twisted(const std::shared_ptr<const motion::DeformationGraph>& graph, double twist, const SE3& pose) {
   std::vector<DualQuaternion> nodes;
   for (const Eigen::Vector3d& node : graph->nodes()) {
-    SE3 turn = SE3::Identity();
-    turn.rotate(Eigen::AngleAxisd(bend * node.y(), Eigen::Vector3d::UnitY()));
-    nodes.push_back(DualQuaternion::from(pose * turn));
+    SE3 rotation = SE3::Identity();
+    rotation.rotate(Eigen::AngleAxisd(twist * node.y(), Eigen::Vector3d::UnitY()));
+    nodes.push_back(DualQuaternion::from(pose * rotation));
   }
   return {graph, nodes};
 }
@@ -241,17 +241,17 @@ TEST(Drawing, ADeformingLayerThatMovesAsOneIsDrawnAsARigidOne) {
   const auto graph = graph_of_box();
   const PaintedBall ball{{0.05, -0.02, 0.1}, 0.25};
   const DrawableField field(painted_field(kBox, ball), graph.get());
-  SE3 place = SE3::Identity();
-  place.rotate(Eigen::AngleAxisd(0.8, Eigen::Vector3d(3, 1, 2).normalized()));
-  place.pretranslate(Eigen::Vector3d(0.3, 0.1, 2));
+  SE3 canonical_to_world = SE3::Identity();
+  canonical_to_world.rotate(Eigen::AngleAxisd(0.8, Eigen::Vector3d(3, 1, 2).normalized()));
+  canonical_to_world.pretranslate(Eigen::Vector3d(0.3, 0.1, 2));
   const Camera camera = camera_at({0, 0, 0}, {0.3, 0.1, 2}, 192, 144);
-  const PosedField bent = pose(field, twisted(graph, 0, place));
-  const Picture picture = render({&bent, 1}, camera);
-  const BallError error = compare_ball(picture, camera, ball, place);
+  const PosedField posed_field = pose(field, twisted(graph, 0, canonical_to_world));
+  const Picture picture = render({&posed_field, 1}, camera);
+  const BallError error = compare_ball(picture, camera, ball, canonical_to_world);
   EXPECT_LT(error.depth, 0.8 * kCell);
   EXPECT_LT(error.color, 0.03);
   EXPECT_GT(error.overlap, 0.94);
-  EXPECT_GT(psnr(picture, draw(field, camera, place)), 30);
+  EXPECT_GT(psnr(picture, draw(field, camera, canonical_to_world)), 30);
 }
 
 /// Mean difference of a picture's colours from those of a ball that is twisted about the vertical, by `twist` radians
@@ -282,8 +282,8 @@ TEST(Drawing, ATwistedLayerShowsTheCanonicalPointsThatTheWarpCarriesThere) {
   const DrawableField field(painted_field(kBox, ball), graph.get());
   const motion::Warp warp = twisted(graph, kTwist, SE3::Identity());
   const Camera camera = camera_at({0.5, 0.2, -1.1}, {0, 0, 0}, 192, 144);
-  const PosedField bent = pose(field, warp);
-  const Picture picture = render({&bent, 1}, camera);
+  const PosedField posed_field = pose(field, warp);
+  const Picture picture = render({&posed_field, 1}, camera);
   const Picture untwisted = draw(field, camera);
   EXPECT_NEAR(static_cast<double>(drawn_pixels(picture)) / static_cast<double>(drawn_pixels(untwisted)), 1, 0.03);
   const double error = color_error_of_twisted(ball, kTwist, camera, picture);

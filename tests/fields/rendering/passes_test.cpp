@@ -27,16 +27,16 @@ Picture with_normals(const PosedField& posed, const Camera& camera) {
 TEST(Normals, OfABallAreWithinDegreesOfTheTruthFromAllSidesAndInAnyPose) {
   const PaintedBall ball;
   const DrawableField field(painted_field(kBox, ball));
-  SE3 place = SE3::Identity();
-  place.rotate(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized()));
-  place.pretranslate(Eigen::Vector3d(3, -7, 10));
+  SE3 canonical_to_world = SE3::Identity();
+  canonical_to_world.rotate(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized()));
+  canonical_to_world.pretranslate(Eigen::Vector3d(3, -7, 10));
   for (int i = 0; i < 6; ++i) {
     const double a = 2 * std::numbers::pi * i / 6;
-    const Eigen::Vector3d centre = place.translation();
+    const Eigen::Vector3d centre = canonical_to_world.translation();
     const Camera camera = camera_at(centre + Eigen::Vector3d(1.1 * std::sin(a), 0.5, 1.1 * std::cos(a)), centre);
-    const NormalError error = normal_error(with_normals({&field, place}, camera), camera, [&](const auto& point) {
-      return Eigen::Vector3d((point - centre).normalized());
-    });
+    const NormalError error =
+        normal_error(with_normals({&field, canonical_to_world}, camera), camera,
+                     [&](const auto& point) { return Eigen::Vector3d((point - centre).normalized()); });
     EXPECT_LT(error.mean, 2.5);
     EXPECT_LT(error.worst, 8);
   }

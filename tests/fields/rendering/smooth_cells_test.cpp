@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kTile = TriangleBins::kTile;
 
-/// Cells whose anchors see a surface at `place`, relative to the box, where `has` says so.
+/// Cells whose anchors see a surface at `position`, relative to the box, where `has` says so.
 SmoothCells cells_of(
     const std::function<float(float, float)>& depth,
     const std::function<bool(std::uint32_t)>& has = [](std::uint32_t) { return true; }) {
@@ -24,7 +24,7 @@ SmoothCells cells_of(
     const float z = depth(x, y);
     cells.set(p, {z, 1, 0, {0.001F * x, 0.001F * y, z}, {0, 0, 0.001F}});
   }
-  cells.judge(0.002F);
+  cells.find_smooth_cells(0.002F);
   return cells;
 }
 

@@ -17,7 +17,7 @@ bool is_corner(std::uint32_t pixel) {
 }
 
 /// Slopes of colour and depth, as one layer shows them; nothing at the pixels between.
-Sample slope(std::uint32_t pixel) {
+Sample gradient(std::uint32_t pixel) {
   const auto u = static_cast<float>(pixel % kTile);
   const std::uint32_t row = pixel / kTile;
   const auto v = static_cast<float>(row);
@@ -27,57 +27,58 @@ Sample slope(std::uint32_t pixel) {
   sample.normal = Eigen::Vector3f::UnitZ();
   return sample;
 }
-TileSamples slopes() {
+TileSamples gradients() {
   TileSamples samples;
   samples.clear();
   for (std::uint32_t p = 0; p < kTile * kTile; ++p) {
-    if (!is_between(p)) samples[p] = slope(p);
+    if (!is_between(p)) samples[p] = gradient(p);
   }
   return samples;
 }
 
 /// How many pixels between others are filled when `change` has been made to those in one place.
-std::size_t filled_around(std::uint32_t place, const std::function<void(Sample&)>& change) {
-  TileSamples samples = slopes();
-  change(samples[place]);
+std::size_t filled_among_neighbours(std::uint32_t centre, const std::function<void(Sample&)>& change) {
+  TileSamples samples = gradients();
+  change(samples[centre]);
   std::size_t filled = 0;
-  for (const std::uint32_t p : {place - 1, place + 1, place - kTile, place + kTile}) filled += samples.fill(p) ? 1 : 0;
+  for (const std::uint32_t p : {centre - 1, centre + 1, centre - kTile, centre + kTile})
+    filled += samples.fill(p) ? 1 : 0;
   return filled;
 }
 
 TEST(TileSamples, WhatLiesBetweenOnASlopeIsItsMiddle) {
-  TileSamples samples = slopes();
+  TileSamples samples = gradients();
   for (std::uint32_t p = 0; p < kTile * kTile; ++p) {
     if (!is_between(p)) continue;
     ASSERT_EQ(samples.fill(p), !is_corner(p)) << p;
     if (is_corner(p)) continue;
-    const Sample expected = slope(p);
+    const Sample expected = gradient(p);
     EXPECT_TRUE(samples[p].color.isApprox(expected.color, 1e-5F)) << p;
     EXPECT_NEAR(samples[p].depth, expected.depth, 1e-5F);
     EXPECT_TRUE(samples[p].normal.isApprox(expected.normal));
     EXPECT_EQ(samples[p].front, expected.front);
-    EXPECT_EQ(samples[p].most, samples[p].color[3]);
+    EXPECT_EQ(samples[p].max_share, samples[p].color[3]);
   }
 }
 
 TEST(TileSamples, NothingIsFilledBesideOneThatDiffers) {
-  for (const std::uint32_t place : {kTile * 7 + 5, kTile * 1 + 1, kTile * 14 + 14}) {
-    EXPECT_EQ(filled_around(place, [](Sample&) {}), 4U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.color[1] += 10.0F / 255; }), 0U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.color[2] -= 10.0F / 255; }), 0U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.depth *= 1.04F; }), 0U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.depth *= 0.96F; }), 0U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.front = 1; }), 0U);
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample.most -= 0.01F; }), 0U) << "two layers";
-    EXPECT_EQ(filled_around(place, [](Sample& sample) { sample = {}; }), 0U) << "nothing there";
+  for (const std::uint32_t centre : {kTile * 7 + 5, kTile * 1 + 1, kTile * 14 + 14}) {
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample&) {}), 4U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.color[1] += 10.0F / 255; }), 0U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.color[2] -= 10.0F / 255; }), 0U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.depth *= 1.04F; }), 0U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.depth *= 0.96F; }), 0U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.front = 1; }), 0U);
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample.max_share -= 0.01F; }), 0U) << "two layers";
+    EXPECT_EQ(filled_among_neighbours(centre, [](Sample& sample) { sample = {}; }), 0U) << "nothing there";
   }
 }
 
 TEST(TileSamples, NothingIsFilledWhereLightPasses) {
-  TileSamples samples = slopes();
+  TileSamples samples = gradients();
   for (std::uint32_t p = 0; p < kTile * kTile; ++p) {
     samples[p].color *= 0.9F;
-    samples[p].most *= 0.9F;
+    samples[p].max_share *= 0.9F;
   }
   for (std::uint32_t p = 0; p < kTile * kTile; ++p) EXPECT_FALSE(is_between(p) && samples.fill(p)) << p;
 }
@@ -86,7 +87,7 @@ TEST(TileSamples, ALineOnePixelWideIsNotFilledOver) {
   for (std::uint32_t line = 0; line < kTile; ++line) {
     for (const bool upright : {false, true}) {
       const auto is_on_line = [&](std::uint32_t p) { return (upright ? p % kTile : p / kTile) == line; };
-      TileSamples samples = slopes();
+      TileSamples samples = gradients();
       for (std::uint32_t p = 0; p < kTile * kTile; ++p) {
         if (!is_between(p) && is_on_line(p)) samples[p].color[2] = 0.9F;
       }

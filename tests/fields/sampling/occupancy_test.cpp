@@ -20,9 +20,9 @@ TEST(Occupancy, IsMarkedAlongAPieceOfARayAndNowhereElse) {
       // Some rays run along an axis.
       ray.direction[a] = random.below(4) == 0 ? 0.0F : random.uniform() - 0.5F;
     }
-    const Interval piece{0.5F, 1.5F};
+    const Interval segment{0.5F, 1.5F};
     Occupancy occupancy(64);
-    mark_occupied(occupancy, ray, piece);
+    mark_occupied(occupancy, ray, segment);
     Occupancy touched(64);
     for (int s = 0; s <= 4000; ++s) {
       const std::array<float, 3> at = point_at(ray, 0.5F + static_cast<float>(s) / 4000);
@@ -66,7 +66,7 @@ TEST_P(OccupiedPointsOn, AreThoseOfAPlainLoop) {
   const OccupiedPoints occupied(occupancy);
   std::size_t found = 0;
   std::size_t asked = 0;
-  for (std::size_t rays = 0; rays <= RayPoints::kMostRays; ++rays) {
+  for (std::size_t rays = 0; rays <= RayPoints::kMaxRays; ++rays) {
     RayPoints points;
     std::vector<FieldRay> chosen;
     for (std::size_t r = 0; r < rays; ++r) {
@@ -77,7 +77,7 @@ TEST_P(OccupiedPointsOn, AreThoseOfAPlainLoop) {
       }
       chosen.push_back(ray);
       points.append(ray);
-      points.points[r] = static_cast<std::int32_t>(random.below(RayPoints::kMostPoints + 1));
+      points.points[r] = static_cast<std::int32_t>(random.below(RayPoints::kMaxPoints + 1));
       for (auto& depth : points.depth) depth[r] = random.uniform();
     }
     points.occupied.fill(0xABCD);

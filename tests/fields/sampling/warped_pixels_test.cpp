@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 #include "fields/sampling/ray_sampler.h"
-#include "fields/sampling/seen_space.h"
+#include "fields/sampling/space_observations.h"
 #include "fields/sampling/surface_band.h"
 #include "fields/sampling/warped_pixels.h"
 #include "fields/scenes/bending_sheet.h"
@@ -45,30 +45,30 @@ struct Sheet {
     config = choose_field_config({performance.store, 1, performance.motion});
     occupancy = RaySampler({performance.store, 1, performance.motion}, config, {}).occupancy();
   }
-  SeenSpace space() const {
-    return see_occupied_space({performance.store, 1, performance.motion}, config, occupancy, 0.05F);
+  SpaceObservations space() const {
+    return observe_occupied_space({performance.store, 1, performance.motion}, config, occupancy, 0.05F);
   }
 };
 
 TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
   const Sheet sheet;
   const PixelStore& store = sheet.performance.store;
-  const auto own = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
+  const auto warped = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
   std::size_t measured = 0;
   for (const StoredPixel& pixel : store.pixels()) measured += pixel.label == 1 && pixel.depth.is_known() ? 1 : 0;
-  EXPECT_EQ(own.size(), measured);
-  for (std::size_t i = 0; i < own.size(); i += 37) {
-    const StoredPixel& pixel = store.pixels()[own[i].pixel];
-    const motion::Warp warp = sheet.performance.motion.warp(frame_of(store, own[i].pixel).frame);
+  EXPECT_EQ(warped.size(), measured);
+  for (std::size_t i = 0; i < warped.size(); i += 37) {
+    const StoredPixel& pixel = store.pixels()[warped[i].pixel];
+    const motion::Warp warp = sheet.performance.motion.warp(frame_of(store, warped[i].pixel).frame);
     const float depth = pixel.depth.metres();
     const double band = surface_band(sheet.config, depth);
     for (const double behind : {-band, -0.5 * band, 0.0, band}) {
-      Eigen::Vector3d place = canonical_point(sheet.config.box, own[i].ray, depth + behind);
-      const auto& bend = own[i].bends[behind > 0 ? 1 : 0];
-      place += behind * behind * sheet.config.box.side * Eigen::Vector3f(bend.data()).cast<double>();
-      const auto world = warp.to_world(place);
+      Eigen::Vector3d position = canonical_point(sheet.config.box, warped[i].ray, depth + behind);
+      const auto& curvature = warped[i].curvatures[behind > 0 ? 1 : 0];
+      position += behind * behind * sheet.config.box.side * Eigen::Vector3f(curvature.data()).cast<double>();
+      const auto world = warp.to_world(position);
       ASSERT_TRUE(world);
-      EXPECT_LT((*world - world_point(store, own[i].pixel, depth + behind)).norm(), 5e-4);
+      EXPECT_LT((*world - world_point(store, warped[i].pixel, depth + behind)).norm(), 5e-4);
     }
   }
 }
@@ -76,18 +76,18 @@ TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
 TEST(WarpedPixels, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
   const Sheet sheet;
   const PixelStore& store = sheet.performance.store;
-  const SeenSpace space = sheet.space();
-  ASSERT_GT(space.empty.size(), 1000U); // the wall is seen past the sheet's rim
-  for (std::size_t i = 0; i < space.empty.size(); i += 17) {
-    const SeenPiece& piece = space.empty[i];
-    const StoredPixel& pixel = store.pixels()[piece.pixel];
-    EXPECT_LT(piece.piece.begin, piece.piece.end);
-    EXPECT_LE(piece.piece.end, pixel.label == 1 ? pixel.depth.metres() : empty_until(pixel));
-    const double middle = 0.5 * (static_cast<double>(piece.piece.begin) + static_cast<double>(piece.piece.end));
-    const auto world = sheet.performance.motion.warp(frame_of(store, piece.pixel).frame)
-                           .to_world(canonical_point(sheet.config.box, piece.ray, middle));
+  const SpaceObservations space = sheet.space();
+  ASSERT_GT(space.free_space.size(), 1000U); // the wall is seen past the sheet's rim
+  for (std::size_t i = 0; i < space.free_space.size(); i += 17) {
+    const RaySegment& segment = space.free_space[i];
+    const StoredPixel& pixel = store.pixels()[segment.pixel];
+    EXPECT_LT(segment.segment.begin, segment.segment.end);
+    EXPECT_LE(segment.segment.end, pixel.label == 1 ? pixel.depth.metres() : free_space_until(pixel));
+    const double middle = 0.5 * (static_cast<double>(segment.segment.begin) + static_cast<double>(segment.segment.end));
+    const auto world = sheet.performance.motion.warp(frame_of(store, segment.pixel).frame)
+                           .to_world(canonical_point(sheet.config.box, segment.ray, middle));
     ASSERT_TRUE(world);
-    EXPECT_LT((*world - world_point(store, piece.pixel, middle)).norm(), 2e-3);
+    EXPECT_LT((*world - world_point(store, segment.pixel, middle)).norm(), 2e-3);
   }
 }
 
@@ -104,16 +104,16 @@ TEST(WarpedPixels, WithoutDepthBeginWhereTheyFirstMeetTheLayer) {
   }
   PixelStore store(1'000'000, 1);
   store.add(blind, 4);
-  const SeenSpace space =
-      see_occupied_space({store, 1, sheet.performance.motion}, sheet.config, sheet.occupancy, 0.05F);
+  const SpaceObservations space =
+      observe_occupied_space({store, 1, sheet.performance.motion}, sheet.config, sheet.occupancy, 0.05F);
   EXPECT_GT(space.unmeasured.size(), sheet_pixels * 9 / 10);
-  for (const SeenPiece& found : space.unmeasured) {
+  for (const RaySegment& found : space.unmeasured) {
     const StoredPixel& pixel = store.pixels()[found.pixel];
     EXPECT_EQ(pixel.label, 1);
     const float depth = truth.depth.at(pixel.u, pixel.v);
-    EXPECT_GT(found.piece.begin, depth - 0.1F);
-    EXPECT_LT(found.piece.begin, depth + 0.05F);
-    EXPECT_GT(found.piece.end, found.piece.begin);
+    EXPECT_GT(found.segment.begin, depth - 0.1F);
+    EXPECT_LT(found.segment.begin, depth + 0.05F);
+    EXPECT_GT(found.segment.end, found.segment.begin);
   }
 }
 
@@ -123,13 +123,13 @@ TEST(WarpedPixels, AreTheSameForAnyNumberOfThreads) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
   };
   set_thread_count(1);
-  const auto own = warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config);
-  const SeenSpace space = sheet.space();
+  const auto warped = warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config);
+  const SpaceObservations space = sheet.space();
   for (const int threads : {2, 7}) {
     set_thread_count(threads);
-    EXPECT_TRUE(
-        bytes_equal(own, warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config)));
-    EXPECT_TRUE(bytes_equal(space.empty, sheet.space().empty));
+    EXPECT_TRUE(bytes_equal(
+        warped, warp_measured_pixels({sheet.performance.store, 1, sheet.performance.motion}, sheet.config)));
+    EXPECT_TRUE(bytes_equal(space.free_space, sheet.space().free_space));
   }
   set_thread_count(0);
 }

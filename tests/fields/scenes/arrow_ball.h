@@ -25,8 +25,8 @@ struct ArrowBall {
   }
   /// The colour of a ball that is turned so, sRGB in [0, 1].
   Eigen::Array3d expected(const Eigen::Matrix3d& rotation) const {
-    const Eigen::Array3d turned = 0.5 + arrow * rotation.col(0).array();
-    return 1 / (1 + (4 - 8 * turned).exp());
+    const Eigen::Array3d rotated = 0.5 + arrow * rotation.col(0).array();
+    return 1 / (1 + (4 - 8 * rotated).exp());
   }
 };
 

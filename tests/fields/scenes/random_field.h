@@ -29,7 +29,7 @@ inline Field random_field(std::uint64_t seed, float table_scale = 0.5F, Geometry
   return field;
 }
 
-inline Turn random_turn(Random& random) {
+inline Rotation random_rotation(Random& random) {
   Eigen::Vector4f q;
   for (float& x : q) x = random.uniform() - 0.5F;
   q.normalize();
@@ -53,14 +53,14 @@ inline RayBatch random_rays(std::uint64_t seed, std::size_t count) {
     }
     batch.first_sample.push_back(static_cast<std::uint32_t>(batch.samples.size()));
     RayTarget target;
-    target.own = random.below(4) != 0;
+    target.foreground = random.below(4) != 0;
     if (random.below(4) != 0) {
       target.depth = 1.1F;
       target.inverse_band = 1 / 0.07F;
       target.lengths_per_depth = 9;
     }
     for (float& c : target.color) c = random.uniform();
-    target.turn = random_turn(random);
+    target.rotation = random_rotation(random);
     batch.targets.push_back(target);
   }
   return batch;

@@ -24,9 +24,9 @@ struct Scan {
 
   SE3 camera_to_world(int i) const {
     const double t = moves ? 0.4 * i : 0;
-    const Eigen::Vector3d turn(0.15 * std::sin(0.7 * t), 0.3 * std::sin(t), 0.3 * std::sin(1.3 * t));
-    const Eigen::Vector3d place(0.2 * std::cos(t) - 0.2, 0.1 * std::sin(0.9 * t), 0.15 * std::sin(1.7 * t));
-    return exp_se3((Twist() << place, turn).finished());
+    const Eigen::Vector3d rotation(0.15 * std::sin(0.7 * t), 0.3 * std::sin(t), 0.3 * std::sin(1.3 * t));
+    const Eigen::Vector3d position(0.2 * std::cos(t) - 0.2, 0.1 * std::sin(0.9 * t), 0.15 * std::sin(1.7 * t));
+    return exp_se3((Twist() << position, rotation).finished());
   }
 };
 

@@ -141,16 +141,16 @@ public:
         above_(depth.width(), depth.height()), below_(depth.width(), depth.height()) {}
 
   DepthImage run() {
-    const DepthImage sound = without_lone();
-    bridge_lone(sound);
+    const DepthImage valid = without_isolated();
+    bridge_isolated(valid);
     mark_steps();
     DepthImage kept(depth_.width(), depth_.height());
     for (int v = 0; v < depth_.height(); ++v)
       for (int u = 0; u < depth_.width(); ++u)
         if (depth_.at(u, v) > 0 && jump_.at(u, v) == 0 && !grazing(u, v)) kept.at(u, v) = depth_.at(u, v);
     DepthImage result = eroded(kept);
-    for (std::size_t i = 0; i < sound.values().size(); ++i)
-      if (sound.values()[i] <= 0) result.values()[i] = 0;
+    for (std::size_t i = 0; i < valid.values().size(); ++i)
+      if (valid.values()[i] <= 0) result.values()[i] = 0;
     return result;
   }
 
@@ -165,10 +165,10 @@ private:
   static float or_none(const DepthImage& depth, int u, int v) { return depth.contains(u, v) ? depth.at(u, v) : 0; }
 
   /// Without pixels that jump to all of their neighbours, at least one.
-  DepthImage without_lone() const {
-    DepthImage sound = measured_;
-    for (int v = 0; v < sound.height(); ++v) {
-      for (int u = 0; u < sound.width(); ++u) {
+  DepthImage without_isolated() const {
+    DepthImage valid = measured_;
+    for (int v = 0; v < valid.height(); ++v) {
+      for (int u = 0; u < valid.width(); ++u) {
         int neighbours = 0;
         bool is_joined = false;
         for (const auto& [x, y] : kAround) {
@@ -177,31 +177,31 @@ private:
           ++neighbours;
           is_joined = is_joined || near_enough(measured_.at(u, v), other);
         }
-        if (neighbours > 0 && !is_joined) sound.at(u, v) = 0;
+        if (neighbours > 0 && !is_joined) valid.at(u, v) = 0;
       }
     }
-    return sound;
+    return valid;
   }
 
-  void bridge_lone(const DepthImage& sound) {
-    for (int v = 0; v < sound.height(); ++v) {
-      for (int u = 0; u < sound.width(); ++u) {
-        if (measured_.at(u, v) <= 0 || sound.at(u, v) > 0) continue;
+  void bridge_isolated(const DepthImage& valid) {
+    for (int v = 0; v < valid.height(); ++v) {
+      for (int u = 0; u < valid.width(); ++u) {
+        if (measured_.at(u, v) <= 0 || valid.at(u, v) > 0) continue;
         float sum = 0;
         float count = 0;
         for (const auto& [x, y] : {kAround[1], kAround[3]}) {
-          const float before = or_none(sound, u - x, v - y);
-          const float after = or_none(sound, u + x, v + y);
+          const float before = or_none(valid, u - x, v - y);
+          const float after = or_none(valid, u + x, v + y);
           if (before <= 0 || after <= 0) continue;
           sum += before + after;
           count += 2;
         }
         if (count == 0) continue;
-        const bool goes_on = std::all_of(kAround.begin(), kAround.end(), [&](const auto& step) {
-          const float other = or_none(sound, u + step[0], v + step[1]);
+        const bool continues = std::all_of(kAround.begin(), kAround.end(), [&](const auto& step) {
+          const float other = or_none(valid, u + step[0], v + step[1]);
           return other <= 0 || near_enough(other, sum / count);
         });
-        if (goes_on) depth_.at(u, v) = sum / count;
+        if (continues) depth_.at(u, v) = sum / count;
       }
     }
   }
@@ -221,7 +221,7 @@ private:
     const int width = depth_.width();
     const int height = depth_.height();
     const auto longer = [this](std::uint8_t reach) {
-      return static_cast<std::uint8_t>(std::min<int>(reach + 1, limits_.slope_radius));
+      return static_cast<std::uint8_t>(std::min<int>(reach + 1, limits_.gradient_radius));
     };
     for (int v = 0; v < height; ++v) {
       for (int u = 1; u < width; ++u)
@@ -238,7 +238,7 @@ private:
   }
 
   /// Least-squares slope of depth per pixel at `z[0]`, over `behind` and `ahead` neighbours along `stride`.
-  static float slope(const float* z, std::ptrdiff_t stride, int behind, int ahead) {
+  static float gradient(const float* z, std::ptrdiff_t stride, int behind, int ahead) {
     if (behind == ahead) { // the usual case: the mean of x vanishes
       float sum_xz = 0, sum_xx = 0;
       for (int x = 1; x <= ahead; ++x) {
@@ -265,8 +265,8 @@ private:
   bool grazing(int u, int v) const {
     const float* at = depth_.pixel(u, v);
     const double z = *at;
-    const double z_u = slope(at, 1, left_.at(u, v), right_.at(u, v));
-    const double z_v = slope(at, depth_.width(), above_.at(u, v), below_.at(u, v));
+    const double z_u = gradient(at, 1, left_.at(u, v), right_.at(u, v));
+    const double z_v = gradient(at, depth_.width(), above_.at(u, v), below_.at(u, v));
     const double x = u - intrinsics_.cx;
     const double y = v - intrinsics_.cy;
     const Eigen::Vector3d normal(intrinsics_.fx * z_u, intrinsics_.fy * z_v, -z - x * z_u - y * z_v);
@@ -292,7 +292,7 @@ private:
   const DepthCleaning& limits_;
   const double square_of_min_sine_ = std::sin(limits_.min_incidence) * std::sin(limits_.min_incidence);
   Image<std::uint8_t> jump_; ///< 1 on both sides of a jump
-  /// Number of joined steps in each direction, at most `slope_radius`.
+  /// Number of joined steps in each direction, at most `gradient_radius`.
   Image<std::uint8_t> left_, right_, above_, below_;
 };
 

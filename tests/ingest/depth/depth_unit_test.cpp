@@ -16,20 +16,20 @@ DepthImage room(float scale) {
 }
 
 TEST(DepthUnit, IsNotDoubtedInARoom) {
-  EXPECT_EQ(doubt_about_unit(room(1)), "");
-  EXPECT_EQ(doubt_about_unit(room(0.25F)), "");
-  EXPECT_EQ(doubt_about_unit(room(4)), "");
+  EXPECT_EQ(depth_unit_warning(room(1)), "");
+  EXPECT_EQ(depth_unit_warning(room(0.25F)), "");
+  EXPECT_EQ(depth_unit_warning(room(4)), "");
 }
 
 TEST(DepthUnit, IsDoubtedWhereTheRoomWouldBeTooSmallOrTooLarge) {
-  EXPECT_NE(doubt_about_unit(room(0.1F)).find("nearer than"), std::string::npos);
-  EXPECT_NE(doubt_about_unit(room(0.001F)).find("depth_factor"), std::string::npos);
-  EXPECT_NE(doubt_about_unit(room(10)).find("beyond"), std::string::npos);
+  EXPECT_NE(depth_unit_warning(room(0.1F)).find("nearer than"), std::string::npos);
+  EXPECT_NE(depth_unit_warning(room(0.001F)).find("depth_factor"), std::string::npos);
+  EXPECT_NE(depth_unit_warning(room(10)).find("beyond"), std::string::npos);
 }
 
 TEST(DepthUnit, IsNotDoubtedWithoutMeasurements) {
-  EXPECT_EQ(doubt_about_unit(DepthImage(4, 4)), "");
-  EXPECT_EQ(doubt_about_unit(DepthImage()), "");
+  EXPECT_EQ(depth_unit_warning(DepthImage(4, 4)), "");
+  EXPECT_EQ(depth_unit_warning(DepthImage()), "");
 }
 
 } // namespace

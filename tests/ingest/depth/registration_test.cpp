@@ -21,12 +21,12 @@ RegistrationGeometry two_cameras() {
 /// Depth of a plane n·p = d of the depth camera as another camera sees it, exactly.
 DepthImage plane_seen_by(const Intrinsics& camera, const SE3& depth_to_camera, const Eigen::Vector3d& normal,
                          double distance) {
-  const Eigen::Vector3d turned = depth_to_camera.linear() * normal;
-  const double offset = distance + turned.dot(depth_to_camera.translation());
+  const Eigen::Vector3d rotated_normal = depth_to_camera.linear() * normal;
+  const double offset = distance + rotated_normal.dot(depth_to_camera.translation());
   DepthImage depth(camera.width, camera.height);
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u)
-      depth.at(u, v) = static_cast<float>(offset / turned.dot(camera.unproject(u, v, 1)));
+      depth.at(u, v) = static_cast<float>(offset / rotated_normal.dot(camera.unproject(u, v, 1)));
   return depth;
 }
 

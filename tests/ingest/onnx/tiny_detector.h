@@ -33,9 +33,9 @@ inline std::string joint_detector(std::uint64_t width, std::uint64_t height,
   std::vector<float> weights;
   std::vector<float> biases;
   for (std::size_t i = 0; i < joints; ++i) {
-    const Eigen::Vector3d slope = 0.9 * 255 / 120 * joint_direction(i);
-    for (int c = 0; c < 3; ++c) weights.push_back(static_cast<float>(slope[c] * deviation[c]));
-    biases.push_back(static_cast<float>(slope.dot(mean - grey)));
+    const Eigen::Vector3d gradient = 0.9 * 255 / 120 * joint_direction(i);
+    for (int c = 0; c < 3; ++c) weights.push_back(static_cast<float>(gradient[c] * deviation[c]));
+    biases.push_back(static_cast<float>(gradient.dot(mean - grey)));
   }
   return convolution(joints, weights, biases, width, height);
 }

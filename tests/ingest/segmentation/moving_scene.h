@@ -24,7 +24,7 @@ struct MovingScene {
   int frames = 24;
   bool has_body = true;  ///< a round body, wider than a limb, that walks to the right
   double speed = 0.03;   ///< metres per frame
-  bool carried = false;  ///< a hand moves and turns the camera, and its frames tell where it is …
+  bool warped = false;   ///< a hand moves and turns the camera, and its frames tell where it is …
   double told_wrong = 0; ///< … but for so many millimetres, and tenths of a degree, standard deviation of each axis
 
   static Intrinsics intrinsics() { return {160, 120, 140, 140, 79.5, 59.5}; }
@@ -34,7 +34,7 @@ struct MovingScene {
 
   SE3 camera_to_world(int i) const {
     SE3 pose = SE3::Identity();
-    if (!carried) return pose;
+    if (!warped) return pose;
     pose.translation() = Eigen::Vector3d(0.25 * std::sin(0.3 * i), 0.04 * std::sin(0.5 * i), 0);
     pose.rotate(Eigen::AngleAxisd(-0.1 * std::sin(0.3 * i), Eigen::Vector3d::UnitY()));
     return pose;

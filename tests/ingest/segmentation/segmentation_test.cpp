@@ -2,7 +2,7 @@
 
 #include "core/parallel.h"
 #include "ingest/depth/view_reprojection.h"
-#include "ingest/frame/segmentation_view.h"
+#include "ingest/frame/reduced_view.h"
 #include "ingest/images/plane_finder.h"
 #include "ingest/images/surface_components.h"
 #include "ingest/segmentation/flat_faces.h"
@@ -50,7 +50,7 @@ TEST(MotionSegmenter, TakesARoomInWhichNothingMovesForBackground) {
 
 TEST(MotionSegmenter, FindsABodyThatWalksBeforeACarriedCamera) {
   MovingScene scene;
-  scene.carried = true;
+  scene.warped = true;
   expect_body_labelled(scene, *prepared(scene));
 }
 
@@ -67,7 +67,7 @@ void expect_all_background(const MovingScene& scene) {
 
 TEST(MotionSegmenter, TakesAThingThatACarriedCameraLooksPastForBackground) {
   MovingScene scene;
-  scene.carried = true;
+  scene.warped = true;
   scene.speed = 0;
   expect_all_background(scene);
 }
@@ -75,7 +75,7 @@ TEST(MotionSegmenter, TakesAThingThatACarriedCameraLooksPastForBackground) {
 TEST(MotionSegmenter, TakesWhatPosesThatErrByMillimetresMoveForBackground) {
   MovingScene scene;
   scene.frames = 48;
-  scene.carried = true;
+  scene.warped = true;
   scene.speed = 0;
   scene.told_wrong = 3;
   expect_all_background(scene);
@@ -84,7 +84,7 @@ TEST(MotionSegmenter, TakesWhatPosesThatErrByMillimetresMoveForBackground) {
 TEST(MotionSegmenter, FindsABodyThatWalksThoughPosesErrByMillimetres) {
   MovingScene scene;
   scene.frames = 48;
-  scene.carried = true;
+  scene.warped = true;
   scene.speed = 0.015;
   scene.told_wrong = 3;
   expect_body_labelled(scene, *prepared(scene));
@@ -177,8 +177,8 @@ TEST(PlaneFinder, FindsFloorAndWallWithNormalsTowardsTheCamera) {
 
 TEST(SeenFrom, TheViewsOwnCameraSeesTheViewItself) {
   const MovingScene scene;
-  const SegmentationView view = segmentation_view(scene.frame(3), 1);
-  const SegmentationView same = seen_from({view.intrinsics, view.camera_to_world}, view);
+  const ReducedView view = reduced_view(scene.frame(3), 1);
+  const ReducedView same = reproject({view.intrinsics, view.camera_to_world}, view);
   EXPECT_TRUE(std::ranges::equal(same.depth.values(), view.depth.values()));
   EXPECT_TRUE(std::ranges::equal(same.color.values(), view.color.values()));
 }
@@ -186,10 +186,10 @@ TEST(SeenFrom, TheViewsOwnCameraSeesTheViewItself) {
 TEST(SeenFrom, AnotherCameraSeesTheSurfacesWhereTheyAreAndKnowsWhatItDoesNotSee) {
   MovingScene scene;
   scene.has_body = false;
-  const SegmentationView view = segmentation_view(scene.frame(0), 1);
+  const ReducedView view = reduced_view(scene.frame(0), 1);
   SE3 aside = SE3::Identity();
   aside.translation().x() = 0.5;
-  const SegmentationView seen = seen_from({view.intrinsics, aside}, view);
+  const ReducedView seen = reproject({view.intrinsics, aside}, view);
   EXPECT_NEAR(seen.depth.at(60, 20), 2.5, 0.05); // the wall
   EXPECT_EQ(seen.depth.at(155, 20), kUnseen);    // right of what the view shows
   EXPECT_NE(seen.depth.at(100, 110), kUnseen);   // the floor

@@ -17,7 +17,7 @@ struct Scene {
   Influence influence;
   Eigen::Vector3d point;
 
-  explicit Scene(std::uint64_t seed, double turn = 0.5) {
+  explicit Scene(std::uint64_t seed, double angle = 0.5) {
     Random random(seed);
     influence.count = 4;
     influence.weights = {0.4, 0.3, 0.2, 0.1};
@@ -26,9 +26,9 @@ struct Scene {
     for (int i = 0; i < 4; ++i) {
       influence.nodes[static_cast<std::size_t>(i)] = i;
       nodes.push_back(random_vector(random, 0.05));
-      Twist own;
-      own << random_vector(random, 0.05), random_vector(random, turn);
-      states.push_back(DualQuaternion::from(exp_se3(common) * exp_se3(own)), nodes.back());
+      Twist relative;
+      relative << random_vector(random, 0.05), random_vector(random, angle);
+      states.push_back(DualQuaternion::from(exp_se3(common) * exp_se3(relative)), nodes.back());
     }
     point = random_vector(random, 0.05);
   }
@@ -48,10 +48,10 @@ TEST(BlendedMotion, DerivativesAgreeWithDifferences) {
   for (std::uint64_t seed = 1; seed < 30; ++seed) {
     const Scene s(seed);
     const BlendedMotion blended = blend_motion(s.states, s.influence);
-    const Eigen::Vector3d place = blended.apply(s.point);
+    const Eigen::Vector3d position = blended.apply(s.point);
     const Eigen::Vector3d g(0.3, -0.5, 0.8);
     for (std::size_t slot = 0; slot < 4; ++slot) {
-      const Twist derivative = NodePart(s.states, s.influence, blended, slot).pulled_back(g, place.cross(g));
+      const Twist derivative = NodeJacobian(s.states, s.influence, blended, slot).pullback(g, position.cross(g));
       for (int i = 0; i < 6; ++i) {
         constexpr double kStep = 1e-6;
         const auto value = [&](double step) {
@@ -75,18 +75,19 @@ TEST(BlendedMotion, AQuaternionAndItsNegativeAreTheSameTransform) {
   EXPECT_LT((a.apply(s.point) - b.apply(s.point)).norm(), 1e-13);
   const Eigen::Vector3d g(1, 2, 3);
   for (std::size_t slot = 0; slot < 4; ++slot) {
-    const NodePart part(s.states, s.influence, a, slot);
-    const NodePart same(flipped, s.influence, b, slot);
-    EXPECT_LT((part.pulled_back(g, g) - same.pulled_back(g, g)).norm(), 1e-12);
+    const NodeJacobian part(s.states, s.influence, a, slot);
+    const NodeJacobian same(flipped, s.influence, b, slot);
+    EXPECT_LT((part.pullback(g, g) - same.pullback(g, g)).norm(), 1e-12);
   }
 }
 
 TEST(BlendedMotion, StaysFiniteWhereRotationsCancel) {
-  const testing::CancellingTurns turns;
-  const BlendedMotion blended = blend_motion(turns.states, turns.influence);
+  const testing::CancellingRotations rotations;
+  const BlendedMotion blended = blend_motion(rotations.states, rotations.influence);
   EXPECT_TRUE(blended.apply({1, 2, 3}).allFinite());
   for (std::size_t slot = 0; slot < 4; ++slot) {
-    EXPECT_TRUE(NodePart(turns.states, turns.influence, blended, slot).pulled_back({1, 0, 0}, {0, 1, 0}).allFinite());
+    EXPECT_TRUE(
+        NodeJacobian(rotations.states, rotations.influence, blended, slot).pullback({1, 0, 0}, {0, 1, 0}).allFinite());
   }
 }
 

@@ -25,7 +25,7 @@ TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
   std::vector<SkinnedPoint> points;
   for (int p = 0; p < 103; ++p) {
     Influence influence;
-    influence.count = 1 + p % Influence::kMost;
+    influence.count = 1 + p % Influence::kMax;
     double left = 1;
     for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
       influence.nodes[k] = static_cast<int>(random.below(40));
@@ -38,10 +38,10 @@ TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
   const LayerPose pose = pose_layer(points, states);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const BlendedMotion blended = blend_motion(states, points[p].influence());
-    const Eigen::Vector3d place = blended.apply(points[p].position.cast<double>());
+    const Eigen::Vector3d position = blended.apply(points[p].position.cast<double>());
     // Where rotations nearly cancel, rounding counts for more.
     const double tolerance = 1e-6 / std::min(1.0, blended.real_norm * blended.real_norm);
-    EXPECT_LT((pose.points[p].place.cast<double>() - place).norm(), 5 * tolerance) << p;
+    EXPECT_LT((pose.points[p].position.cast<double>() - position).norm(), 5 * tolerance) << p;
     EXPECT_LT((pose.points[p].normal.cast<double>() - blended.rotate(points[p].normal.cast<double>())).norm(),
               tolerance)
         << p;
@@ -49,9 +49,9 @@ TEST_P(LayerPoseTest, HasPointsWhereBlendingHasThem) {
 }
 
 TEST_P(LayerPoseTest, IsFiniteWhereRotationsCancel) {
-  const testing::CancellingTurns turns;
-  const std::vector<SkinnedPoint> points(1, SkinnedPoint({1, 2, 3}, {0, 0, 1}, turns.influence));
-  EXPECT_TRUE(pose_layer(points, turns.states).points[0].place.allFinite());
+  const testing::CancellingRotations rotations;
+  const std::vector<SkinnedPoint> points(1, SkinnedPoint({1, 2, 3}, {0, 0, 1}, rotations.influence));
+  EXPECT_TRUE(pose_layer(points, rotations.states).points[0].position.allFinite());
 }
 
 TEST_P(LayerPoseTest, StaysAtItsDistanceWhereNeighboursTurnApartBy179Point9Degrees) {
@@ -69,9 +69,9 @@ TEST_P(LayerPoseTest, StaysAtItsDistanceWhereNeighboursTurnApartBy179Point9Degre
     for (int& node : influence.nodes) node = static_cast<int>(random.below(8));
     const Eigen::Vector3d at = random_vector(random, 0.5);
     const std::vector<SkinnedPoint> points(1, SkinnedPoint(at.cast<float>(), {0, 0, 1}, influence));
-    const Eigen::Vector3d place = pose_layer(points, states).points[0].place.cast<double>();
-    EXPECT_NEAR(place.norm(), at.norm(), 1e-5);
-    EXPECT_LT((place - blend_motion(states, influence).apply(at)).norm(), 1e-5);
+    const Eigen::Vector3d position = pose_layer(points, states).points[0].position.cast<double>();
+    EXPECT_NEAR(position.norm(), at.norm(), 1e-5);
+    EXPECT_LT((position - blend_motion(states, influence).apply(at)).norm(), 1e-5);
   }
 }
 

@@ -21,11 +21,11 @@ inline DualQuaternion negated(DualQuaternion transform) {
 }
 
 /// Four half turns about axes at right angles, whose sum vanishes without care for their hemispheres.
-struct CancellingTurns {
+struct CancellingRotations {
   NodeStates states;
   Influence influence;
 
-  CancellingTurns() {
+  CancellingRotations() {
     influence.count = 4;
     influence.weights = {0.25, 0.25, 0.25, 0.25};
     for (int i = 0; i < 4; ++i) {

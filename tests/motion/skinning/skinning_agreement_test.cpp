@@ -9,13 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "bake/skinning.h"
-#include "fields/rendering/hull_kernels.h"
+#include "fields/rendering/proxy_mesh_kernels.h"
 #include "motion/bulk_warp.h"
-#include "motion/skinning/carried_lanes.h"
 #include "motion/skinning/layer_pose.h"
+#include "motion/skinning/skinned_lanes.h"
 #include "node_motions.h"
 #include "support/every_instruction_set.h"
-#include "tracking/solver/point_terms.h"
+#include "tracking/solver/data_term.h"
 
 namespace kinora::motion {
 namespace {
@@ -162,33 +162,33 @@ Poses by_bulk_warp(const Scene& s, std::span<const Vector3d> points) {
     const Eigen::Vector3f at = relative(s, p);
     in.push_back({at.x(), at.y(), at.z()});
   }
-  std::vector<BulkWarp::Carried> out(in.size());
+  std::vector<BulkWarp::WarpedPoint> out(in.size());
   s.bulk.to_world(in, out.data());
-  std::vector<Eigen::Vector3f> placed, turned;
-  for (const BulkWarp::Carried& carried : out) {
-    placed.emplace_back(carried.point.data());
-    turned.emplace_back(Eigen::Quaternionf(carried.rotation.data()) * kVector.cast<float>());
+  std::vector<Eigen::Vector3f> skinned_positions, rotated_vectors;
+  for (const BulkWarp::WarpedPoint& warped : out) {
+    skinned_positions.emplace_back(warped.point.data());
+    rotated_vectors.emplace_back(Eigen::Quaternionf(warped.rotation.data()) * kVector.cast<float>());
   }
-  return to_world(s, placed, turned);
+  return to_world(s, skinned_positions, rotated_vectors);
 }
 
 Poses by_layer_pose(const Scene& s, std::span<const Vector3d> points) {
   std::vector<SkinnedPoint> skinned;
   for (const Vector3d& p : points) skinned.emplace_back(relative(s, p), kVector.cast<float>(), s.graph->influence(p));
-  std::vector<Eigen::Vector3f> placed, turned;
+  std::vector<Eigen::Vector3f> skinned_positions, rotated_vectors;
   for (const PosedPoint& point : pose_layer(skinned, s.states).points) {
-    placed.push_back(point.place);
-    turned.push_back(point.normal);
+    skinned_positions.push_back(point.position);
+    rotated_vectors.push_back(point.normal);
   }
-  return to_world(s, placed, turned);
+  return to_world(s, skinned_positions, rotated_vectors);
 }
 
 Poses by_lanes(const Scene& s, std::span<const Vector3d> points) {
-  std::vector<std::int32_t> all(s.nodes.size()); // NodeCandidates::kMost at most
+  std::vector<std::int32_t> all(s.nodes.size()); // NodeCandidates::kMax at most
   for (std::size_t n = 0; n < all.size(); ++n) all[n] = static_cast<std::int32_t>(n);
   const auto influence_radius = static_cast<float>(s.graph->influence_radius());
   const auto weight_radius = static_cast<float>(s.graph->weight_radius());
-  std::vector<Eigen::Vector3f> placed, turned;
+  std::vector<Eigen::Vector3f> skinned_positions, rotated_vectors;
   for (std::size_t first = 0; first < points.size(); first += PointLanes::kPoints) {
     PointLanes in{}, vectors{}, out, rotated;
     for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
@@ -196,14 +196,14 @@ Poses by_lanes(const Scene& s, std::span<const Vector3d> points) {
       vectors.set(i, kVector.cast<float>());
     }
     InfluenceLanes influences;
-    weigh_nodes({all, s.nodes.data(), influence_radius, weight_radius}, in, influences);
-    carry_points(s.rows.transforms, influences, in, out, vectors, rotated);
+    skinning_weights({all, s.nodes.data(), influence_radius, weight_radius}, in, influences);
+    skin_points(s.rows.transforms, influences, in, out, vectors, rotated);
     for (std::size_t i = 0; i < PointLanes::kPoints; ++i) {
-      placed.push_back(out.at(i));
-      turned.push_back(rotated.at(i));
+      skinned_positions.push_back(out.at(i));
+      rotated_vectors.push_back(rotated.at(i));
     }
   }
-  return to_world(s, placed, turned);
+  return to_world(s, skinned_positions, rotated_vectors);
 }
 
 Poses by_hull(const Scene& s, std::span<const Vector3d> points) {
@@ -217,11 +217,11 @@ Poses by_hull(const Scene& s, std::span<const Vector3d> points) {
   fields::kernels::CarriedPoints out{in, std::vector<Eigen::Vector4f>(padded)};
   fields::kernels::carry(influences, s.rows.transforms.data(), in.data(), 1, 0, points.size(), out);
   out.world.resize(points.size());
-  std::vector<Eigen::Vector3f> turned;
+  std::vector<Eigen::Vector3f> rotated_vectors;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    turned.emplace_back(Eigen::Quaternionf(out.rotation[i]) * kVector.cast<float>());
+    rotated_vectors.emplace_back(Eigen::Quaternionf(out.rotation[i]) * kVector.cast<float>());
   }
-  return to_world(s, out.world, turned);
+  return to_world(s, out.world, rotated_vectors);
 }
 
 class SkinningAgreement : public OnEveryInstructionSet {};
@@ -288,20 +288,20 @@ TEST_P(SkinningAgreement, TheSolversDerivativesAreThoseOfTheBlend) {
       if (influence.count > 0) skinned.emplace_back(relative(s, p), Eigen::Vector3f::UnitZ(), influence);
     }
     const LayerPose pose = pose_layer(skinned, s.states);
-    tracking::PointTerms term; // how far a point is along a vector
+    tracking::DataTerm term; // how far a point is along a vector
     term.plane_normal = kVector.cast<float>();
     term.plane_scale = 1;
-    std::vector<tracking::PointTerms> terms(skinned.size(), term);
+    std::vector<tracking::DataTerm> terms(skinned.size(), term);
     for (std::size_t i = 0; i < skinned.size(); ++i)
-      terms[i].plane_offset = -term.plane_normal.dot(pose.points[i].place);
+      terms[i].plane_offset = -term.plane_normal.dot(pose.points[i].position);
     std::vector<tracking::PointJacobians> jacobians(skinned.size());
-    find_jacobians(skinned, pose.rows, pose.points, terms, no_texture, 1, jacobians);
+    evaluate_jacobians(skinned, pose.rows, pose.points, terms, no_texture, 1, jacobians);
     for (std::size_t i = 0; i < skinned.size(); ++i) {
       const Influence influence = skinned[i].influence();
       const BlendedMotion blended = blend_motion(s.states, influence);
-      const Vector3d place = blended.apply(skinned[i].position.cast<double>());
+      const Vector3d position = blended.apply(skinned[i].position.cast<double>());
       for (std::size_t k = 0; k < static_cast<std::size_t>(influence.count); ++k) {
-        const Twist wanted = NodePart(s.states, influence, blended, k).pulled_back(kVector, place.cross(kVector));
+        const Twist wanted = NodeJacobian(s.states, influence, blended, k).pullback(kVector, position.cross(kVector));
         for (Eigen::Index a = 0; a < 6; ++a) {
           EXPECT_NEAR(jacobians[i].by_node[k][0][static_cast<std::size_t>(a)], wanted[a], kDerivativeBound)
               << i << ' ' << k;

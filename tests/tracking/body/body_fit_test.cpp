@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tracking/body/earlier_poses.h"
+#include "tracking/body/body_pose_database.h"
 #include "tracking/body/synthetic_body.h"
 
 namespace kinora::tracking {
 namespace {
 
 BodyState fitted(const BodyState& truth, const testing::BodyScene& scene = {}) {
-  const ObjectView view = view_object(testing::render_body(truth, scene), 1);
+  const LayerView view = view_label(testing::render_body(truth, scene), 1);
   return fit_body(view, {}, {}).state;
 }
 
@@ -57,15 +57,15 @@ TEST(BodyFit, FindsAPoseThatItHadEarlierElsewhere) {
   BodyState truth = testing::standing(235, 1.75);
   truth.pose.angles.segment<3>(joints()[kLeftShoulder].first_angle) = Eigen::Vector3d(0, -0.5, 0.5);
   EXPECT_GT(testing::mean_joint_distance(fitted(truth), truth), 0.1);
-  EarlierPoses earlier;
+  BodyPoseDatabase earlier;
   for (const int degrees : {200, 225, 240, 270}) {
     BodyState other = truth;
     other.pose.root = testing::standing(degrees).pose.root;
-    const ObjectView view = view_object(testing::render_body(other), 1);
-    earlier.add(other.pose, place_bones(other.pose, other.shape), view.centroid);
+    const LayerView view = view_label(testing::render_body(other), 1);
+    earlier.add(other.pose, forward_kinematics(other.pose, other.shape), view.centroid);
   }
   truth.pose.root.translation() += Eigen::Vector3d(0.3, 0, 0.3);
-  const ObjectView view = view_object(testing::render_body(truth), 1);
+  const LayerView view = view_label(testing::render_body(truth), 1);
   const BodyFit fit = fit_body(view, {}, {}, earlier.about(view.centroid));
   EXPECT_LT(testing::mean_joint_distance(fit.state, truth), 0.03);
 }

@@ -11,7 +11,7 @@ class BodyMatchTest : public OnEveryInstructionSet {};
 TEST_P(BodyMatchTest, IsThatOfEachPointAlone) {
   constexpr double kNormalLength = 0.05;
   Random random(9);
-  BodyState state{usual_pose(), Shape::Zero()};
+  BodyState state{rest_pose(), Shape::Zero()};
   state.pose.root.translation() = Eigen::Vector3d(0.2, 0.1, 2.5);
   const BodyInCamera body(state);
   std::vector<MeasuredPoint> points;
@@ -25,30 +25,30 @@ TEST_P(BodyMatchTest, IsThatOfEachPointAlone) {
                       (bone.linear() * normal_of(part, sample.point) + noise(0.3)).normalized(), 1});
   }
   points.resize(points.size() - points.size() % 16 + 5);
-  for (const double most : {1e9, 0.02 * 0.02}) {
+  for (const double max_cost : {1e9, 0.02 * 0.02}) {
     std::vector<PartMatch> matches(points.size());
-    match_points(body, points, kNormalLength, most, matches);
+    match_points(body, points, kNormalLength, max_cost, matches);
     int none = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {
-      BodyInCamera::Match best(most);
+      BodyInCamera::Match best(max_cost);
       for (std::size_t part = 0; part < kBodyParts; ++part) body.match(part, points[p], kNormalLength, best);
       none += best.part < 0 ? 1 : 0;
       EXPECT_NEAR(matches[p].cost, best.cost, 2e-6 + 1e-6 * best.cost) << p;
       if (matches[p].part == best.part) continue;
       // Two parts that explain the point alike, or one that hardly does.
-      BodyInCamera::Match found(most + 1e-6);
+      BodyInCamera::Match found(max_cost + 1e-6);
       if (matches[p].part >= 0) body.match(static_cast<std::size_t>(matches[p].part), points[p], kNormalLength, found);
       EXPECT_NEAR(found.cost, best.cost, 2e-6) << p;
     }
     EXPECT_LT(none, static_cast<int>(points.size()) * 9 / 10);
-    if (most < 1) {
+    if (max_cost < 1) {
       EXPECT_GT(none, 20);
     }
   }
 }
 
 TEST_P(BodyMatchTest, LeavesOutPartsThatAreNotInQuestion) {
-  BodyState state{usual_pose(), Shape::Zero()};
+  BodyState state{rest_pose(), Shape::Zero()};
   state.pose.root.translation() = Eigen::Vector3d(0, 0, 2);
   const BodyInCamera body(state);
   const BodySample& sample = body_samples().front();

@@ -6,7 +6,7 @@
 #include "support/source_folder.h"
 #include "tracking/body/body_tracker.h"
 #include "tracking/body/true_joints.h"
-#include "tracking/view/layer_view.h"
+#include "tracking/view/deforming_view.h"
 
 namespace kinora::tracking {
 namespace {
@@ -22,7 +22,7 @@ TEST(BodySample, WristsAreFollowedWhileTheyAreSeen) {
     const int i = frame->index;
     const auto result = tracker.track(view_layer(*frame, 1), frame->camera.camera_to_world, frame->time);
     EXPECT_EQ(result.health, motion::Health::kTracked) << i;
-    const Bones bones = place_bones(tracker.state().pose, tracker.state().shape);
+    const Bones bones = forward_kinematics(tracker.state().pose, tracker.state().shape);
     const auto error = [&](Joint joint, const char* name) {
       return (bones[joint].translation() - truth.at(i).at(name)).norm();
     };

@@ -37,10 +37,10 @@ BodyState dancing(int frame, double degrees_per_frame, double height = 1.75) {
   return state;
 }
 
-ObjectView view_of(const BodyState& state, int frame, const BodyScene& scene = {}) {
+LayerView view_of(const BodyState& state, int frame, const BodyScene& scene = {}) {
   BodyScene noisy = scene;
   noisy.seed = static_cast<std::uint64_t>(frame);
-  return view_object(render_body(state, noisy), 1);
+  return view_label(render_body(state, noisy), 1);
 }
 
 TEST(BodyTracker, FollowsSomebodyWhoTurnsAllTheWayRound) {
@@ -81,7 +81,7 @@ TEST(BodyTracker, StaysWhereItIsWhileNothingIsSeen) {
   tracker.track(view_of(dancing(1, 0), 1), SE3::Identity(), kInterval);
   const BodyState before = tracker.state();
   for (int i = 2; i < 5; ++i) {
-    const auto result = tracker.track(ObjectView(), SE3::Identity(), i * kInterval);
+    const auto result = tracker.track(LayerView(), SE3::Identity(), i * kInterval);
     EXPECT_EQ(result.health, motion::Health::kHeld);
   }
   EXPECT_EQ(mean_joint_distance(before, tracker.state()), 0);
@@ -89,7 +89,7 @@ TEST(BodyTracker, StaysWhereItIsWhileNothingIsSeen) {
 
 TEST(BodyTracker, IsNotStartedByAnEmptyView) {
   BodyTracker tracker;
-  EXPECT_EQ(tracker.track(ObjectView(), SE3::Identity(), 0).health, motion::Health::kLost);
+  EXPECT_EQ(tracker.track(LayerView(), SE3::Identity(), 0).health, motion::Health::kLost);
   EXPECT_FALSE(tracker.started());
 }
 
@@ -113,7 +113,7 @@ TEST(BodyTracker, KeepsAnglesNearTheirLimits) {
   set(state, kLeftElbow, {-1.0, 0, 0}); // overstretched
   BodyPrior prior;
   prior.state = state;
-  ObjectView nothing = view_of(standing(0), 0);
+  LayerView nothing = view_of(standing(0), 0);
   BodyEvidence evidence = gather_evidence(nothing, 100, {});
   evidence.points.clear();
   minimise(evidence, prior, {}, 20, false, state);

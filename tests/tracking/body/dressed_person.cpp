@@ -64,7 +64,7 @@ SE3 upright(const SE3& pelvis) {
 }
 
 BodyState standing_with(double height, const Shape& shape) {
-  BodyState state{usual_pose(), shape};
+  BodyState state{rest_pose(), shape};
   state.shape[kHeight] = std::log(height / kMeanHeight);
   state.pose.root.linear() << Vec::UnitX(), -Vec::UnitY(), -Vec::UnitZ();
   state.pose.root.translation() = Vec(0, -0.06, 2.4);
@@ -76,16 +76,16 @@ BodyState standing_with(double height, const Shape& shape) {
 DressedPerson::DressedPerson(const BodyState& state, const std::optional<Skirt>& skirt)
     : body_(state), skirt_(skirt), waist_(upright(body_.body().bones[kPelvis])) {}
 
-DressedPerson::Sample DressedPerson::sample(std::size_t part, const Vec& place) const {
+DressedPerson::Sample DressedPerson::sample(std::size_t part, const Vec& position) const {
   constexpr double kThickest = 0.035; // metres
   const PartShape& shape = body_.body().parts[part];
-  const ClosestSurface surface = closest_surface(shape, body_.to_bone(part) * place);
+  const ClosestSurface surface = closest_surface(shape, body_.to_bone(part) * position);
   const double cloth = surface.distance < 2 * kThickest ? cloth_at(part, position_of(shape, surface.point)) : kThickest;
   return {surface.distance - cloth, {part, surface.point}, body_.bone(part).linear() * surface.normal};
 }
 
-DressedPerson::Sample DressedPerson::sample_skirt(const Vec& place) const {
-  const Vec local = waist_.inverse() * place;
+DressedPerson::Sample DressedPerson::sample_skirt(const Vec& position) const {
+  const Vec local = waist_.inverse() * position;
   const double along = -local.y() / kSkirtLength;
   const double share = std::clamp(along, 0.0, 1.0);
   const Eigen::Vector2d centre = share * share * skirt_->swing;
@@ -129,15 +129,15 @@ std::optional<DressedPerson::Hit> DressedPerson::trace(const Vec& ray) const {
   return hit;
 }
 
-Vec DressedPerson::place_of(const CoatPoint& point) const {
+Vec DressedPerson::coat_position(const CoatPoint& point) const {
   if (point.part == kBodyParts) {
     const double share = point.of_part.along;
     const double angle = point.of_part.direction.x();
-    const double turned = angle + share * skirt_->twist;
+    const double rotated = angle + share * skirt_->twist;
     const double radius = skirt_radius(share, angle) + kCloth;
     const Eigen::Vector2d centre = share * share * skirt_->swing;
-    return waist_ * Vec(centre.x() + kSkirtWidth * radius * std::sin(turned), -share * kSkirtLength,
-                        centre.y() + radius * std::cos(turned));
+    return waist_ * Vec(centre.x() + kSkirtWidth * radius * std::sin(rotated), -share * kSkirtLength,
+                        centre.y() + radius * std::cos(rotated));
   }
   const PartShape& shape = body_.body().parts[point.part];
   const Vec local = position_of(shape, point.of_part);

@@ -33,7 +33,7 @@ public:
   /// Where a ray (of unit z, from the camera) meets the person first.
   std::optional<Hit> trace(const Eigen::Vector3d& ray) const;
   /// Where a material point is.
-  Eigen::Vector3d place_of(const CoatPoint& point) const;
+  Eigen::Vector3d coat_position(const CoatPoint& point) const;
   const BodyInCamera& body() const { return body_; }
 
   /// Reflectance of red, green and blue at a material point; the skin of head and hands has little texture.
@@ -45,8 +45,8 @@ private:
     CoatPoint point;
     Eigen::Vector3d normal;
   };
-  Sample sample(std::size_t part, const Eigen::Vector3d& place) const;
-  Sample sample_skirt(const Eigen::Vector3d& place) const;
+  Sample sample(std::size_t part, const Eigen::Vector3d& position) const;
+  Sample sample_skirt(const Eigen::Vector3d& position) const;
 
   BodyInCamera body_;
   std::optional<Skirt> skirt_;

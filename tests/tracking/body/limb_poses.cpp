@@ -19,7 +19,7 @@ Eigen::Quaterniond quaternion_of(const Vec& vector) {
 
 } // namespace
 
-void turn(BodyState& state, double degrees) {
+void rotate_root(BodyState& state, double degrees) {
   state.pose.root.linear() =
       Eigen::AngleAxisd(degrees * std::numbers::pi / 180, -Vec::UnitY()) * state.pose.root.linear();
 }
@@ -30,14 +30,14 @@ LimbPose pose_of(Limb limb, const Angles& angles) {
           angles[joints()[chain.hinge].first_angle]};
 }
 
-LimbPose reaching(Limb arm, const BodyState& state, const Vec& place) {
+LimbPose reaching(Limb arm, const BodyState& state, const Vec& position) {
   constexpr int kSwivels = 36;
   const PosedBody body = pose_body(state.pose, state.shape);
   Angles best = state.pose.angles;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kSwivels; ++i) {
-    const Angles tried =
-        reach_for(arm, state.pose.angles, body, body.bones[kChest] * place, 2 * std::numbers::pi * i / kSwivels, 0);
+    const Angles tried = inverse_kinematics(arm, state.pose.angles, body, body.bones[kChest] * position,
+                                            2 * std::numbers::pi * i / kSwivels, 0);
     const double energy = angle_energy(tried, PosePriorConfig());
     if (energy < least) {
       least = energy;

@@ -16,10 +16,10 @@ struct LimbPose {
 LimbPose pose_of(Limb limb, const Angles& angles);
 
 /// Turns a person about the vertical, to his left.
-void turn(BodyState& state, double degrees);
+void rotate_root(BodyState& state, double degrees);
 
 /// Of all ways to put the wrist at a place (in the chest's axes, metres from its joint), the most usual one.
-LimbPose reaching(Limb arm, const BodyState& state, const Eigen::Vector3d& place);
+LimbPose reaching(Limb arm, const BodyState& state, const Eigen::Vector3d& position);
 
 /// Between two poses, `share` of the way.
 void set_limb(Limb limb, const LimbPose& from, const LimbPose& to, double share, BodyState& state);

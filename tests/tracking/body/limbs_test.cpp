@@ -13,8 +13,8 @@ void expect_reached(Limb limb, const Eigen::Vector3d& away, double swivel) {
   const PosedBody body = pose_body(state.pose, state.shape);
   const LimbChain& chain = chain_of(limb);
   const Eigen::Vector3d target = body.bones[chain.ball].translation() + state.pose.root.linear() * away;
-  state.pose.angles = reach_for(limb, state.pose.angles, body, target, swivel, 0);
-  const Bones bones = place_bones(state.pose, state.shape);
+  state.pose.angles = inverse_kinematics(limb, state.pose.angles, body, target, swivel, 0);
+  const Bones bones = forward_kinematics(state.pose, state.shape);
   // Shanks are not quite in line with straight knees, which is left out there.
   const double bound = limb == kLeftArm || limb == kRightArm ? 1e-6 : 0.03;
   EXPECT_LT((bones[chain.end].translation() - target).norm(), bound) << limb << ", swivel " << swivel;
@@ -35,8 +35,8 @@ TEST(Limbs, PointAtWhatIsTooFar) {
   const PosedBody body = pose_body(state.pose, state.shape);
   const Eigen::Vector3d shoulder = body.bones[kLeftShoulder].translation();
   const Eigen::Vector3d way(0.6, -0.8, 0);
-  state.pose.angles = reach_for(kLeftArm, state.pose.angles, body, shoulder + 5 * way, 0, 0);
-  const Bones bones = place_bones(state.pose, state.shape);
+  state.pose.angles = inverse_kinematics(kLeftArm, state.pose.angles, body, shoulder + 5 * way, 0, 0);
+  const Bones bones = forward_kinematics(state.pose, state.shape);
   EXPECT_GT((bones[kLeftWrist].translation() - shoulder).normalized().dot(way), 0.9999);
 }
 

@@ -100,13 +100,13 @@ evaluate::TrueTracks track_person(const PersonScene& scene, std::size_t count, c
     const DressedPerson person = scene.at(frame);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (!parts.empty() && std::find(parts.begin(), parts.end(), points[i].part) == parts.end()) continue;
-      const Vec place = person.place_of(points[i]);
-      const Eigen::Vector2d pixel = intrinsics.project(place);
+      const Vec position = person.coat_position(points[i]);
+      const Eigen::Vector2d pixel = intrinsics.project(position);
       const bool inside =
           pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.width - 1 && pixel.y() < camera.height - 1;
-      const auto hit = person.trace(place / place.z());
-      const bool visible = inside && hit && std::abs(hit->z - place.z()) < kTolerance;
-      tracks[static_cast<int>(i)][frame] = {place, visible};
+      const auto hit = person.trace(position / position.z());
+      const bool visible = inside && hit && std::abs(hit->z - position.z()) < kTolerance;
+      tracks[static_cast<int>(i)][frame] = {position, visible};
     }
   }
   return tracks;

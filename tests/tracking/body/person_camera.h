@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "evaluate/true_tracks.h"
+#include "evaluate/ground_truth_tracks.h"
 #include "ingest/frame/frame.h"
 #include "tracking/body/person_scenes.h"
 

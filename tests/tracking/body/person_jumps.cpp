@@ -12,29 +12,29 @@ namespace {
 
 using Vec = Eigen::Vector3d;
 
-constexpr double kLargestShift = 0.30;
-constexpr double kLargestTurn = 40 * std::numbers::pi / 180;
+constexpr double kMaxShift = 0.30;
+constexpr double kMaxRotation = 40 * std::numbers::pi / 180;
 
 double between(double least, double most, Random& random) { return least + (most - least) * random.uniform_double(); }
 
 double side_of(Limb arm) { return arm == kLeftArm ? 1 : -1; }
 
 // Beside and before the chest, clear of trunk and head: in the chest's axes, metres.
-Vec place_for_hand(Limb arm, Random& random) {
+Vec hand_position(Limb arm, Random& random) {
   return {side_of(arm) * between(0.10, 0.55, random), between(-0.25, 0.40, random), between(0.12, 0.45, random)};
 }
 
 // On the way to somewhere that is as far as any size needs; the wrist goes `size` metres, all sizes on the same way.
 BodyState with_hand_shifted(Limb arm, const BodyState& state, double size, Random& random) {
   const auto wrist = [&](const BodyState& of) {
-    return Vec(place_bones(of.pose, of.shape)[chain_of(arm).end].translation());
+    return Vec(forward_kinematics(of.pose, of.shape)[chain_of(arm).end].translation());
   };
   const Vec before = wrist(state);
   const LimbPose start = pose_of(arm, state.pose.angles);
   LimbPose end = start;
   BodyState after = state;
-  while ((wrist(after) - before).norm() < kLargestShift) {
-    end = reaching(arm, state, place_for_hand(arm, random));
+  while ((wrist(after) - before).norm() < kMaxShift) {
+    end = reaching(arm, state, hand_position(arm, random));
     set_limb(arm, start, end, 1, after);
   }
   double low = 0;
@@ -48,16 +48,16 @@ BodyState with_hand_shifted(Limb arm, const BodyState& state, double size, Rando
 }
 
 // The elbow bends or stretches, whichever has room for all sizes.
-BodyState with_forearm_turned(Limb arm, BodyState state, double degrees) {
-  constexpr double kMostBent = 2.4; // radians
+BodyState with_forearm_rotated(Limb arm, BodyState state, double degrees) {
+  constexpr double kMaxBending = 2.4; // radians
   double& hinge = state.pose.angles[joints()[chain_of(arm).hinge].first_angle];
-  hinge += (hinge + kLargestTurn < kMostBent ? 1 : -1) * degrees * std::numbers::pi / 180;
+  hinge += (hinge + kMaxRotation < kMaxBending ? 1 : -1) * degrees * std::numbers::pi / 180;
   return state;
 }
 
 std::vector<std::size_t> moved_parts(Jump jump, Limb arm) {
   std::vector<std::size_t> parts;
-  if (jump != Jump::kHandShift && jump != Jump::kForearmTurn) return parts; // all
+  if (jump != Jump::kHandShift && jump != Jump::kForearmRotation) return parts; // all
   for (const std::size_t part : chain_of(arm).parts) {
     if (body_parts()[part].bone != chain_of(arm).ball) parts.push_back(part);
   }
@@ -70,11 +70,11 @@ std::string_view name_of(Jump jump) {
   switch (jump) {
   case Jump::kPersonShift:
     return "person_shift";
-  case Jump::kPersonTurn:
+  case Jump::kPersonRotation:
     return "person_turn";
   case Jump::kHandShift:
     return "hand_shift";
-  case Jump::kForearmTurn:
+  case Jump::kForearmRotation:
     break;
   }
   return "forearm_turn";
@@ -83,19 +83,19 @@ std::string_view name_of(Jump jump) {
 PersonScene jumping_person(Jump jump, double size, std::uint64_t trial) {
   Random random(trial, 17);
   BodyState before = trial % 2 == 0 ? tall_person() : short_person();
-  turn(before, between(-25, 25, random));
+  rotate_root(before, between(-25, 25, random));
   const Limb arm = random.below(2) == 0 ? kLeftArm : kRightArm;
   for (const Limb each : {kLeftArm, kRightArm}) {
-    const LimbPose pose = reaching(each, before, place_for_hand(each, random));
+    const LimbPose pose = reaching(each, before, hand_position(each, random));
     set_limb(each, pose, pose, 0, before);
   }
   BodyState after = before;
   const double course = 2 * std::numbers::pi * random.uniform_double();
   const double way = random.below(2) == 0 ? 1 : -1;
   if (jump == Jump::kPersonShift) after.pose.root.translation() += size * Vec(std::cos(course), 0, std::sin(course));
-  if (jump == Jump::kPersonTurn) turn(after, way * size);
+  if (jump == Jump::kPersonRotation) rotate_root(after, way * size);
   if (jump == Jump::kHandShift) after = with_hand_shifted(arm, before, size, random);
-  if (jump == Jump::kForearmTurn) after = with_forearm_turned(arm, before, size);
+  if (jump == Jump::kForearmRotation) after = with_forearm_rotated(arm, before, size);
   const auto at = [before, after](double frame) { return DressedPerson(frame < kJumpFrame ? before : after); };
   return {name_of(jump), kJumpFrames, at, moved_parts(jump, arm)};
 }
@@ -103,9 +103,9 @@ PersonScene jumping_person(Jump jump, double size, std::uint64_t trial) {
 std::vector<double> errors_after_jump(const PersonScene& scene, const motion::Motion& motion, std::size_t frames,
                                       int frame, const PersonCamera& camera, std::size_t points) {
   std::vector<Eigen::Vector3d> starts, ends;
-  for (const auto& [id, places] : track_person(scene, points, camera, scene.fast_parts)) {
-    const evaluate::TruePlace& start = places.at(kJumpFrame - 1);
-    const evaluate::TruePlace& end = places.at(frame);
+  for (const auto& [id, positions] : track_person(scene, points, camera, scene.fast_parts)) {
+    const evaluate::TruePlace& start = positions.at(kJumpFrame - 1);
+    const evaluate::TruePlace& end = positions.at(frame);
     if (!start.visible || !end.visible) continue;
     starts.push_back(start.point);
     ends.push_back(end.point);

@@ -11,13 +11,13 @@
 namespace kinora::tracking::testing {
 
 enum class Jump {
-  kPersonShift, ///< metres, level, in any direction
-  kPersonTurn,  ///< degrees about the vertical
-  kHandShift,   ///< metres of the wrist, the arm bending as it must
-  kForearmTurn  ///< degrees about the elbow
+  kPersonShift,    ///< metres, level, in any direction
+  kPersonRotation, ///< degrees about the vertical
+  kHandShift,      ///< metres of the wrist, the arm bending as it must
+  kForearmRotation ///< degrees about the elbow
 };
-constexpr std::array<Jump, 4> kEveryJump = {Jump::kPersonShift, Jump::kPersonTurn, Jump::kHandShift,
-                                            Jump::kForearmTurn};
+constexpr std::array<Jump, 4> kEveryJump = {Jump::kPersonShift, Jump::kPersonRotation, Jump::kHandShift,
+                                            Jump::kForearmRotation};
 std::string_view name_of(Jump jump);
 
 constexpr int kJumpFrame = 12;  ///< the first one after the jump; whether a layer is a person is known by then

@@ -15,7 +15,7 @@ using Vec = Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 
-DressedPerson turning(double frame) {
+DressedPerson rotating(double frame) {
   BodyState state = tall_person();
   constexpr double kBegin = 8;
   constexpr double kRamp = 6;
@@ -27,7 +27,7 @@ DressedPerson turning(double frame) {
     const LimbPose high = reaching(arm, state, {0.40 * side, -0.20, 0.12});
     set_limb(arm, low, high, 0.5 - 0.5 * std::cos(2 * kPi * frame / 30), state);
   }
-  turn(state, kSpeed * (since < kRamp ? since * since / (2 * kRamp) : since - kRamp / 2));
+  rotate_root(state, kSpeed * (since < kRamp ? since * since / (2 * kRamp) : since - kRamp / 2));
   return DressedPerson(state);
 }
 
@@ -41,7 +41,7 @@ DressedPerson throwing_hands(double frame) {
   const LimbPose drawn = reaching(kLeftArm, state, {0.24, -0.02, 0.12});
   const LimbPose stretched = reaching(kLeftArm, state, {0.12, 0.16, 0.56});
   set_limb(kLeftArm, drawn, stretched, stroke(frame, 44, 3, 2) + stroke(frame, 55, 3, 2), state);
-  turn(state, 15 + 5 * std::sin(2 * kPi * frame / 40));
+  rotate_root(state, 15 + 5 * std::sin(2 * kPi * frame / 40));
   return DressedPerson(state);
 }
 
@@ -55,7 +55,7 @@ DressedPerson clapping(double frame) {
     const LimbPose shut = reaching(arm, state, {0.085 * side, 0.06, 0.28});
     set_limb(arm, open, shut, closed, state);
   }
-  turn(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
+  rotate_root(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
   return DressedPerson(state);
 }
 
@@ -69,7 +69,7 @@ DressedPerson parting(double frame) {
     const LimbPose shut = reaching(arm, state, {0.085 * side, 0.06, 0.28});
     set_limb(arm, open, shut, closed, state);
   }
-  turn(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
+  rotate_root(state, -15 + 4 * std::sin(2 * kPi * frame / 50));
   return DressedPerson(state);
 }
 
@@ -77,7 +77,7 @@ DressedPerson swaying(double frame) {
   BodyState state = short_person();
   const double phase = 2 * kPi * frame / 28;
   constexpr double kLag = 1.1; // radians that the hem is late
-  turn(state, 35 * std::sin(phase));
+  rotate_root(state, 35 * std::sin(phase));
   state.pose.root.translation().x() += 0.05 * std::sin(phase / 2);
   return DressedPerson(state, Skirt{{0.09 * std::sin(phase / 2 - kLag), 0.03 * std::sin(phase)},
                                     35 * kPi / 180 * (std::sin(phase - kLag) - std::sin(phase))});
@@ -88,7 +88,7 @@ DressedPerson waving(double frame) {
   const LimbPose low = reaching(kLeftArm, state, {0.52, 0.10, 0.25});
   const LimbPose high = reaching(kLeftArm, state, {0.22, 0.42, 0.32});
   set_limb(kLeftArm, low, high, 0.5 - 0.5 * std::cos(2 * kPi * std::max(0.0, frame - 8) / 11), state);
-  turn(state, -10 + 12 * std::sin(2 * kPi * frame / 45));
+  rotate_root(state, -10 + 12 * std::sin(2 * kPi * frame / 45));
   return DressedPerson(state);
 }
 
@@ -106,7 +106,7 @@ std::vector<std::size_t> lower_parts(std::initializer_list<Limb> limbs) {
 
 std::span<const PersonScene> person_scenes() {
   static const std::array<PersonScene, 6> scenes = {{
-      {"turn", 62, turning, lower_parts({kLeftArm, kRightArm})},
+      {"turn", 62, rotating, lower_parts({kLeftArm, kRightArm})},
       {"hands", 85, throwing_hands, lower_parts({kLeftArm, kRightArm})},
       {"clap", 64, clapping, lower_parts({kLeftArm, kRightArm})},
       {"part", 52, parting, lower_parts({kLeftArm, kRightArm})},

@@ -23,18 +23,18 @@ struct DetectorErrors {
 };
 
 /// In the camera; nothing: not known.
-using JointPlaces = std::array<std::optional<Eigen::Vector3d>, ingest::kDetectedJoints>;
+using JointPositions = std::array<std::optional<Eigen::Vector3d>, ingest::kDetectedJoints>;
 
-inline ingest::DetectedJoints detect_joints(const JointPlaces& places, const Intrinsics& camera,
+inline ingest::DetectedJoints detect_joints(const JointPositions& positions, const Intrinsics& camera,
                                             const DepthImage& depth, const DetectorErrors& errors, std::uint64_t seed) {
   constexpr double kInside = 0.15; // metres from skin to joint
   Random random(seed);
   Eigen::Vector2d low(camera.width, camera.height);
   Eigen::Vector2d high(0, 0);
-  for (const auto& place : places) {
-    if (!place) continue;
-    low = low.cwiseMin(camera.project(*place));
-    high = high.cwiseMax(camera.project(*place));
+  for (const auto& position : positions) {
+    if (!position) continue;
+    low = low.cwiseMin(camera.project(*position));
+    high = high.cwiseMax(camera.project(*position));
   }
   ingest::DetectedJoints joints;
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -42,12 +42,12 @@ inline ingest::DetectedJoints detect_joints(const JointPlaces& places, const Int
     const Eigen::Vector2d jitter{random.normal(), random.normal()};
     const Eigen::Vector2d anywhere{random.uniform_double(), random.uniform_double()};
     const double score = 0.6 + 0.35 * random.uniform();
-    if (!places[i] || fate < errors.misses) continue;
-    const Eigen::Vector2d pixel = camera.project(*places[i]);
+    if (!positions[i] || fate < errors.misses) continue;
+    const Eigen::Vector2d pixel = camera.project(*positions[i]);
     const int u = static_cast<int>(std::lround(pixel.x()));
     const int v = static_cast<int>(std::lround(pixel.y()));
     if (!depth.contains(u, v)) continue;
-    const bool hidden = depth.at(u, v) > 0 && depth.at(u, v) < places[i]->z() - kInside;
+    const bool hidden = depth.at(u, v) > 0 && depth.at(u, v) < positions[i]->z() - kInside;
     if (fate < errors.misses + errors.outliers) {
       joints[i] = {low + anywhere.cwiseProduct(high - low), score};
     } else if (!hidden) {

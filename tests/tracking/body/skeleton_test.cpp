@@ -22,32 +22,33 @@ Body random_body(std::uint64_t seed) {
   return body;
 }
 
-Body varied(const Body& body, int freedom, double amount) {
+Body varied(const Body& body, int dof, double amount) {
   Body result = body;
   PoseStep step = PoseStep::Zero();
-  if (freedom < kPoseFreedoms) {
-    step[freedom] = amount;
+  if (dof < kPoseDof) {
+    step[dof] = amount;
     result.pose = moved(body.pose, step);
   } else {
-    result.shape[freedom - kPoseFreedoms] += amount;
+    result.shape[dof - kPoseDof] += amount;
   }
   return result;
 }
 
 TEST(Skeleton, TwistsAreTheDerivativesOfPointsOnBones) {
   const Body body = random_body(1);
-  const Bones bones = place_bones(body.pose, body.shape);
+  const Bones bones = forward_kinematics(body.pose, body.shape);
   BoneTwists twists;
   find_bone_twists(body.pose, body.shape, bones, twists);
   const Eigen::Vector3d local(0.05, -0.1, 0.2);
   constexpr double kStep = 1e-6;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const Eigen::Vector3d point = bones[j] * local;
-    for (int f = 0; f < kFreedoms; ++f) {
+    for (int f = 0; f < kDof; ++f) {
       const Body more = varied(body, f, kStep);
       const Body less = varied(body, f, -kStep);
-      const Eigen::Vector3d numeric =
-          (place_bones(more.pose, more.shape)[j] * local - place_bones(less.pose, less.shape)[j] * local) / (2 * kStep);
+      const Eigen::Vector3d numeric = (forward_kinematics(more.pose, more.shape)[j] * local -
+                                       forward_kinematics(less.pose, less.shape)[j] * local) /
+                                      (2 * kStep);
       const Twist twist = twists[j].col(f);
       const Eigen::Vector3d analytic = twist.head<3>() + twist.tail<3>().cross(point);
       EXPECT_LT((numeric - analytic).norm(), 1e-7) << joints()[j].name << ", freedom " << f;
@@ -64,7 +65,7 @@ TEST(Skeleton, TheStepBetweenTwoPosesLeadsFromOneToTheOther) {
 }
 
 TEST(Skeleton, BothSidesAreMirrorImagesInTheUsualPose) {
-  const Bones bones = place_bones(usual_pose(), Shape::Zero());
+  const Bones bones = forward_kinematics(rest_pose(), Shape::Zero());
   constexpr std::array<std::pair<Joint, Joint>, 7> kPairs = {{{kLeftClavicle, kRightClavicle},
                                                               {kLeftShoulder, kRightShoulder},
                                                               {kLeftElbow, kRightElbow},
@@ -79,7 +80,7 @@ TEST(Skeleton, BothSidesAreMirrorImagesInTheUsualPose) {
 }
 
 TEST(Skeleton, ArmsHangBesideTheBodyAndBendForwardsInTheUsualPose) {
-  const Bones bones = place_bones(usual_pose(), Shape::Zero());
+  const Bones bones = forward_kinematics(rest_pose(), Shape::Zero());
   EXPECT_LT(bones[kLeftElbow].translation().y(), bones[kLeftShoulder].translation().y() - 0.2);
   EXPECT_GT(bones[kLeftWrist].translation().z(), bones[kLeftElbow].translation().z() + 0.05);
   EXPECT_LT(bones[kLeftAnkle].translation().z(), bones[kLeftKnee].translation().z());
@@ -90,8 +91,8 @@ TEST(Skeleton, KeepsItsPrecisionAKilometreAway) {
   Body far = near;
   const Eigen::Vector3d offset(1000, -1000, 1000);
   far.pose.root.translation() += offset;
-  const Bones a = place_bones(near.pose, near.shape);
-  const Bones b = place_bones(far.pose, far.shape);
+  const Bones a = forward_kinematics(near.pose, near.shape);
+  const Bones b = forward_kinematics(far.pose, far.shape);
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_LT((b[j].translation() - offset - a[j].translation()).norm(), 1e-11);
   }

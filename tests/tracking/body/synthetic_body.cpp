@@ -78,18 +78,20 @@ ingest::Frame render_body(const BodyState& state, const BodyScene& scene) {
 }
 
 BodyState standing(double degrees, double height) {
-  BodyState state{usual_pose(), Shape::Zero()};
+  BodyState state{rest_pose(), Shape::Zero()};
   state.shape[kHeight] = std::log(height / kMeanHeight);
-  const double turn = degrees * std::numbers::pi / 180;
+  const double yaw = degrees * std::numbers::pi / 180;
   const Vec up(0, -1, 0);
-  const Vec forward(std::sin(turn), 0, -std::cos(turn));
+  const Vec forward(std::sin(yaw), 0, -std::cos(yaw));
   state.pose.root.linear() << up.cross(forward), up, forward;
   state.pose.root.translation() = Vec(0, 0, 2.3);
   return state;
 }
 
 double joint_distance(const BodyState& a, const BodyState& b, Joint joint) {
-  return (place_bones(a.pose, a.shape)[joint].translation() - place_bones(b.pose, b.shape)[joint].translation()).norm();
+  return (forward_kinematics(a.pose, a.shape)[joint].translation() -
+          forward_kinematics(b.pose, b.shape)[joint].translation())
+      .norm();
 }
 
 double mean_joint_distance(const BodyState& a, const BodyState& b) {

@@ -6,7 +6,7 @@
 
 #include "ingest/frame/frame.h"
 #include "tracking/body/body_energy.h"
-#include "tracking/view/object_view.h"
+#include "tracking/view/layer_view.h"
 
 namespace kinora::tracking::testing {
 
@@ -28,7 +28,7 @@ struct BodyScene {
 /// What a camera sees of the body (label 1) before a wall at 4 m (label 0). The state is in the camera.
 ingest::Frame render_body(const BodyState& state, const BodyScene& scene = {});
 
-/// Somebody who stands upright 2.3 m before the camera, turned by `degrees` from facing it, in usual_pose().
+/// Somebody who stands upright 2.3 m before the camera, turned by `degrees` from facing it, in rest_pose().
 BodyState standing(double degrees, double height = 1.7);
 
 /// Distance of a joint in two bodies, metres.

@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "tracking/camera/camera_stillness.h"
+#include "tracking/camera/camera_stationarity.h"
 #include "tracking/scenes/room_scene.h"
 
 namespace kinora::tracking {
@@ -33,14 +33,14 @@ Errors errors_of(const std::vector<SE3>& path, const std::vector<SE3>& truth) {
 }
 
 // A hand that carries the camera along and looks about.
-SE3 carried(int i) {
+SE3 moving_pose(int i) {
   return pose_at({0.25 * std::sin(0.12 * i), 0.1 * std::sin(0.2 * i), 0.15 * (1 - std::cos(0.1 * i))},
                  4 * std::sin(0.15 * i), 15 * std::sin(0.1 * i), 3 * std::sin(0.2 * i));
 }
 
-std::vector<SE3> carried_poses(int count) {
+std::vector<SE3> moving_poses(int count) {
   std::vector<SE3> poses(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) poses[static_cast<std::size_t>(i)] = carried(i);
+  for (int i = 0; i < count; ++i) poses[static_cast<std::size_t>(i)] = moving_pose(i);
   return poses;
 }
 
@@ -85,7 +85,7 @@ TEST(CameraTracker, AStillCameraStaysStillWhenTheLightChanges) {
 }
 
 TEST(CameraTracker, FollowsAHandHeldCameraWithinFiveMillimetres) {
-  const std::vector<SE3> truth = carried_poses(40);
+  const std::vector<SE3> truth = moving_poses(40);
   const CameraTracker tracker = follow(truth, {});
   ASSERT_TRUE(tracker.moves());
   const Errors errors = errors_of(tracker.path(), truth);
@@ -96,7 +96,7 @@ TEST(CameraTracker, FollowsAHandHeldCameraWithinFiveMillimetres) {
 
 TEST(CameraTracker, AStripOfFloorShowsThatTheCameraMoves) {
   CameraTracker tracker;
-  const std::vector<SE3> truth = carried_poses(30);
+  const std::vector<SE3> truth = moving_poses(30);
   for (int i = 0; i < 30; ++i) {
     ingest::Frame frame = render_room(truth[static_cast<std::size_t>(i)], i);
     constexpr int kRange = 104; // row above which everything is out of the sensor's range
@@ -111,7 +111,7 @@ TEST(CameraTracker, AStripOfFloorShowsThatTheCameraMoves) {
 TEST(CameraTracker, FollowsByGeometryWhereNothingHasTexture) {
   RoomOptions options;
   options.textured = false;
-  const std::vector<SE3> truth = carried_poses(30);
+  const std::vector<SE3> truth = moving_poses(30);
   const Errors errors = errors_of(follow(truth, options).path(), truth);
   EXPECT_LT(errors.metres, 0.01);
   EXPECT_LT(errors.degrees, 0.3);
@@ -121,7 +121,7 @@ TEST(CameraTracker, FollowsTheRoomAndNotTheThingThatTheCameraMovesAlongWith) {
   CameraTracker tracker;
   RoomOptions options;
   options.mover_has_label = true;
-  const std::vector<SE3> truth = carried_poses(30);
+  const std::vector<SE3> truth = moving_poses(30);
   for (int i = 0; i < 30; ++i) {
     const SE3& camera = truth[static_cast<std::size_t>(i)];
     options.mover = camera * pose_at({0.05, 0, 1.2}, 0, 30);
@@ -145,7 +145,7 @@ TEST(CameraTracker, FollowsACameraThatRollsThreeDegreesAFrame) {
 TEST(CameraTracker, DarknessLowersTheHealthAndNotTheMap) {
   RoomOptions options;
   CameraTracker tracker;
-  const std::vector<SE3> truth = carried_poses(36);
+  const std::vector<SE3> truth = moving_poses(36);
   std::size_t before = 0;
   for (int i = 0; i < 36; ++i) {
     const bool dark = i >= 12 && i < 24;
@@ -166,7 +166,7 @@ TEST(CameraTracker, DarknessLowersTheHealthAndNotTheMap) {
 
 TEST(CameraTracker, ABareWallLowersTheHealthAndNotTheMap) {
   CameraTracker tracker;
-  const std::vector<SE3> truth = carried_poses(30);
+  const std::vector<SE3> truth = moving_poses(30);
   std::size_t before = 0;
   for (int i = 0; i < 30; ++i) {
     RoomOptions options;
@@ -205,7 +205,7 @@ TEST(CameraTracker, ClosesTheLoopOfATurnAllAroundWithoutAJump) {
 }
 
 TEST(CameraTracker, GivesTheSameBitsForAnyNumberOfThreads) {
-  const std::vector<SE3> truth = carried_poses(12);
+  const std::vector<SE3> truth = moving_poses(12);
   set_thread_count(1);
   const std::vector<SE3> one = follow(truth, {}).path();
   set_thread_count(3);
@@ -229,13 +229,13 @@ TEST(CameraTracker, RefusesAFrameWhoseImagesDiffer) {
   EXPECT_THROW(CameraTracker().track(frame), Error);
 }
 
-TEST(StillnessVotes, OnlyManyCellsThatAgreeOnAVisibleShiftShowMotion) {
-  EXPECT_TRUE((StillnessVotes{14, 0, 2.0}.show_motion()));
-  EXPECT_FALSE((StillnessVotes{14, 0, 0.9}.show_motion())) << "less than a camera can tell";
-  EXPECT_FALSE((StillnessVotes{13, 0, 2.0}.show_motion())) << "may be chance";
-  EXPECT_TRUE((StillnessVotes{32, 8, 2.0}.show_motion()));
-  EXPECT_FALSE((StillnessVotes{32, 9, 2.0}.show_motion())) << "a part of the scene moves";
-  EXPECT_FALSE((StillnessVotes{0, 0, 2.0}.show_motion()));
+TEST(StationarityVotes, OnlyManyCellsThatAgreeOnAVisibleShiftShowMotion) {
+  EXPECT_TRUE((StationarityVotes{14, 0, 2.0}.show_motion()));
+  EXPECT_FALSE((StationarityVotes{14, 0, 0.9}.show_motion())) << "less than a camera can tell";
+  EXPECT_FALSE((StationarityVotes{13, 0, 2.0}.show_motion())) << "may be chance";
+  EXPECT_TRUE((StationarityVotes{32, 8, 2.0}.show_motion()));
+  EXPECT_FALSE((StationarityVotes{32, 9, 2.0}.show_motion())) << "a part of the scene moves";
+  EXPECT_FALSE((StationarityVotes{0, 0, 2.0}.show_motion()));
 }
 
 } // namespace

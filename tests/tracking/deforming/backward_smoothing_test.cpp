@@ -14,7 +14,7 @@ using Vec = Eigen::Vector3d;
 // Two frames of one plate, of which the first remembers half of the nodes where they were not.
 struct Doubtful {
   PlateLayer plate{small_plate({0, 0, 1})};
-  FrameMemory memory;
+  FrameHistory memory;
   NodeTrajectory trajectory{0, plate.model.nodes().size(), 0};
   std::vector<std::size_t> doubted;
 
@@ -43,7 +43,7 @@ struct Doubtful {
 
 TEST(BackwardSmoothing, FollowsGuessesBack) {
   Doubtful layer;
-  for (const std::size_t n : layer.doubted) layer.trajectory.doubt_past(n);
+  for (const std::size_t n : layer.doubted) layer.trajectory.mark_past_extrapolated(n);
   EXPECT_NEAR(layer.mean_error(), 0.03, 1e-9);
   layer.smooth();
   EXPECT_LT(layer.mean_error(), 0.01);

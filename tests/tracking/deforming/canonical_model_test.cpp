@@ -18,13 +18,13 @@ testing::SceneOptions small(int occluded_columns = 0) {
   return options;
 }
 
-ObjectView plate_view(int occluded_columns = 0) {
-  return view_object(testing::render_plate({}, testing::pose_at({0, 0, -1}, 0, 0), 0, small(occluded_columns)), 2);
+LayerView plate_view(int occluded_columns = 0) {
+  return view_label(testing::render_plate({}, testing::pose_at({0, 0, -1}, 0, 0), 0, small(occluded_columns)), 2);
 }
 
 const SE3 kCamera = testing::pose_at({0, 0, -1}, 0, 0);
 
-CanonicalModel model_of(const ObjectView& view) {
+CanonicalModel model_of(const LayerView& view) {
   CanonicalModelConfig config;
   config.first_nodes = 80;
   return CanonicalModel::from_view(view, kCamera, config).value();
@@ -34,7 +34,7 @@ std::vector<SE3> unmoved(const CanonicalModel& model) {
   return std::vector<SE3>(model.nodes().size(), SE3::Identity());
 }
 
-GraphGrowth fuse(const ObjectView& view, std::size_t frame, CanonicalModel& model) {
+GraphGrowth fuse(const LayerView& view, std::size_t frame, CanonicalModel& model) {
   return model.fuse(view, model.states(model.origin_to_camera(kCamera), unmoved(model)), frame);
 }
 
@@ -64,24 +64,24 @@ TEST(CanonicalModel, HasItsGraphInTheWorld) {
 TEST(CanonicalModel, GrowsNodesOnNewSurfaceThatOlderOnesHaveMoved) {
   CanonicalModel model = model_of(plate_view(90));
   const std::size_t first = model.nodes().size();
-  const ObjectView whole = plate_view();
+  const LayerView whole = plate_view();
   std::size_t grown = 0;
   for (std::size_t frame = 1; frame < 12; ++frame) {
     const std::size_t old = model.nodes().size();
     const GraphGrowth growth = fuse(whole, frame, model);
-    ASSERT_EQ(model.nodes().size(), old + growth.adopted.size() + growth.grown.size());
+    ASSERT_EQ(model.nodes().size(), old + growth.attached.size() + growth.grown.size());
     for (const motion::Influence& influence : growth.grown) {
       ASSERT_GT(influence.count, 0);
-      EXPECT_LT(static_cast<std::size_t>(influence.nodes[0]), old + growth.adopted.size());
+      EXPECT_LT(static_cast<std::size_t>(influence.nodes[0]), old + growth.attached.size());
     }
-    for (const std::size_t node : growth.adopted) EXPECT_LT(node, model.nodes().size());
+    for (const std::size_t node : growth.attached) EXPECT_LT(node, model.nodes().size());
     grown += growth.grown.size();
   }
   EXPECT_GT(grown, first / 4);
 }
 
 TEST(CanonicalModel, LearnsNothingNewFromTheSameView) {
-  const ObjectView view = plate_view();
+  const LayerView view = plate_view();
   CanonicalModel model = model_of(view);
   const std::size_t nodes = model.nodes().size();
   for (std::size_t frame = 1; frame < 6; ++frame) fuse(view, frame, model);
@@ -89,7 +89,7 @@ TEST(CanonicalModel, LearnsNothingNewFromTheSameView) {
 }
 
 TEST(CanonicalModel, TakesItsSurfaceAlongToAnotherPose) {
-  const ObjectView view = plate_view();
+  const LayerView view = plate_view();
   CanonicalModel model = model_of(view);
   for (std::size_t frame = 1; frame < 4; ++frame) fuse(view, frame, model);
   const Vec before = mean_of(model.surface());
@@ -97,7 +97,7 @@ TEST(CanonicalModel, TakesItsSurfaceAlongToAnotherPose) {
   const std::vector<Vec> nodes = model.nodes();
   SE3 motion(Eigen::AngleAxisd(0.5, Vec::UnitY()));
   motion.translation() = Vec(0.1, 0.05, 0);
-  model.repose(std::vector<SE3>(nodes.size(), motion));
+  model.set_canonical_pose(std::vector<SE3>(nodes.size(), motion));
   EXPECT_LT((model.nodes()[5] - motion * nodes[5]).norm(), 1e-12);
   EXPECT_LT((mean_of(model.surface()) - motion * before).norm(), 0.005);
   // A plane that is turned crosses more edges between voxels.

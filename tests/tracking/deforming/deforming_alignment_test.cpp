@@ -21,7 +21,7 @@ constexpr double kSpacing = 0.06;
 
 /// A flat plate one metre away with a grid of nodes, and a view of it bent.
 struct Scene {
-  ObjectView view;
+  LayerView view;
   std::vector<Eigen::Vector3d> nodes;
   std::vector<GraphEdge> edges;
   std::vector<motion::SkinnedPoint> points;
@@ -31,9 +31,9 @@ struct Scene {
   explicit Scene(double curvature, std::size_t most_points = 1'000'000) {
     Plate plate;
     plate.to_world = SE3(Eigen::Translation3d(0, 0, 1));
-    const ObjectView flat = view_object(render_plate(plate, SE3::Identity(), 0), 2);
+    const LayerView flat = view_label(render_plate(plate, SE3::Identity(), 0), 2);
     plate.curvature = curvature;
-    view = view_object(render_plate(plate, SE3::Identity(), 1), 2);
+    view = view_label(render_plate(plate, SE3::Identity(), 1), 2);
     for (int y = -3; y <= 3; ++y) {
       for (int x = -4; x <= 4; ++x) nodes.emplace_back(kSpacing * x, kSpacing * y, 0);
     }
@@ -69,8 +69,9 @@ double mean_error(const Scene& scene, const motion::NodeStates& states, double c
   double sum = 0;
   for (const motion::SkinnedPoint& point : scene.points) {
     const Eigen::Vector3d position = point.position.cast<double>();
-    sum += (motion::blend_motion(states, point.influence()).apply(position) - plate.place(position.x(), position.y()))
-               .norm();
+    sum +=
+        (motion::blend_motion(states, point.influence()).apply(position) - plate.position(position.x(), position.y()))
+            .norm();
   }
   return sum / static_cast<double>(scene.points.size());
 }
@@ -110,7 +111,7 @@ TEST(DeformingProblem, GradientOfDepthAndRigidityAgreesWithDifferences) {
   const LayerModel model = scene.model();
   DeformingProblem problem(model, scene.view, {});
   DeformingAlignmentConfig config;
-  config.photometric_share = 0;
+  config.photometric_weight = 0;
   associate(model, scene.textures, scene.view, motion::pose_layer(scene.points, scene.start), 0, 0.1, config,
             problem.terms());
   problem.set_prior(scene.start);
@@ -122,7 +123,7 @@ TEST(DeformingProblem, GradientOfTheBindingAgreesWithDifferences) {
   const Scene scene(0.8);
   const LayerModel model = scene.model();
   DeformingProblem problem(model, scene.view, {});
-  std::vector<NodePull> binding;
+  std::vector<NodeTarget> binding;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     const double away = n % 2 == 0 ? 0.01 : 0.2; // some within the bend of the loss, some beyond
     binding.push_back({scene.start.positions[n] + Eigen::Vector3d(away, 0, away), n % 3 == 0 ? 0 : 50.0});
@@ -148,7 +149,7 @@ TEST(DeformingProblem, GradientOfTextureAgreesWithDifferences) {
   DeformingProblem problem(model, scene.view, {});
   associate(model, scene.textures, scene.view, motion::pose_layer(scene.points, scene.start), 0, 0.1, {},
             problem.terms());
-  for (PointTerms& terms : problem.terms()) terms.plane_scale = 0;
+  for (DataTerm& terms : problem.terms()) terms.plane_scale = 0;
   problem.set_rigidity_sigma(1);
   expect_gradient(problem, disturbed(scene, 0.005, 5), 1e-3, 0.01);
 }
@@ -158,7 +159,7 @@ TEST(DeformingProblem, RigidGradientAgreesWithDifferencesOfTheEnergy) {
   const LayerModel model = scene.model();
   DeformingProblem problem(model, scene.view, {});
   DeformingAlignmentConfig config;
-  config.photometric_share = 0;
+  config.photometric_weight = 0;
   associate(model, scene.textures, scene.view, motion::pose_layer(scene.points, scene.start), 0, 0.1, config,
             problem.terms());
   Matrix6d information;
@@ -192,14 +193,14 @@ TEST(DeformingAlignment, SilhouetteHoldsAPlateWithoutTexture) {
   aside.translation() = Eigen::Vector3d(0.06, 0.05, 0); // the points end 2 cm within the outline
   const motion::NodeStates start = moved(scene.start, aside);
   DeformingAlignmentConfig config;
-  config.photometric_share = 0;
+  config.photometric_weight = 0;
   config.prior_sigma = 1;
-  config.silhouette_share = 0;
+  config.silhouette_weight = 0;
   const auto slipped = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
   EXPECT_GT(mean_error(scene, slipped.nodes, 0), 0.06);
-  config.silhouette_share = DeformingAlignmentConfig().silhouette_share;
-  const auto held = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
-  EXPECT_LT(mean_error(scene, held.nodes, 0), 0.035);
+  config.silhouette_weight = DeformingAlignmentConfig().silhouette_weight;
+  const auto contact = align_deforming(scene.model(), scene.textures, scene.view, start, start, kSpacing, config);
+  EXPECT_LT(mean_error(scene, contact.nodes, 0), 0.035);
 }
 
 // The right half of the plate is not seen: bones may bend it. What is seen does not give way to them.
@@ -211,15 +212,15 @@ TEST(DeformingAlignment, BonesMoveWhatIsNotSeen) {
     scene.textures.erase(scene.textures.begin() + static_cast<std::ptrdiff_t>(p));
   }
   const Eigen::Vector3d away(0, 0, 0.08);
-  std::vector<NodePull> binding;
-  for (const Eigen::Vector3d& place : scene.start.positions) binding.push_back({place + away, 50});
+  std::vector<NodeTarget> binding;
+  for (const Eigen::Vector3d& position : scene.start.positions) binding.push_back({position + away, 50});
   const auto alone = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
   const auto bound =
       align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing, {}, binding);
   const std::size_t left = 28;
   const std::size_t right = 35;
   EXPECT_LT((alone.nodes.positions[right] - scene.start.positions[right]).norm(), 0.02);
-  EXPECT_LT((bound.nodes.positions[right] - binding[right].place).norm(), 0.02);
+  EXPECT_LT((bound.nodes.positions[right] - binding[right].position).norm(), 0.02);
   EXPECT_LT((bound.nodes.positions[left] - scene.start.positions[left]).norm(), 0.005);
   EXPECT_GT(bound.seen[left], 0.8);
   EXPECT_EQ(bound.seen[right], 0);
@@ -231,7 +232,7 @@ TEST(DeformingAlignment, BonesDoNotMoveWhatTheCameraSeesPast) {
   constexpr std::size_t kRight = 35;
   const auto bound_at = [&](float measured) {
     Scene scene(0);
-    ObjectView& view = scene.view;
+    LayerView& view = scene.view;
     for (int v = 0; v < view.mask.height(); ++v) {
       for (int u = view.mask.width() / 2; u < view.mask.width(); ++u) {
         view.mask.at(u, v) = 0;
@@ -240,11 +241,11 @@ TEST(DeformingAlignment, BonesDoNotMoveWhatTheCameraSeesPast) {
       }
     }
     view.to_silhouette = offsets_to_silhouette(view.mask);
-    std::vector<NodePull> binding;
-    for (const Eigen::Vector3d& place : scene.start.positions) binding.push_back({place + away, 50});
+    std::vector<NodeTarget> binding;
+    for (const Eigen::Vector3d& position : scene.start.positions) binding.push_back({position + away, 50});
     const auto bound =
         align_deforming(scene.model(), scene.textures, view, scene.start, scene.start, kSpacing, {}, binding);
-    return (bound.nodes.positions[kRight] - binding[kRight].place).norm();
+    return (bound.nodes.positions[kRight] - binding[kRight].position).norm();
   };
   EXPECT_LT(bound_at(0.3F), 0.02);
   EXPECT_GT(bound_at(9.0F), 0.05);
@@ -266,20 +267,21 @@ TEST(DeformingAlignment, EnergyNeverRises) {
 TEST(DeformingAlignment, IsTheSameAfterATurnOf179Point9Degrees) {
   Scene scene(1.0);
   scene.start = disturbed(scene, 0.02, 3);
-  const SE3 turn(Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Eigen::Vector3d(1, 2, 3).normalized()));
-  Scene turned = scene;
-  turned.start = {};
+  const SE3 rotation(Eigen::AngleAxisd(179.9 / 180 * std::numbers::pi, Eigen::Vector3d(1, 2, 3).normalized()));
+  Scene rotated = scene;
+  rotated.start = {};
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    turned.nodes[i] = turn * scene.nodes[i];
-    turned.start.push_back(SE3(scene.start.transforms[i].to_se3() * turn.inverse()), turned.nodes[i]);
+    rotated.nodes[i] = rotation * scene.nodes[i];
+    rotated.start.push_back(SE3(scene.start.transforms[i].to_se3() * rotation.inverse()), rotated.nodes[i]);
   }
-  for (motion::SkinnedPoint& point : turned.points) {
+  for (motion::SkinnedPoint& point : rotated.points) {
     const motion::Influence influence = point.influence();
-    point = motion::SkinnedPoint((turn * point.position.cast<double>()).cast<float>(),
-                                 (turn.linear() * point.normal.cast<double>()).cast<float>(), influence);
+    point = motion::SkinnedPoint((rotation * point.position.cast<double>()).cast<float>(),
+                                 (rotation.linear() * point.normal.cast<double>()).cast<float>(), influence);
   }
   const auto a = align_deforming(scene.model(), scene.textures, scene.view, scene.start, scene.start, kSpacing);
-  const auto b = align_deforming(turned.model(), turned.textures, turned.view, turned.start, turned.start, kSpacing);
+  const auto b =
+      align_deforming(rotated.model(), rotated.textures, rotated.view, rotated.start, rotated.start, kSpacing);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     EXPECT_LT((a.nodes.positions[i] - b.nodes.positions[i]).norm(), 1e-4) << i;
   }

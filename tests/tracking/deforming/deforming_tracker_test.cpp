@@ -42,8 +42,8 @@ double mean_error(const std::vector<Plate>& plates, const motion::Motion& motion
   int count = 0;
   for (double x = -0.22; x < 0.23; x += 0.04) {
     for (double y = -0.16; y < 0.17; y += 0.04) {
-      const auto track = motion::track_point(motion, plates.size(), 0, plates.front().place(x, y));
-      sum += (track.back() - plates.back().place(x, y)).norm();
+      const auto track = motion::track_point(motion, plates.size(), 0, plates.front().position(x, y));
+      sum += (track.back() - plates.back().position(x, y)).norm();
       ++count;
     }
   }
@@ -55,7 +55,7 @@ double unmoved_error(const std::vector<Plate>& plates) {
   int count = 0;
   for (double x = -0.22; x < 0.23; x += 0.04) {
     for (double y = -0.16; y < 0.17; y += 0.04) {
-      sum += (plates.front().place(x, y) - plates.back().place(x, y)).norm();
+      sum += (plates.front().position(x, y) - plates.back().position(x, y)).norm();
       ++count;
     }
   }
@@ -184,8 +184,8 @@ TEST(DeformingTracker, FindsALayerThatJumpedAcrossTheView) {
   DeformingTracker tracker(2);
   tracker.track(render_plate(plates[0], SE3::Identity(), 0, noisy()));
   ASSERT_EQ(tracker.track(render_plate(plates[1], SE3::Identity(), 1, noisy())).health, motion::Health::kTracked);
-  const auto track = motion::track_point(tracker.motion(), 2, 0, plates[0].place(0.1, 0.05));
-  EXPECT_LT((track[1] - plates[1].place(0.1, 0.05)).norm(), 0.01);
+  const auto track = motion::track_point(tracker.motion(), 2, 0, plates[0].position(0.1, 0.05));
+  EXPECT_LT((track[1] - plates[1].position(0.1, 0.05)).norm(), 0.01);
 }
 
 TEST(DeformingTracker, FramesBeforeTheFirstAreLostAndStandStill) {
@@ -200,7 +200,7 @@ TEST(DeformingTracker, FramesBeforeTheFirstAreLostAndStandStill) {
   ASSERT_EQ(motion.deformations().size(), 2U);
   EXPECT_EQ(motion.health(0), motion::Health::kLost);
   EXPECT_EQ(motion.health(1), motion::Health::kTracked);
-  const Eigen::Vector3d point = plates[1].place(0.1, 0.1);
+  const Eigen::Vector3d point = plates[1].position(0.1, 0.1);
   EXPECT_LT((motion::track_point(motion, 2, 1, point)[0] - point).norm(), 1e-4);
 }
 
@@ -237,8 +237,8 @@ TEST(DeformingTracker, NewSurfaceGetsNodesWithAPast) {
   Plate now;
   now.to_world = SE3(Eigen::Translation3d(-0.05 + 0.003 * 15, 0, 1));
   const Eigen::Vector3d before = Eigen::Vector3d(-0.05, 0, 0) - Eigen::Vector3d(-0.005, 0, 0);
-  const auto track = motion::track_point(tracker.motion(), 16, 15, now.place(-0.1, 0.05));
-  EXPECT_LT((track[0] - (now.place(-0.1, 0.05) + before)).norm(), 0.006);
+  const auto track = motion::track_point(tracker.motion(), 16, 15, now.position(-0.1, 0.05));
+  EXPECT_LT((track[0] - (now.position(-0.1, 0.05) + before)).norm(), 0.006);
 }
 
 // A plate that bends while it comes out from behind an occluder.
@@ -268,9 +268,9 @@ double error_of_past(const motion::Motion& motion) {
   for (double x = -0.16; x < 0.01; x += 0.04) {
     for (double y = -0.12; y < 0.13; y += 0.04) {
       const auto track = motion::track_point(motion, kUnveiledFrames, kUnveiledFrames - 1,
-                                             unveiled_plate(kUnveiledFrames - 1).place(x, y));
+                                             unveiled_plate(kUnveiledFrames - 1).position(x, y));
       for (int i = 0; i < kUnveiledFrames; ++i) {
-        sum += (track[static_cast<std::size_t>(i)] - unveiled_plate(i).place(x, y)).norm();
+        sum += (track[static_cast<std::size_t>(i)] - unveiled_plate(i).position(x, y)).norm();
         ++count;
       }
     }

@@ -19,7 +19,7 @@ CanonicalModel plate_model() {
   options.width = 160;
   options.height = 120;
   options.focal = 160;
-  const ObjectView view = view_object(testing::render_plate({}, kCamera, 0, options), 2);
+  const LayerView view = view_label(testing::render_plate({}, kCamera, 0, options), 2);
   CanonicalModelConfig config;
   config.first_nodes = 80;
   return CanonicalModel::from_view(view, kCamera, config).value();
@@ -44,17 +44,17 @@ struct Scene {
   LayerBinding binding;
 
   Scene() {
-    learn(0, true);
+    update(0, true);
     for (std::size_t frame = 1; frame < kFrames; ++frame) {
       trajectory.add_tracked(std::vector<SE3>(model.nodes().size(), shifted(frame)), static_cast<double>(frame));
-      learn(frame, true);
+      update(frame, true);
     }
   }
 
-  void learn(std::size_t frame, bool with_thing) {
+  void update(std::size_t frame, bool with_thing) {
     const NearbyObject object = thing.at(frame);
     const std::vector<double> seen(model.nodes().size(), 1);
-    binding.learn(model, trajectory, seen, std::span(&object, with_thing ? 1 : 0));
+    binding.update(model, trajectory, seen, std::span(&object, with_thing ? 1 : 0));
   }
 
   bool is_beside_thing(std::size_t node) const {
@@ -65,46 +65,47 @@ struct Scene {
 TEST(LayerBinding, PullsNodesToWhereTheObjectTheyHoldHasThem) {
   const Scene scene;
   const NearbyObject object = scene.thing.at(30);
-  const NodeTies ties = scene.binding.ties(scene.model, kFrames, SE3::Identity(), {&object, 1});
-  ASSERT_EQ(ties.pulls.size(), scene.model.nodes().size());
-  int pulled = 0;
-  for (std::size_t n = 0; n < ties.pulls.size(); ++n) {
+  const NodeConstraints constraints = scene.binding.constraints(scene.model, kFrames, SE3::Identity(), {&object, 1});
+  ASSERT_EQ(constraints.targets.size(), scene.model.nodes().size());
+  int targeted = 0;
+  for (std::size_t n = 0; n < constraints.targets.size(); ++n) {
     if (!scene.is_beside_thing(n)) continue;
-    ++pulled;
-    EXPECT_NEAR(ties.pulls[n].scale, 1 / LayerBindingConfig().holding_sigma, 1e-9);
-    EXPECT_LT((ties.pulls[n].place - (scene.model.origin() + shifted(30) * scene.model.nodes()[n])).norm(), 1e-6);
+    ++targeted;
+    EXPECT_NEAR(constraints.targets[n].scale, 1 / LayerBindingConfig().contact_sigma, 1e-9);
+    EXPECT_LT((constraints.targets[n].position - (scene.model.origin() + shifted(30) * scene.model.nodes()[n])).norm(),
+              1e-6);
   }
-  EXPECT_GT(pulled, 0);
-  EXPECT_EQ(ties.edges.size(), scene.model.edges().size());
+  EXPECT_GT(targeted, 0);
+  EXPECT_EQ(constraints.edges.size(), scene.model.edges().size());
 }
 
 TEST(LayerBinding, PullsNothingWithoutObjectOrBody) {
   const Scene scene;
-  const NodeTies ties = scene.binding.ties(scene.model, kFrames, SE3::Identity());
-  ASSERT_EQ(ties.pulls.size(), scene.model.nodes().size());
-  for (const NodePull& pull : ties.pulls) EXPECT_EQ(pull.scale, 0);
-  EXPECT_TRUE(scene.binding.placed_by_bones(scene.model, kFrames).empty());
+  const NodeConstraints constraints = scene.binding.constraints(scene.model, kFrames, SE3::Identity());
+  ASSERT_EQ(constraints.targets.size(), scene.model.nodes().size());
+  for (const NodeTarget& target_weight : constraints.targets) EXPECT_EQ(target_weight.scale, 0);
+  EXPECT_TRUE(scene.binding.bone_driven_nodes(scene.model, kFrames).empty());
 }
 
 TEST(LayerBinding, MovesWhatItHoldsFromTheFrameThatLastFoundBoth) {
   Scene scene;
-  EXPECT_TRUE(scene.binding.motion_of_held(kThing, scene.model, scene.trajectory)->isApprox(SE3::Identity(), 1e-9));
+  EXPECT_TRUE(scene.binding.contact_motion(kThing, scene.model, scene.trajectory)->isApprox(SE3::Identity(), 1e-9));
   for (std::size_t frame = kFrames; frame < kFrames + 3; ++frame) {
     scene.trajectory.add_tracked(std::vector<SE3>(scene.model.nodes().size(), shifted(frame)),
                                  static_cast<double>(frame));
-    scene.learn(frame, false);
+    scene.update(frame, false);
   }
-  const auto motion = scene.binding.motion_of_held(kThing, scene.model, scene.trajectory);
+  const auto motion = scene.binding.contact_motion(kThing, scene.model, scene.trajectory);
   ASSERT_TRUE(motion);
   EXPECT_TRUE(motion->isApprox(shifted(3), 1e-9));
-  EXPECT_FALSE(scene.binding.motion_of_held(kThing + 1, scene.model, scene.trajectory));
+  EXPECT_FALSE(scene.binding.contact_motion(kThing + 1, scene.model, scene.trajectory));
 }
 
 TEST(LayerBinding, SaysNothingOfWhatItHoldsInAFrameThatDoesNotShowTheLayer) {
   Scene scene;
   scene.binding.track({}, kCamera, kFrames, {});
   scene.trajectory.add_untracked(motion::Health::kHeld, kFrames);
-  EXPECT_FALSE(scene.binding.motion_of_held(kThing, scene.model, scene.trajectory));
+  EXPECT_FALSE(scene.binding.contact_motion(kThing, scene.model, scene.trajectory));
 }
 
 } // namespace

@@ -9,7 +9,7 @@
 #include "tracking/body/synthetic_body.h"
 #include "tracking/deforming/deforming_tracker.h"
 #include "tracking/scenes/bending_plate.h"
-#include "tracking/view/layer_view.h"
+#include "tracking/view/deforming_view.h"
 
 namespace kinora::tracking {
 namespace {
@@ -68,12 +68,12 @@ TEST(LayerBody, KnowsAPersonAndItsJoints) {
   EXPECT_EQ(body.verdict(), BodyVerdict::kPerson) << body.explained() << ' ' << body.free_space();
   const auto paths = body.joint_paths();
   ASSERT_TRUE(paths);
-  ASSERT_EQ(paths->places.size(), 12U);
+  ASSERT_EQ(paths->positions.size(), 12U);
   ASSERT_EQ(paths->names.size(), static_cast<std::size_t>(kJoints));
   EXPECT_EQ(paths->names[kLeftWrist], "left_wrist");
-  const Bones truth = place_bones(bending(11).pose, bending(11).shape);
+  const Bones truth = forward_kinematics(bending(11).pose, bending(11).shape);
   for (std::size_t j = 0; j < kJoints; ++j) {
-    EXPECT_LT((paths->places[11][j] - truth[j].translation()).norm(), 0.08) << paths->names[j];
+    EXPECT_LT((paths->positions[11][j] - truth[j].translation()).norm(), 0.08) << paths->names[j];
   }
 }
 
@@ -88,7 +88,7 @@ TEST(LayerBody, DecidesNothingByAFewFrames) {
   few.resize(3);
   const LayerBody body = body_after(few, 1);
   EXPECT_EQ(body.verdict(), BodyVerdict::kUndecided);
-  EXPECT_TRUE(body.pulls(2, SE3::Identity()).empty());
+  EXPECT_TRUE(body.targets(2, SE3::Identity()).empty());
 }
 
 motion::Motion follow(const std::vector<ingest::Frame>& frames, int label, bool use_body) {
@@ -124,14 +124,14 @@ std::vector<ingest::Frame> arm_into_hiding() {
 // Mean error of a point on the left forearm over the frames in which it is hidden, metres.
 double hidden_error(const std::vector<ingest::Frame>& frames, const motion::Motion& motion) {
   const Eigen::Vector3d local(0.15, 0, 0.035);
-  const auto place = [&](int frame) {
-    return Eigen::Vector3d(place_bones(bending(frame).pose, bending(frame).shape)[kLeftElbow] * local);
+  const auto position = [&](int frame) {
+    return Eigen::Vector3d(forward_kinematics(bending(frame).pose, bending(frame).shape)[kLeftElbow] * local);
   };
-  const auto track = motion::track_point(motion, frames.size(), 0, place(0));
+  const auto track = motion::track_point(motion, frames.size(), 0, position(0));
   double sum = 0;
   int count = 0;
   for (int frame = 16; frame < static_cast<int>(frames.size()); ++frame, ++count) {
-    sum += (track[static_cast<std::size_t>(frame)] - place(frame)).norm();
+    sum += (track[static_cast<std::size_t>(frame)] - position(frame)).norm();
   }
   return sum / count;
 }

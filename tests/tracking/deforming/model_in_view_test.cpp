@@ -14,10 +14,11 @@ using testing::small_plate;
 TEST(ModelInView, ShowsTheSurfaceWhereItIsAlone) {
   const PlateLayer layer(small_plate({0, 0, 1}));
   const ModelInView now = layer.in(layer.view);
-  EXPECT_GT(now.shown_share(now.states(layer.moved_by(shift(0, 0, 0)))), 0.9);
-  EXPECT_LT(now.shown_share(now.states(layer.moved_by(shift(0.15, 0, 0)))), 0.7);
-  EXPECT_LT(now.shown_share(now.states(layer.moved_by(shift(0, 0, 0.1)))), 0.1);
-  EXPECT_EQ(now.shown_share(now.states(layer.moved_by(shift(0, 0, 0))), [](const motion::Influence&) { return false; }),
+  EXPECT_GT(now.facing_inlier_share(now.states(layer.moved_by(shift(0, 0, 0)))), 0.9);
+  EXPECT_LT(now.facing_inlier_share(now.states(layer.moved_by(shift(0.15, 0, 0)))), 0.7);
+  EXPECT_LT(now.facing_inlier_share(now.states(layer.moved_by(shift(0, 0, 0.1)))), 0.1);
+  EXPECT_EQ(now.facing_inlier_share(now.states(layer.moved_by(shift(0, 0, 0))),
+                                    [](const motion::Influence&) { return false; }),
             0);
 }
 

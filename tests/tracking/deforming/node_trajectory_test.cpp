@@ -61,19 +61,19 @@ TEST(NodeTrajectory, GivesNewNodesThePastOfOlderOnes) {
   ASSERT_EQ(trajectory.at(1).nodes.size(), 4U);
   EXPECT_EQ(trajectory.at(1).nodes[2].matrix(), trajectory.at(1).nodes[1].matrix());
   EXPECT_NEAR(trajectory.at(1).nodes[3].translation().x(), 0.2, 1e-12);
-  EXPECT_TRUE(trajectory.is_guess(2, 1));
-  EXPECT_FALSE(trajectory.is_guess(2, 2));
-  EXPECT_FALSE(trajectory.is_guess(0, 0));
-  EXPECT_EQ(trajectory.first_without_guess(), 2U);
+  EXPECT_TRUE(trajectory.is_extrapolated(2, 1));
+  EXPECT_FALSE(trajectory.is_extrapolated(2, 2));
+  EXPECT_FALSE(trajectory.is_extrapolated(0, 0));
+  EXPECT_EQ(trajectory.first_without_extrapolation(), 2U);
 }
 
 TEST(NodeTrajectory, DoubtsThePastOfANode) {
   NodeTrajectory trajectory(0, 2, 0);
   trajectory.add_tracked(both_at(0.1), 1);
-  EXPECT_EQ(trajectory.first_without_guess(), 0U);
-  trajectory.doubt_past(1);
-  EXPECT_TRUE(trajectory.is_guess(1, 0));
-  EXPECT_FALSE(trajectory.is_guess(0, 0));
+  EXPECT_EQ(trajectory.first_without_extrapolation(), 0U);
+  trajectory.mark_past_extrapolated(1);
+  EXPECT_TRUE(trajectory.is_extrapolated(1, 0));
+  EXPECT_FALSE(trajectory.is_extrapolated(0, 0));
 }
 
 TEST(NodeTrajectory, MovesNothingInTheWorldWhenTheCanonicalPoseIsAnother) {
@@ -83,7 +83,7 @@ TEST(NodeTrajectory, MovesNothingInTheWorldWhenTheCanonicalPoseIsAnother) {
   trajectory.add_tracked({bent, SE3(Eigen::Translation3d(0.3, 0, 0))}, 1);
   const Vec before = trajectory.at(1).nodes[0] * kCanonical[0];
   const std::vector<SE3> pose = trajectory.at(1).nodes;
-  trajectory.repose(pose);
+  trajectory.set_canonical_pose(pose);
   EXPECT_TRUE(trajectory.at(1).nodes[0].isApprox(SE3::Identity(), 1e-12));
   EXPECT_LT((trajectory.at(1).nodes[0] * (pose[0] * kCanonical[0]) - before).norm(), 1e-12);
   EXPECT_LT((trajectory.at(0).nodes[1] * (pose[1] * kCanonical[1]) - kCanonical[1]).norm(), 1e-12);

@@ -15,10 +15,10 @@ using Vec = Eigen::Vector3d;
 
 TEST(PosePrediction, FollowsALayerThatJumpsAsAWhole) {
   const PlateLayer layer(small_plate({-0.15, 0, 1}));
-  const ObjectView there = view_layer(frame_of(small_plate({0.1, 0.05, 1.05})), 2);
+  const LayerView there = view_layer(frame_of(small_plate({0.1, 0.05, 1.05})), 2);
   const ModelInView now = layer.in(there);
   const std::vector<SE3> last = layer.moved_by(shift(0, 0, 0));
-  const FoundView before{layer.view, layer.model.origin_to_camera(SE3::Identity())};
+  const TrackedView before{layer.view, layer.model.origin_to_camera(SE3::Identity())};
   const auto nodes = corrected_prediction(now, before, last, layer.binding, 1, last);
   for (const SE3& node : nodes) EXPECT_LT((node.translation() - Vec(0.25, 0.05, 0.05)).norm(), 0.03);
 }
@@ -26,7 +26,7 @@ TEST(PosePrediction, FollowsALayerThatJumpsAsAWhole) {
 TEST(PosePrediction, LeavesALayerThatIsWhereItIsExpected) {
   const PlateLayer layer(small_plate({0, 0, 1}));
   const std::vector<SE3> last = layer.moved_by(shift(0, 0, 0));
-  const FoundView before{layer.view, layer.model.origin_to_camera(SE3::Identity())};
+  const TrackedView before{layer.view, layer.model.origin_to_camera(SE3::Identity())};
   const auto nodes = corrected_prediction(layer.in(layer.view), before, last, layer.binding, 1, last);
   for (const SE3& node : nodes) EXPECT_LT(node.translation().norm(), 1e-6);
 }

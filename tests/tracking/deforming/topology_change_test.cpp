@@ -42,28 +42,28 @@ const std::vector<double> kSeen(2 * kSheet, 1);
 
 TEST(TopologyChange, FindsSurfacesThatTouchedAndHaveParted) {
   const Sheets sheets(kSpacing);
-  const auto parted = find_parted_nodes(sheets.nodes, kSpacing, moved_by(0.2), moved_by(0.3), kSeen);
+  const auto separated = find_separated_nodes(sheets.nodes, kSpacing, moved_by(0.2), moved_by(0.3), kSeen);
   for (std::size_t n = 0; n < 2 * kSheet; ++n) {
-    EXPECT_NE(std::find(parted.begin(), parted.end(), n), parted.end()) << n;
+    EXPECT_NE(std::find(separated.begin(), separated.end(), n), separated.end()) << n;
   }
 }
 
 TEST(TopologyChange, WaitsForASecondFrame) {
-  EXPECT_TRUE(find_parted_nodes(Sheets(kSpacing).nodes, kSpacing, moved_by(0), moved_by(0.3), kSeen).empty());
+  EXPECT_TRUE(find_separated_nodes(Sheets(kSpacing).nodes, kSpacing, moved_by(0), moved_by(0.3), kSeen).empty());
 }
 
 TEST(TopologyChange, LearnsNothingFromWhatIsHidden) {
   const std::vector<double> hidden(2 * kSheet, 0);
-  EXPECT_TRUE(find_parted_nodes(Sheets(kSpacing).nodes, kSpacing, moved_by(0.3), moved_by(0.3), hidden).empty());
+  EXPECT_TRUE(find_separated_nodes(Sheets(kSpacing).nodes, kSpacing, moved_by(0.3), moved_by(0.3), hidden).empty());
 }
 
 TEST(TopologyChange, KeepsAPoseInWhichMoreIsApart) {
-  EXPECT_TRUE(find_parted_nodes(Sheets(0.3).nodes, kSpacing, moved_by(-0.26), moved_by(-0.26), kSeen).empty());
+  EXPECT_TRUE(find_separated_nodes(Sheets(0.3).nodes, kSpacing, moved_by(-0.26), moved_by(-0.26), kSeen).empty());
 }
 
 TEST(TopologyChange, PosesPartedSurfacesApart) {
   const Sheets sheets(kSpacing);
-  const std::vector<SE3> pose = parted_pose(sheets.nodes, sheets.edges, moved_by(0.3));
+  const std::vector<SE3> pose = separated_pose(sheets.nodes, sheets.edges, moved_by(0.3));
   for (std::size_t n = 0; n < 2 * kSheet; ++n) {
     EXPECT_LT((pose[n] * sheets.nodes[n] - moved_by(0.3)[n] * sheets.nodes[n]).norm(), 1e-3) << n;
   }

@@ -28,12 +28,12 @@ void expect_those_of_the_graph(const BrickInfluences& influences, const TsdfVolu
       points.set(i, (volume.brick_centre(brick) + volume.brick_size() * inside).cast<float>());
     }
     motion::InfluenceLanes lanes;
-    influences.weigh(brick, points, lanes);
+    influences.skinning_weights_of(brick, points, lanes);
     for (std::size_t i = 0; i < motion::PointLanes::kPoints; ++i) {
       const motion::Influence expected = graph.influence(points.at(i).cast<double>());
       const motion::Influence found = lanes.at(i);
       ASSERT_EQ(found.count > 0, expected.count > 0);
-      for (std::size_t k = 0; k < motion::Influence::kMost; ++k)
+      for (std::size_t k = 0; k < motion::Influence::kMax; ++k)
         EXPECT_NEAR(found.weights[k], expected.weights[k], 1e-4);
     }
   }
@@ -48,7 +48,7 @@ TEST(BrickInfluences, AreThoseOfTheGraphAlsoAfterItHasGrown) {
   for (const std::size_t more : {40U, 1U, 0U, 25U}) {
     add_nodes_near(volume, more, random, nodes);
     const auto graph = std::make_shared<const motion::DeformationGraph>(nodes, 0.03, 0.07);
-    influences.renew(volume, graph);
+    influences.update(volume, graph);
     expect_those_of_the_graph(influences, volume, *graph, random);
   }
 }
@@ -57,12 +57,12 @@ TEST(BrickInfluences, ABrickNewerThanTheRenewalIsSearchedFor) {
   const auto graph =
       std::make_shared<const motion::DeformationGraph>(std::vector<Eigen::Vector3d>{{0, 0, 0}}, 0.03, 0.07);
   BrickInfluences influences;
-  influences.renew(TsdfVolume({0.006, 0.03, 64}, Eigen::Vector3d::Zero()), graph);
+  influences.update(TsdfVolume({0.006, 0.03, 64}, Eigen::Vector3d::Zero()), graph);
   motion::PointLanes points{};
   points.set(0, {0.01F, 0, 0});
   points.set(1, {0.1F, 0, 0});
   motion::InfluenceLanes lanes;
-  influences.weigh(3, points, lanes);
+  influences.skinning_weights_of(3, points, lanes);
   EXPECT_EQ(lanes.at(0).count, 1);
   EXPECT_EQ(lanes.at(1).count, 0);
 }

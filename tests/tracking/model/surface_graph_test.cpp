@@ -31,7 +31,7 @@ struct Graph {
   std::vector<GraphEdge> edges;
 
   explicit Graph(const std::vector<SurfacePoint>& points, double spacing = 0.045) {
-    samples = thin_surface(points, kCell, 0);
+    samples = downsample_surface(points, kCell, 0);
     add_nodes(samples, spacing, 1000, nodes);
     edges = edges_of(nodes, samples, spacing, kCell);
   }
@@ -83,7 +83,7 @@ TEST(SurfaceGraph, FrontAndBackOfAThinSheetAreNotNeighbours) {
   std::vector<SurfacePoint> points;
   add_sheet(0, 0.4, 0, -1, points);
   add_sheet(0, 0.4, 0.012, 1, points);
-  const auto samples = thin_surface(points, 0.008, 0);
+  const auto samples = downsample_surface(points, 0.008, 0);
   std::vector<Eigen::Vector3d> nodes;
   for (double x = 0.1; x < 0.35; x += 0.05) {
     nodes.emplace_back(x, 0.1, 0);
@@ -100,10 +100,10 @@ TEST(SurfaceGraph, OldNodesStayTheFirstAndTheLimitHolds) {
   std::vector<SurfacePoint> points;
   add_sheet(0, 0.2, 0, -1, points);
   std::vector<Eigen::Vector3d> nodes;
-  add_nodes(thin_surface(points, kCell, 0), 0.045, 1000, nodes);
+  add_nodes(downsample_surface(points, kCell, 0), 0.045, 1000, nodes);
   const std::vector<Eigen::Vector3d> before = nodes;
   add_sheet(0.2, 0.6, 0, -1, points);
-  add_nodes(thin_surface(points, kCell, 0), 0.045, before.size() + 3, nodes);
+  add_nodes(downsample_surface(points, kCell, 0), 0.045, before.size() + 3, nodes);
   ASSERT_EQ(nodes.size(), before.size() + 3);
   EXPECT_TRUE(std::equal(before.begin(), before.end(), nodes.begin()));
   for (std::size_t i = before.size(); i < nodes.size(); ++i) EXPECT_GT(nodes[i].x(), 0.2);
@@ -113,7 +113,7 @@ TEST(SurfaceGraph, EdgesThatGrowAreThoseOfTheWhole) {
   constexpr double kSpacing = 0.045;
   std::vector<SurfacePoint> points;
   add_sheet(0, 0.8, 0, -1, points);
-  const auto samples = thin_surface(points, kCell, 0);
+  const auto samples = downsample_surface(points, kCell, 0);
   std::vector<Eigen::Vector3d> nodes;
   add_nodes(samples, kSpacing, 1000, nodes);
   std::stable_sort(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
@@ -135,7 +135,7 @@ TEST(SurfaceGraph, EdgesThatGrowAreThoseOfTheWhole) {
 TEST(SurfaceGraph, ASurfaceSeenTooSeldomGetsNoNodes) {
   std::vector<SurfacePoint> points;
   add_sheet(0, 0.2, 0, -1, points);
-  EXPECT_TRUE(thin_surface(points, kCell, 2).empty());
+  EXPECT_TRUE(downsample_surface(points, kCell, 2).empty());
 }
 
 } // namespace

@@ -33,7 +33,7 @@ void add_error(const SE3& estimated, const SE3& first, const SE3& now, Errors& e
 }
 
 // A box that is turned and carried about, one metre away.
-SE3 carried(int i) {
+SE3 moving_pose(int i) {
   return pose_at({0.1 * std::sin(0.15 * i), 0.05 * std::cos(0.1 * i), 1 + 0.05 * std::sin(0.1 * i)}, 20 + 1.5 * i,
                  30 + 20 * std::sin(0.1 * i), 0.5 * i);
 }
@@ -50,16 +50,16 @@ Errors follow(const Shape& shape, const std::vector<SE3>& poses, const SceneOpti
   return errors;
 }
 
-std::vector<SE3> carried_poses(int count) {
+std::vector<SE3> moving_poses(int count) {
   std::vector<SE3> poses(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) poses[static_cast<std::size_t>(i)] = carried(i);
+  for (int i = 0; i < count; ++i) poses[static_cast<std::size_t>(i)] = moving_pose(i);
   return poses;
 }
 
 TEST(RigidTracker, FollowsANoisyBoxWithinTwoMillimetresAndOneDegree) {
   SceneOptions options;
   options.noise = 1;
-  const Errors errors = follow({}, carried_poses(16), options);
+  const Errors errors = follow({}, moving_poses(16), options);
   EXPECT_LT(errors.metres, 0.002);
   EXPECT_LT(errors.degrees, 1.0);
 }
@@ -67,7 +67,7 @@ TEST(RigidTracker, FollowsANoisyBoxWithinTwoMillimetresAndOneDegree) {
 TEST(RigidTracker, FollowsABoxWithoutTexture) {
   SceneOptions options;
   options.noise = 1;
-  const Errors errors = follow({ShapeKind::kBox, {0.12, 0.09, 0.07}, false}, carried_poses(10), options);
+  const Errors errors = follow({ShapeKind::kBox, {0.12, 0.09, 0.07}, false}, moving_poses(10), options);
   EXPECT_LT(errors.metres, 0.004);
   EXPECT_LT(errors.degrees, 1.5);
 }
@@ -76,7 +76,7 @@ TEST(RigidTracker, FollowsANoisyBoxThreeMetresAway) {
   SceneOptions options;
   options.noise = 1;
   options.focal = 525;
-  std::vector<SE3> poses = carried_poses(8);
+  std::vector<SE3> poses = moving_poses(8);
   for (SE3& pose : poses) pose.translation().z() += 2;
   const Errors errors = follow({ShapeKind::kBox, {0.2, 0.15, 0.12}, true}, poses, options);
   EXPECT_LT(errors.metres, 0.008);
@@ -96,7 +96,7 @@ TEST(RigidTracker, FollowsStepsOfFiveCentimetresAndFifteenDegrees) {
 }
 
 TEST(RigidTracker, IsAsExactAKilometreAwayFromTheWorldsOrigin) {
-  const std::vector<SE3> poses = carried_poses(8);
+  const std::vector<SE3> poses = moving_poses(8);
   SceneOptions options;
   options.noise = 1;
   const SE3 far_away(Eigen::Translation3d(1000, -300, 700));
@@ -135,9 +135,9 @@ TEST(RigidTracker, FollowsABoxOfWhichHalfIsHidden) {
   Errors errors;
   for (int i = 0; i < 12; ++i) {
     options.occluded_columns = i < 5 ? 0 : 115 + static_cast<int>(20 * std::sin(0.15 * i));
-    const auto result = tracker.track(render_frame({}, carried(i), SE3::Identity(), i, options));
+    const auto result = tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i, options));
     EXPECT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
-    add_error(result.pose.canonical_to_world, carried(0), carried(i), errors);
+    add_error(result.pose.canonical_to_world, moving_pose(0), moving_pose(i), errors);
   }
   EXPECT_LT(errors.metres, 0.003);
   EXPECT_LT(errors.degrees, 1.2);
@@ -165,7 +165,7 @@ TEST(RigidTracker, IsLostBeforeTheObjectAppearsAndStartsThere) {
     EXPECT_FALSE(result.visible);
     EXPECT_EQ(tracker.model(), nullptr);
   }
-  const auto first = tracker.track(render_frame({}, carried(0), SE3::Identity(), 3));
+  const auto first = tracker.track(render_frame({}, moving_pose(0), SE3::Identity(), 3));
   EXPECT_EQ(first.pose.health, motion::Health::kTracked);
   EXPECT_TRUE(first.pose.canonical_to_world.isApprox(SE3::Identity(), 1e-12));
   for (const motion::Motion::Pose& pose : tracker.poses()) {
@@ -177,19 +177,19 @@ TEST(RigidTracker, HoldsAVanishedObjectThenCallsItLostAndFindsItAgain) {
   RigidTrackerConfig config;
   config.held_frames = 4;
   RigidTracker tracker(2, config);
-  for (int i = 0; i < 10; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
+  for (int i = 0; i < 10; ++i) tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i));
   const SE3 last = tracker.poses().back().canonical_to_world;
   for (int i = 10; i < 16; ++i) {
     const auto result = tracker.track(render_frame({}, pose_at({9, 0, 1}, 0, 0), SE3::Identity(), i));
     EXPECT_EQ(result.pose.health, i < 14 ? motion::Health::kHeld : motion::Health::kLost);
     EXPECT_TRUE(result.pose.canonical_to_world.isApprox(last, 1e-12));
   }
-  const SE3 back = Eigen::Translation3d(0.15, 0.05, 0.1) * carried(2);
+  const SE3 back = Eigen::Translation3d(0.15, 0.05, 0.1) * moving_pose(2);
   const auto found = tracker.track(render_frame({}, back, SE3::Identity(), 16));
   ASSERT_EQ(found.pose.health, motion::Health::kTracked);
   EXPECT_TRUE(found.relocalised);
   Errors errors;
-  add_error(found.pose.canonical_to_world, carried(0), back, errors);
+  add_error(found.pose.canonical_to_world, moving_pose(0), back, errors);
   EXPECT_LT(errors.metres, 0.002);
   EXPECT_LT(errors.degrees, 1.0);
 }
@@ -209,7 +209,7 @@ TEST(RigidTracker, ObjectThatIsNotSeenGoesWithWhatHoldsIt) {
     const ingest::Frame frame = behind_a_screen(i);
     auto missed = tracker.track(frame).missed;
     EXPECT_EQ(missed.has_value(), i >= 3) << i;
-    if (missed) tracker.carry(frame, std::move(*missed), SE3(Eigen::Translation3d(0.01 * (i - 2), 0, 0)));
+    if (missed) tracker.move_with_contact(frame, std::move(*missed), SE3(Eigen::Translation3d(0.01 * (i - 2), 0, 0)));
     EXPECT_EQ(tracker.poses().back().health, i < 3 ? motion::Health::kTracked : motion::Health::kHeld) << i;
     Errors errors;
     add_error(tracker.poses().back().canonical_to_world, pose_at({0, 0, 1}, 20, 30), pose_at({0.01 * i, 0, 1}, 20, 30),
@@ -220,7 +220,7 @@ TEST(RigidTracker, ObjectThatIsNotSeenGoesWithWhatHoldsIt) {
 
 TEST(RigidTracker, ObjectThatWouldBeSeenIsNotInTheHand) {
   RigidTracker tracker(2);
-  for (int i = 0; i < 3; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
+  for (int i = 0; i < 3; ++i) tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i));
   const SE3 last = tracker.poses().back().canonical_to_world;
   for (int i = 3; i < 6; ++i) {
     // In the last of these the hand is hidden again, which does not mean that the box is in it.
@@ -228,14 +228,14 @@ TEST(RigidTracker, ObjectThatWouldBeSeenIsNotInTheHand) {
         i < 5 ? render_frame({}, pose_at({9, 0, 1}, 0, 0), SE3::Identity(), i) : behind_a_screen(i);
     auto missed = tracker.track(frame).missed;
     ASSERT_TRUE(missed) << i;
-    tracker.carry(frame, std::move(*missed), SE3(Eigen::Translation3d(0.1, 0, 0)));
+    tracker.move_with_contact(frame, std::move(*missed), SE3(Eigen::Translation3d(0.1, 0, 0)));
     EXPECT_EQ(tracker.poses().back().canonical_to_world.matrix(), last.matrix()) << i;
   }
 }
 
 TEST(RigidTracker, SaysLostWhenWhatItSeesIsAnotherObject) {
   RigidTracker tracker(2);
-  for (int i = 0; i < 5; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
+  for (int i = 0; i < 5; ++i) tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i));
   const SE3 last = tracker.poses().back().canonical_to_world;
   const Shape ball{ShapeKind::kSphere, {0.25, 0, 0}, true};
   const auto result = tracker.track(render_frame(ball, pose_at({0.1, 0, 1.4}, 0, 0), SE3::Identity(), 5));
@@ -245,29 +245,29 @@ TEST(RigidTracker, SaysLostWhenWhatItSeesIsAnotherObject) {
 
 TEST(RigidTracker, SurvivesTinyMasksAndDepthThatIsNotThere) {
   RigidTracker tracker(2);
-  for (int i = 0; i < 3; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i));
-  ingest::Frame tiny = render_frame({}, carried(3), SE3::Identity(), 3);
+  for (int i = 0; i < 3; ++i) tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i));
+  ingest::Frame tiny = render_frame({}, moving_pose(3), SE3::Identity(), 3);
   std::fill(tiny.labels.values().begin(), tiny.labels.values().end(), std::uint8_t{0});
   tiny.labels.at(160, 120) = 2;
   tiny.labels.at(161, 120) = 2;
   EXPECT_EQ(tracker.track(tiny).pose.health, motion::Health::kHeld);
   for (const float value : {0.0F, std::numeric_limits<float>::quiet_NaN(), -1.0F}) {
-    ingest::Frame frame = render_frame({}, carried(4), SE3::Identity(), 4);
+    ingest::Frame frame = render_frame({}, moving_pose(4), SE3::Identity(), 4);
     std::fill(frame.depth.values().begin(), frame.depth.values().end(), value);
     frame.clean_depth = frame.depth;
     const auto result = tracker.track(frame);
     EXPECT_EQ(result.pose.health, motion::Health::kHeld);
     EXPECT_FALSE(result.visible);
   }
-  ingest::Frame unlabelled = render_frame({}, carried(5), SE3::Identity(), 5);
+  ingest::Frame unlabelled = render_frame({}, moving_pose(5), SE3::Identity(), 5);
   unlabelled.labels = LabelImage();
   EXPECT_EQ(tracker.track(unlabelled).pose.health, motion::Health::kHeld);
-  EXPECT_EQ(tracker.track(render_frame({}, carried(6), SE3::Identity(), 6)).pose.health, motion::Health::kTracked);
+  EXPECT_EQ(tracker.track(render_frame({}, moving_pose(6), SE3::Identity(), 6)).pose.health, motion::Health::kTracked);
 }
 
 TEST(RigidTracker, RejectsAFrameWhoseImagesDiffer) {
   RigidTracker tracker(2);
-  ingest::Frame frame = render_frame({}, carried(0), SE3::Identity(), 0);
+  ingest::Frame frame = render_frame({}, moving_pose(0), SE3::Identity(), 0);
   frame.clean_depth = DepthImage(3, 3);
   EXPECT_THROW(tracker.track(frame), Error);
 }
@@ -276,10 +276,10 @@ TEST(RigidTracker, DoesNotMoveWhenAFrameIsRepeated) {
   SceneOptions options;
   options.noise = 1;
   RigidTracker tracker(2);
-  const ingest::Frame frame = render_frame({}, carried(0), SE3::Identity(), 0, options);
+  const ingest::Frame frame = render_frame({}, moving_pose(0), SE3::Identity(), 0, options);
   Errors errors;
   for (int i = 0; i < 10; ++i) {
-    add_error(tracker.track(frame).pose.canonical_to_world, carried(0), carried(0), errors);
+    add_error(tracker.track(frame).pose.canonical_to_world, moving_pose(0), moving_pose(0), errors);
   }
   EXPECT_LT(errors.metres, 0.0005);
   EXPECT_LT(errors.degrees, 0.1);
@@ -295,7 +295,7 @@ TEST(RigidTracker, NamesTheWeakDirectionsOfABallAndDoesNotDriftInTheStrongOnes) 
     const auto result = tracker.track(render_frame(ball, pose, SE3::Identity(), i, options));
     ASSERT_EQ(result.pose.health, motion::Health::kTracked) << "frame " << i;
     if (i > 0) {
-      EXPECT_EQ(result.weak_directions, 3) << "frame " << i;
+      EXPECT_EQ(result.degenerate_directions, 3) << "frame " << i;
     }
     const Eigen::Vector3d centre = result.pose.canonical_to_world * Eigen::Vector3d(0, 0, 1);
     EXPECT_LT((centre - pose.translation()).norm(), 0.003) << "frame " << i;
@@ -309,7 +309,7 @@ TEST(RigidTracker, HasTheSameBitsForAnyNumberOfThreads) {
     SceneOptions options;
     options.noise = 1;
     RigidTracker tracker(2);
-    for (int i = 0; i < 8; ++i) tracker.track(render_frame({}, carried(i), SE3::Identity(), i, options));
+    for (int i = 0; i < 8; ++i) tracker.track(render_frame({}, moving_pose(i), SE3::Identity(), i, options));
     runs.push_back(tracker.poses());
   }
   set_thread_count(0);

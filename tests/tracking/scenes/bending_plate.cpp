@@ -55,7 +55,7 @@ double texture(double x, double y) {
 
 } // namespace
 
-Eigen::Vector3d Plate::place(double x, double y) const {
+Eigen::Vector3d Plate::position(double x, double y) const {
   const double arc = x * (1 + stretch);
   if (std::abs(curvature) < kFlat) return to_world * Eigen::Vector3d(arc, y, 0);
   return to_world *

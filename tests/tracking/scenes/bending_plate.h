@@ -14,7 +14,7 @@ struct Plate {
   SE3 to_world = SE3::Identity();
 
   /// The place of a material point, x and y in metres of the flat, unstretched plate.
-  Eigen::Vector3d place(double x, double y) const;
+  Eigen::Vector3d position(double x, double y) const;
 };
 
 /// The frame that a camera at `camera_to_world` sees of the plate (label 2) before a wall at 4 m.

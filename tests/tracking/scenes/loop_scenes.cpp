@@ -32,9 +32,9 @@ Choice choose(std::uint64_t seed) {
 // Looks outwards at `degrees` of the circle about (0, 0, 0.3), carried by a hand.
 SE3 on_circle(double degrees, const Choice& choice) {
   const double a = degrees * kRadians;
-  const Eigen::Vector3d place(choice.radius * std::sin(a), 0.04 * std::sin(3 * a + choice.sway),
-                              0.3 + choice.radius * std::cos(a));
-  return pose_at(place, 3 * std::sin(2 * a + choice.sway), degrees, 3 * std::sin(2.5 * a));
+  const Eigen::Vector3d position(choice.radius * std::sin(a), 0.04 * std::sin(3 * a + choice.sway),
+                                 0.3 + choice.radius * std::cos(a));
+  return pose_at(position, 3 * std::sin(2 * a + choice.sway), degrees, 3 * std::sin(2.5 * a));
 }
 
 void add(LoopScene& scene, const SE3& pose, const RoomOptions& options) {
@@ -51,7 +51,7 @@ RoomOptions room_of(std::uint64_t seed, const Choice& choice) {
 
 } // namespace
 
-LoopScene turn_around(std::uint64_t seed) {
+LoopScene rotate_around(std::uint64_t seed) {
   const Choice choice = choose(seed);
   LoopScene scene{"turn_around", {}, {}};
   for (double degrees = 0, speed = 0; degrees < 400; degrees += speed) {
@@ -61,7 +61,7 @@ LoopScene turn_around(std::uint64_t seed) {
   return scene;
 }
 
-LoopScene turn_with_hard_stretches(std::uint64_t seed) {
+LoopScene rotate_with_hard_stretches(std::uint64_t seed) {
   const Choice choice = choose(seed);
   LoopScene scene{"hard_stretches", {}, {}};
   for (double degrees = 0, speed = 0; degrees < 400; degrees += speed) {

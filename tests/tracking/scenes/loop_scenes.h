@@ -20,10 +20,10 @@ struct LoopScene {
 
 /// Once around and on to 400°, looking outwards from a circle. Depth is bent as sensors bend it, so that the
 /// way seems 10 to 17° longer or shorter than it is. `seed` varies the way, its speed, the drift and the noise.
-LoopScene turn_around(std::uint64_t seed);
+LoopScene rotate_around(std::uint64_t seed);
 
 /// The same, with a fast stretch, one in the dark, and one before nothing but a bare wall.
-LoopScene turn_with_hard_stretches(std::uint64_t seed);
+LoopScene rotate_with_hard_stretches(std::uint64_t seed);
 
 /// Half around; then something lies on the lens while the camera goes back to a place 60° and 0.4 m away.
 LoopScene covered_on_the_way(std::uint64_t seed);

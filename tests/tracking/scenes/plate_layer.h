@@ -6,7 +6,7 @@
 
 #include "bending_plate.h"
 #include "tracking/deforming/model_in_view.h"
-#include "tracking/view/layer_view.h"
+#include "tracking/view/deforming_view.h"
 
 namespace kinora::tracking::testing {
 
@@ -36,13 +36,13 @@ struct PlateLayer {
         model(CanonicalModel::from_view(view, SE3::Identity()).value()) {}
 
   ingest::Frame frame;
-  ObjectView view;
+  LayerView view;
   CanonicalModel model;
   LayerBinding binding;
   ModelInViewConfig config;
 
-  ModelInView in(const ObjectView& other) const {
-    return {model, other, SE3::Identity(), binding.ties(model, 0, SE3::Identity()), config};
+  ModelInView in(const LayerView& other) const {
+    return {model, other, SE3::Identity(), binding.constraints(model, 0, SE3::Identity()), config};
   }
   /// Transforms of all nodes, relative to the origin, when the plate goes on by `motion` in the world.
   std::vector<SE3> moved_by(const SE3& motion) const {

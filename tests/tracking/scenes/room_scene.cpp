@@ -11,12 +11,12 @@
 namespace kinora::tracking::testing {
 namespace {
 
-struct Placed {
+struct PosedBox {
   Shape shape;
   SE3 to_world;
 };
 
-std::vector<Placed> furniture() {
+std::vector<PosedBox> furniture() {
   return {
       {{ShapeKind::kBox, {0.4, 0.4, 0.3}}, pose_at({-0.8, 0.6, 1.9}, 0, 25)},
       {{ShapeKind::kBox, {0.3, 0.9, 0.3}}, pose_at({1.0, 0.3, 2.2}, 0, -20)},
@@ -43,8 +43,8 @@ void meet(double z, Eigen::Vector3d point, const RoomOptions& options, std::uint
 }
 
 // One in each period, before the wall at z = 3.
-std::vector<Placed> alike_furniture(double period) {
-  std::vector<Placed> boxes;
+std::vector<PosedBox> alike_furniture(double period) {
+  std::vector<PosedBox> boxes;
   for (double x = -2.5 * period; x < 2; x += period) {
     boxes.push_back({{ShapeKind::kBox, {0.15, 0.3, 0.15}}, pose_at({x, 0.2, 2.7}, 0, 30)});
   }
@@ -52,7 +52,7 @@ std::vector<Placed> alike_furniture(double period) {
 }
 
 Hit look(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, const RoomOptions& options,
-         std::span<const Placed> boxes) {
+         std::span<const PosedBox> boxes) {
   Hit hit;
   const Eigen::Vector3d low(-2, -1.3, -2);
   const Eigen::Vector3d high(2, 1, 3);
@@ -66,14 +66,14 @@ Hit look(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, const RoomOptio
     bare.textured = false;
     meet((2 - eye.z()) / ray.z(), eye, bare, 0, hit);
   }
-  const auto meet_box = [&](const Placed& placed, std::uint8_t label) {
-    const SE3 inverse = placed.to_world.inverse();
-    const auto z = intersect(placed.shape, inverse * eye, inverse.linear() * ray);
+  const auto meet_box = [&](const PosedBox& posed, std::uint8_t label) {
+    const SE3 inverse = posed.to_world.inverse();
+    const auto z = intersect(posed.shape, inverse * eye, inverse.linear() * ray);
     // What moves carries its texture along.
     if (z) meet(*z, label == 0 ? eye + *z * ray : inverse * (eye + *z * ray), options, label, hit);
   };
   if (options.furnished && !options.only_wall) {
-    for (const Placed& placed : boxes) meet_box(placed, 0);
+    for (const PosedBox& posed : boxes) meet_box(posed, 0);
   }
   if (options.mover) meet_box({{ShapeKind::kBox, {0.25, 0.25, 0.25}}, *options.mover}, 1);
   return hit;
@@ -88,7 +88,7 @@ ingest::Frame render_room(const SE3& camera_to_world, int index, const RoomOptio
   size.focal = options.focal;
   ingest::Frame frame = grey_frame(camera_to_world, index, size);
   Random random(options.seed, static_cast<std::uint64_t>(index));
-  const std::vector<Placed> boxes = options.alike > 0 ? alike_furniture(options.alike) : furniture();
+  const std::vector<PosedBox> boxes = options.alike > 0 ? alike_furniture(options.alike) : furniture();
   for (int v = 0; v < options.height; ++v) {
     for (int u = 0; u < options.width; ++u) {
       const Eigen::Vector3d ray = camera_to_world.linear() * frame.camera.intrinsics.unproject(u, v, 1.0);

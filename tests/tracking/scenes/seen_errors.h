@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "evaluate/true_tracks.h"
+#include "evaluate/ground_truth_tracks.h"
 #include "motion/motion.h"
 #include "motion/point_track.h"
 
@@ -34,9 +34,9 @@ inline SeenErrors seen_errors(const evaluate::TrueTracks& truth, const motion::M
     const auto start = static_cast<std::size_t>(first - numbers.begin());
     const auto track = motion::track_point(motion, numbers.size(), start, *seen_at(*first));
     for (std::size_t i = start; i < numbers.size(); ++i) {
-      const Eigen::Vector3d* place = seen_at(numbers[i]);
-      if (place == nullptr) continue;
-      const double distance = (track[i] - *place).norm();
+      const Eigen::Vector3d* position = seen_at(numbers[i]);
+      if (position == nullptr) continue;
+      const double distance = (track[i] - *position).norm();
       const double error = std::isfinite(distance) ? distance : std::numeric_limits<double>::infinity();
       errors.mean += error;
       ++count;

@@ -51,14 +51,14 @@ double vase_distance(const Vec& p) {
 
 } // namespace
 
-Vec Thing::normal(const Vec& place) const {
+Vec Thing::normal(const Vec& position) const {
   constexpr double kStep = 1e-4;
-  Vec slope;
+  Vec gradient;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec step = kStep * Vec::Unit(axis);
-    slope[axis] = distance(place + step) - distance(place - step);
+    gradient[axis] = distance(position + step) - distance(position - step);
   }
-  return slope.normalized();
+  return gradient.normalized();
 }
 
 Thing vase(bool printed) {

@@ -14,7 +14,7 @@ struct Thing {
   std::function<Eigen::Vector3d(const Eigen::Vector3d&)> colour; ///< reflectance of red, green and blue
   double gloss = 0;                                              ///< of a highlight that stays where the light is
 
-  Eigen::Vector3d normal(const Eigen::Vector3d& place) const;
+  Eigen::Vector3d normal(const Eigen::Vector3d& position) const;
 };
 
 /// 26 cm high about y, 18 cm wide, with one small handle towards x. Its print is drawn all about it.

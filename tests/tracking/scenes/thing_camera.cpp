@@ -84,9 +84,9 @@ Seen see(const ThingScene& scene, const Instant& instant, const Vec& ray) {
   const double floor = way.y() > 0 ? (kFloor - eye.y()) / way.y() : 2 * wall;
   Seen seen;
   seen.z = std::min(wall, floor);
-  const Vec place = eye + seen.z * way;
-  seen.light = floor < wall ? lit(-Vec::UnitY(), room_colour(place.x(), place.z()))
-                            : lit(-Vec::UnitZ(), room_colour(place.x(), place.y()));
+  const Vec position = eye + seen.z * way;
+  seen.light = floor < wall ? lit(-Vec::UnitY(), room_colour(position.x(), position.z()))
+                            : lit(-Vec::UnitZ(), room_colour(position.x(), position.y()));
   if (const auto hit = instant.person.trace(ray); hit && hit->z < seen.z) {
     seen = {hit->z, 1, lit(rotation * hit->normal, DressedPerson::colour_of(hit->point))};
   }

@@ -18,13 +18,13 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRadians = kPi / 180;
 
 // A person whose arms were put somewhere; the poses of arms are worth being kept.
-BodyState with_hands(const Vec& left, const Vec& right, double turned = 0) {
+BodyState with_hands(const Vec& left, const Vec& right, double rotated = 0) {
   BodyState state = tall_person();
   const LimbPose left_pose = reaching(kLeftArm, state, left);
   const LimbPose right_pose = reaching(kRightArm, state, right);
   set_limb(kLeftArm, left_pose, left_pose, 0, state);
   set_limb(kRightArm, right_pose, right_pose, 0, state);
-  turn(state, turned);
+  rotate_root(state, rotated);
   return state;
 }
 
@@ -38,18 +38,18 @@ BodyState between(const BodyState& a, const BodyState& b, double share) {
   return state;
 }
 
-SE3 placed(const Vec& at, const Eigen::Matrix3d& rotation) {
+SE3 pose_of(const Vec& at, const Eigen::Matrix3d& rotation) {
   SE3 pose = SE3::Identity();
   pose.linear() = rotation;
   pose.translation() = at;
   return pose;
 }
 
-Eigen::Matrix3d turned(double degrees, const Vec& axis) {
+Eigen::Matrix3d rotated(double degrees, const Vec& axis) {
   return Eigen::AngleAxisd(degrees * kRadians, axis.normalized()).toRotationMatrix();
 }
 
-Eigen::Matrix3d upright() { return turned(180, Vec::UnitX()); } // things have y up
+Eigen::Matrix3d upright() { return rotated(180, Vec::UnitX()); } // things have y up
 
 Vec wrist_of(const BodyState& state, Joint wrist, const Vec& beyond) {
   return pose_body(state.pose, state.shape).bones[wrist] * beyond;
@@ -59,13 +59,13 @@ ThingScene spinning_vase(std::string_view name, bool printed, double speed) {
   const BodyState still = with_hands({0.15, -0.10, 0.26}, {-0.13, -0.03, 0.30});
   const auto person = [still](double frame) {
     BodyState state = still;
-    turn(state, 6 * std::sin(frame / 14));
+    rotate_root(state, 6 * std::sin(frame / 14));
     return state;
   };
   const auto pose = [speed](double frame) {
     const Vec centre(0.03 * std::sin(frame / 12), -0.33 + 0.02 * std::sin(frame / 9), 2.02);
-    const Eigen::Matrix3d lean = turned(14, {1, 0, 0.4}) * upright();
-    return placed(centre, lean * turned(40 + speed * frame, Vec::UnitY()));
+    const Eigen::Matrix3d tilt = rotated(14, {1, 0, 0.4}) * upright();
+    return pose_of(centre, tilt * rotated(40 + speed * frame, Vec::UnitY()));
   };
   return {name, 90, person, {{vase(printed), 2, pose}}};
 }
@@ -83,8 +83,8 @@ ThingScene swung_mallet() {
     const double way = stroke(frame, 15, 18, 12);
     const Vec hand = wrist_of(person(frame), kRightWrist, {-0.07, 0, 0});
     const Eigen::Matrix3d rotation =
-        turned(-20 + 75 * way, Vec::UnitZ()) * turned(25 * std::sin(frame / 7), Vec::UnitY()) * upright();
-    return placed(hand - rotation * Vec(0, -0.17, 0), rotation);
+        rotated(-20 + 75 * way, Vec::UnitZ()) * rotated(25 * std::sin(frame / 7), Vec::UnitY()) * upright();
+    return pose_of(hand - rotation * Vec(0, -0.17, 0), rotation);
   };
   return {"mallet", 80, person, {{mallet(), 2, pose}}};
 }
@@ -95,18 +95,18 @@ ThingScene thrown_ball(std::string_view name, bool striped) {
   constexpr double kThrown = 20; // frame
   constexpr double kRadius = 0.09;
   const auto person = [low, high](double frame) { return between(low, high, eased(frame, 10, 12)); };
-  const auto held = [person](double frame) -> Vec {
+  const auto contact = [person](double frame) -> Vec {
     return wrist_of(person(frame), kRightWrist, {-0.08, 0, 0}) + Vec(0, -0.07, -0.05);
   };
-  const auto pose = [held](double frame) {
+  const auto pose = [contact](double frame) {
     constexpr double kFall = 9.81 / 900 / 2; // metres a frame², y down
     constexpr double kFlight = 13;           // frames; then it is caught at the other side and lies there
     const double flown = std::clamp(frame - kThrown, 0.0, kFlight);
     const Vec centre =
         frame <= kThrown
-            ? held(frame)
-            : Vec(held(kThrown) + flown * Vec(0.092, -0.062, -0.006) + kFall * flown * flown * Vec::UnitY());
-    return placed(centre, turned(8 * flown, {0.3, 0.2, 1}) * turned(20, {1, 0.5, 0}));
+            ? contact(frame)
+            : Vec(contact(kThrown) + flown * Vec(0.092, -0.062, -0.006) + kFall * flown * flown * Vec::UnitY());
+    return pose_of(centre, rotated(8 * flown, {0.3, 0.2, 1}) * rotated(20, {1, 0.5, 0}));
   };
   return {name, 50, person, {{ball(kRadius, striped), 2, pose}}, 0.5};
 }
@@ -116,16 +116,16 @@ const Vec kTable(0, 0.28, 1.85);
 
 MovingThing table() {
   return {plain_box(kTableHalf, {0.45, 0.42, 0.38}), 0,
-          [](double) { return placed(kTable, Eigen::Matrix3d::Identity()); }};
+          [](double) { return pose_of(kTable, Eigen::Matrix3d::Identity()); }};
 }
 
 SE3 on_table(double x, double z, double half_height, double degrees) {
-  return placed({x, kTable.y() - kTableHalf.y() - half_height, z}, upright() * turned(degrees, Vec::UnitY()));
+  return pose_of({x, kTable.y() - kTableHalf.y() - half_height, z}, upright() * rotated(degrees, Vec::UnitY()));
 }
 
 SE3 mixed(const SE3& a, const SE3& b, double share) {
-  return placed(a.translation() + share * (b.translation() - a.translation()),
-                Eigen::Quaterniond(a.linear()).slerp(share, Eigen::Quaterniond(b.linear())).toRotationMatrix());
+  return pose_of(a.translation() + share * (b.translation() - a.translation()),
+                 Eigen::Quaterniond(a.linear()).slerp(share, Eigen::Quaterniond(b.linear())).toRotationMatrix());
 }
 
 // Hands go where things are: in the chest's axes a thing at (x, y, z) of the world.
@@ -138,17 +138,17 @@ BodyState hands_at(const Vec& left, const Vec& right) {
 ThingScene two_in_turn() {
   const Vec half_a(0.08, 0.06, 0.05);
   const Vec half_b(0.05, 0.10, 0.04);
-  const SE3 held_a = placed({0.02, -0.12, 1.95}, turned(15, {1, 0, 0}) * upright());
+  const SE3 held_a = pose_of({0.02, -0.12, 1.95}, rotated(15, {1, 0, 0}) * upright());
   const SE3 down_a = on_table(0.05, 1.95, half_a.y(), 25);
   const SE3 down_b = on_table(-0.02, 1.74, half_b.y(), -20);
-  const SE3 held_b = placed({-0.08, -0.15, 1.85}, turned(-20, {1, 0, 0.2}) * upright());
+  const SE3 held_b = pose_of({-0.08, -0.15, 1.85}, rotated(-20, {1, 0, 0.2}) * upright());
   const auto pose_a = [=](double frame) {
-    const SE3 turning = held_a * placed(Vec::Zero(), turned(40 * std::sin(frame / 10), Vec::UnitY()));
+    const SE3 turning = held_a * pose_of(Vec::Zero(), rotated(40 * std::sin(frame / 10), Vec::UnitY()));
     return mixed(turning, down_a, eased(frame, 25, 15));
   };
   const auto pose_b = [=](double frame) {
     const SE3 up = mixed(down_b, held_b, eased(frame, 50, 12));
-    return up * placed(Vec::Zero(), turned(60 * eased(frame, 62, 25), {0.2, 1, 0}));
+    return up * pose_of(Vec::Zero(), rotated(60 * eased(frame, 62, 25), {0.2, 1, 0}));
   };
   const auto person = [=](double frame) {
     const Vec at_a = pose_a(frame).translation();
@@ -165,7 +165,7 @@ ThingScene swapped() {
     const double way = eased(frame, 20, 30);
     const double angle = kPi * way;
     const Vec centre(0.20 * side * std::cos(angle), -0.10, 1.90 - 0.11 * side * std::sin(angle));
-    return placed(centre, upright() * turned(20 * side + 30 * side * way, Vec::UnitY()));
+    return pose_of(centre, upright() * rotated(20 * side + 30 * side * way, Vec::UnitY()));
   };
   const auto person = [pose](double frame) {
     const Vec first = pose(1, frame).translation();
@@ -182,8 +182,8 @@ ThingScene swapped() {
 
 ThingScene hand_held() {
   const auto pose = [](double frame) {
-    return placed({0.05 * std::sin(frame / 15), -0.18, 1.95},
-                  turned(20, {1, 0, 0}) * upright() * turned(50 * std::sin(frame / 16), Vec::UnitY()));
+    return pose_of({0.05 * std::sin(frame / 15), -0.18, 1.95},
+                   rotated(20, {1, 0, 0}) * upright() * rotated(50 * std::sin(frame / 16), Vec::UnitY()));
   };
   const auto person = [pose](double frame) {
     const Vec at = pose(frame).translation();
@@ -192,9 +192,9 @@ ThingScene hand_held() {
   const auto camera = [](double frame) {
     const Vec away(0.06 * std::sin(frame / 17), 0.02 * std::sin(frame / 6), 0.05 * (1 - std::cos(frame / 23)));
     const Vec axis(2 * std::sin(frame / 13), 4 * std::sin(frame / 19), 1.5 * std::sin(frame / 8));
-    return placed(away,
-                  Eigen::AngleAxisd(axis.norm() * kRadians, axis.norm() > 0 ? Vec(axis.normalized()) : Vec::UnitX())
-                      .toRotationMatrix());
+    return pose_of(away,
+                   Eigen::AngleAxisd(axis.norm() * kRadians, axis.norm() > 0 ? Vec(axis.normalized()) : Vec::UnitX())
+                       .toRotationMatrix());
   };
   return {"hand_held", 90, person, {{printed_box({0.09, 0.07, 0.05}, 8), 2, pose}}, 0, camera};
 }

@@ -1,4 +1,4 @@
-#include "tracking/solver/block_system.h"
+#include "tracking/solver/pcg.h"
 
 #include "core/random.h"
 #include "support/every_instruction_set.h"

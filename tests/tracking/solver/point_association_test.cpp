@@ -13,8 +13,8 @@ constexpr double kGate = 0.06;
 constexpr double kShare = 0.5;
 
 /// A disc of the label before a wall, with holes and with something before it.
-ObjectView disc_view(Random& random) {
-  ObjectView view;
+LayerView disc_view(Random& random) {
+  LayerView view;
   view.intrinsics = {64, 48, 90, 85, 31, 26};
   view.depth = DepthImage(64, 48, 1, 4.0F);
   view.mask = LabelImage(64, 48);
@@ -46,16 +46,16 @@ ObjectView disc_view(Random& random) {
 }
 
 struct Plain {
-  PointTerms terms;
+  DataTerm terms;
   float image = NAN;
 };
 
-Plain plain_association(const motion::PosedPoint& point, const ObjectView& view, int level) {
+Plain plain_association(const motion::PosedPoint& point, const LayerView& view, int level) {
   Plain result;
-  const Eigen::Vector3d place = point.place.cast<double>();
+  const Eigen::Vector3d position = point.position.cast<double>();
   const Eigen::Vector3d normal = point.normal.cast<double>();
-  if (!(place.z() > 0.05)) return result;
-  const Eigen::Vector2d pixel = view.intrinsics.project(place);
+  if (!(position.z() > 0.05)) return result;
+  const Eigen::Vector2d pixel = view.intrinsics.project(position);
   if (!(pixel.x() > -0.49 && pixel.y() > -0.49 && pixel.x() < view.intrinsics.width - 0.51 &&
         pixel.y() < view.intrinsics.height - 0.51)) {
     return result;
@@ -63,29 +63,30 @@ Plain plain_association(const motion::PosedPoint& point, const ObjectView& view,
   const int u = static_cast<int>(std::lround(pixel.x()));
   const int v = static_cast<int>(std::lround(pixel.y()));
   const float front = view.depth.at(u, v);
-  const bool covered = front > 0 && front < place.z() - std::max(0.03, 3 * kSensorNoise.sigma(place.z()));
+  const bool covered = front > 0 && front < position.z() - std::max(0.03, 3 * kSensorNoise.sigma(position.z()));
   if (view.mask.at(u, v) == 0) {
     const std::int16_t* offset = view.to_silhouette.pixel(u, v);
     const Eigen::Vector2d inwards(offset[0], offset[1]);
     if (inwards.norm() < 1 || covered) return result;
     result.terms.violates_free_space = true;
     const Eigen::Vector2d outwards = -inwards.normalized();
-    const Eigen::Vector2d rim = Eigen::Vector2d(u - view.intrinsics.cx, v - view.intrinsics.cy) + inwards + outwards;
+    const Eigen::Vector2d contour =
+        Eigen::Vector2d(u - view.intrinsics.cx, v - view.intrinsics.cy) + inwards + outwards;
     const Eigen::Vector3d through =
-        Eigen::Vector3d(outwards.x() * view.intrinsics.fx, outwards.y() * view.intrinsics.fy, -outwards.dot(rim))
+        Eigen::Vector3d(outwards.x() * view.intrinsics.fx, outwards.y() * view.intrinsics.fy, -outwards.dot(contour))
             .normalized();
-    const double distance = through.dot(place);
+    const double distance = through.dot(position);
     if (!(distance > 0) || distance > kGate) return result;
     result.terms.plane_normal = through.cast<float>();
-    result.terms.plane_scale = static_cast<float>(std::sqrt(kShare) * view.intrinsics.fx / place.z());
+    result.terms.plane_scale = static_cast<float>(std::sqrt(kShare) * view.intrinsics.fx / position.z());
     return result;
   }
-  if (normal.dot(place) > -0.17 * place.norm()) return result;
+  if (normal.dot(position) > -0.17 * position.norm()) return result;
   const bool measured = view.planes.weights.at(u, v) > 0;
   if (measured) {
     const Eigen::Vector3d there = view.point(u, v);
     const Eigen::Vector3d plane = Eigen::Map<const Eigen::Vector3f>(view.planes.planes.pixel(u, v)).cast<double>();
-    if ((place - there).norm() <= kGate && normal.dot(plane) >= 0.7) {
+    if ((position - there).norm() <= kGate && normal.dot(plane) >= 0.7) {
       result.terms.plane_normal = plane.cast<float>();
       result.terms.plane_offset = static_cast<float>(-plane.dot(there));
       result.terms.plane_scale = static_cast<float>(
@@ -105,22 +106,22 @@ class PointAssociationTest : public OnEveryInstructionSet {};
 
 TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
   Random random(8);
-  const ObjectView view = disc_view(random);
+  const LayerView view = disc_view(random);
   std::vector<motion::PosedPoint> points(3003);
   for (motion::PosedPoint& point : points) {
-    const Eigen::Vector3d place = view.intrinsics.unproject(
+    const Eigen::Vector3d position = view.intrinsics.unproject(
         80 * random.uniform_double() - 8, 60 * random.uniform_double() - 6, 2 + 0.06 * random.normal());
-    point.place = place.cast<float>();
+    point.position = position.cast<float>();
     const Eigen::Vector3d normal(0.4 * random.normal(), 0.4 * random.normal(), random.uniform() < 0.2F ? 1 : -1);
     point.normal = normal.normalized().cast<float>();
   }
-  points[5].place.z() = -2;
-  std::vector<PointTerms> terms(points.size());
+  points[5].position.z() = -2;
+  std::vector<DataTerm> terms(points.size());
   std::vector<float> image(points.size());
   for (const int level : {0, 2}) {
     associate_points(points, view, level, {kGate, kGate, kShare}, terms, image);
     int on_surface = 0;
-    int on_rim = 0;
+    int on_contour = 0;
     int shown = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {
       const Plain plain = plain_association(points[p], view, level);
@@ -134,38 +135,39 @@ TEST_P(PointAssociationTest, IsThatOfAPlainLoop) {
         EXPECT_NEAR(image[p], plain.image, 1e-4) << p;
       }
       on_surface += plain.terms.on_surface ? 1 : 0;
-      on_rim += !plain.terms.on_surface && plain.terms.plane_scale > 0 ? 1 : 0;
+      on_contour += !plain.terms.on_surface && plain.terms.plane_scale > 0 ? 1 : 0;
       shown += std::isnan(plain.image) ? 0 : 1;
     }
     EXPECT_GT(on_surface, 200);
-    EXPECT_GT(on_rim, 20);
+    EXPECT_GT(on_contour, 20);
     EXPECT_GT(shown, 100);
   }
 }
 
 TEST_P(PointAssociationTest, TexturesAreThoseOfAPlainLoop) {
   Random random(8);
-  const ObjectView view = disc_view(random);
+  const LayerView view = disc_view(random);
   std::vector<motion::PosedPoint> points(1003);
   for (motion::PosedPoint& point : points) {
-    point.place =
+    point.position =
         view.intrinsics
             .unproject(80 * random.uniform_double() - 8, 60 * random.uniform_double() - 6, 2 + 0.03 * random.normal())
             .cast<float>();
   }
-  points[5].place.z() = -2;
-  std::vector<std::array<float, ObjectView::kLevels>> shown(points.size());
-  show_textures(points, view, shown);
+  points[5].position.z() = -2;
+  std::vector<std::array<float, LayerView::kLevels>> shown(points.size());
+  sample_textures(points, view, shown);
   int seen = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const Eigen::Vector3d place = points[p].place.cast<double>();
-    const Eigen::Vector2d pixel = view.intrinsics.project(place);
+    const Eigen::Vector3d position = points[p].position.cast<double>();
+    const Eigen::Vector2d pixel = view.intrinsics.project(position);
     const int u = static_cast<int>(std::lround(pixel.x()));
     const int v = static_cast<int>(std::lround(pixel.y()));
-    const bool inside = place.z() > 0 && pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
+    const bool inside = position.z() > 0 && pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.intrinsics.width - 1 &&
                         pixel.y() < view.intrinsics.height - 1;
-    const bool there = inside && view.mask.at(u, v) == 2 && view.planes.weights.at(u, v) > 0 &&
-                       std::abs(view.point(u, v).z() - place.z()) <= std::max(0.015, 3 * kSensorNoise.sigma(place.z()));
+    const bool there =
+        inside && view.mask.at(u, v) == 2 && view.planes.weights.at(u, v) > 0 &&
+        std::abs(view.point(u, v).z() - position.z()) <= std::max(0.015, 3 * kSensorNoise.sigma(position.z()));
     for (std::size_t level = 0; level < shown[p].size(); ++level) {
       ASSERT_EQ(std::isnan(shown[p][level]), !there) << p;
       if (there) {
@@ -178,9 +180,9 @@ TEST_P(PointAssociationTest, TexturesAreThoseOfAPlainLoop) {
 }
 
 TEST_P(PointAssociationTest, FindsNothingInAnEmptyView) {
-  const ObjectView view;
+  const LayerView view;
   const std::vector<motion::PosedPoint> points(5, {{0, 0, 1}, 0, {0, 0, -1}, 0});
-  std::vector<PointTerms> terms(points.size());
+  std::vector<DataTerm> terms(points.size());
   std::vector<float> image(points.size());
   associate_points(points, view, 0, {}, terms, image);
   for (std::size_t p = 0; p < points.size(); ++p) {

@@ -159,16 +159,17 @@ TEST(TsdfVolume, HasTheSameBitsForAnyNumberOfThreads) {
 }
 
 // What a volume has, turned about the y axis; what had x < 0 is left behind.
-TsdfVolume half_of(const TsdfVolume& volume, const SE3& turn) {
+TsdfVolume half_of(const TsdfVolume& volume, const SE3& rotation) {
   std::vector<SurfacePoint> surface = volume.surface_points();
-  for (SurfacePoint& point : surface) point.position = (turn * point.position.cast<double>()).cast<float>();
+  for (SurfacePoint& point : surface) point.position = (rotation * point.position.cast<double>()).cast<float>();
   TsdfVolume half(volume.config(), volume.origin());
   half.make_bricks(surface);
-  const SE3 back = turn.inverse();
-  half.take(volume, [&](std::size_t, const motion::PointLanes& points, motion::PointLanes& places) {
+  const SE3 inverse = rotation.inverse();
+  half.resample(volume, [&](std::size_t, const motion::PointLanes& points, motion::PointLanes& positions) {
     for (std::size_t i = 0; i < motion::PointLanes::kPoints; ++i) {
-      const Eigen::Vector3f place = (back * points.at(i).cast<double>()).cast<float>();
-      places.set(i, place.x() < 0 ? Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()) : place);
+      const Eigen::Vector3f position = (inverse * points.at(i).cast<double>()).cast<float>();
+      positions.set(i,
+                    position.x() < 0 ? Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()) : position);
     }
   });
   return half;
@@ -176,13 +177,13 @@ TsdfVolume half_of(const TsdfVolume& volume, const SE3& turn) {
 
 TEST(TsdfVolume, IsCarriedOverToWhereItsPiecesGo) {
   const TsdfVolume volume = scanned(kBox, {0, 0, 0});
-  const SE3 turn = pose_at({0.31, -0.2, 0.12}, 0, 37);
-  const std::vector<SurfacePoint> points = half_of(volume, turn).surface_points();
+  const SE3 rotation = pose_at({0.31, -0.2, 0.12}, 0, 37);
+  const std::vector<SurfacePoint> points = half_of(volume, rotation).surface_points();
   EXPECT_NEAR(static_cast<double>(points.size()), static_cast<double>(volume.surface_points().size()) / 2,
               0.1 * static_cast<double>(volume.surface_points().size()));
   double sum = 0;
   for (const SurfacePoint& point : points) {
-    const Eigen::Vector3d before = turn.inverse() * point.position.cast<double>();
+    const Eigen::Vector3d before = rotation.inverse() * point.position.cast<double>();
     EXPECT_GT(before.x(), -1e-3);
     sum += std::abs(distance_to(kBox, before));
   }
@@ -191,11 +192,11 @@ TEST(TsdfVolume, IsCarriedOverToWhereItsPiecesGo) {
 
 TEST(TsdfVolume, IsCarriedOverWithTheSameBitsByAnyNumberOfThreads) {
   const TsdfVolume volume = scanned(kSphere, {0, 0, 0}, 1);
-  const SE3 turn = pose_at({0.1, 0, 0}, 20, 10);
+  const SE3 rotation = pose_at({0.1, 0, 0}, 20, 10);
   set_thread_count(1);
-  const std::vector<SurfacePoint> one = half_of(volume, turn).surface_points();
+  const std::vector<SurfacePoint> one = half_of(volume, rotation).surface_points();
   set_thread_count(2);
-  const std::vector<SurfacePoint> two = half_of(volume, turn).surface_points();
+  const std::vector<SurfacePoint> two = half_of(volume, rotation).surface_points();
   set_thread_count(0);
   ASSERT_EQ(one.size(), two.size());
   for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(one[i].position, two[i].position);

@@ -33,23 +33,23 @@ Image<std::int16_t> plain_sweeps(const LabelImage& allowed) {
       if (allowed.at(u, v) == 0) offsets.at(u, v, 0) = offsets.at(u, v, 1) = far;
     }
   }
-  const auto take = [&](int u, int v, int du, int dv) {
+  const auto propagate = [&](int u, int v, int du, int dv) {
     if (!offsets.contains(u, v) || !offsets.contains(u + du, v + dv)) return;
     const int x = offsets.at(u + du, v + dv, 0) + du;
     const int y = offsets.at(u + du, v + dv, 1) + dv;
-    std::int16_t* own = offsets.pixel(u, v);
-    if (x * x + y * y >= own[0] * own[0] + own[1] * own[1]) return;
-    own[0] = static_cast<std::int16_t>(x);
-    own[1] = static_cast<std::int16_t>(y);
+    std::int16_t* offset = offsets.pixel(u, v);
+    if (x * x + y * y >= offset[0] * offset[0] + offset[1] * offset[1]) return;
+    offset[0] = static_cast<std::int16_t>(x);
+    offset[1] = static_cast<std::int16_t>(y);
   };
   for (const int dv : {-1, 1}) {
     for (int i = 0; i < height; ++i) {
       const int v = dv < 0 ? i : height - 1 - i;
       for (int u = 0; u < width; ++u) {
-        for (int du = -1; du <= 1; ++du) take(u, v, du, dv);
+        for (int du = -1; du <= 1; ++du) propagate(u, v, du, dv);
       }
-      for (int u = 1; u < width; ++u) take(u, v, -1, 0);
-      for (int u = width - 1; u-- > 0;) take(u, v, 1, 0);
+      for (int u = 1; u < width; ++u) propagate(u, v, -1, 0);
+      for (int u = width - 1; u-- > 0;) propagate(u, v, 1, 0);
     }
   }
   return offsets;

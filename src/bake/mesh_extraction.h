@@ -1,0 +1,26 @@
+// A layer's field as a mesh with colours.
+#pragma once
+
+#include <optional>
+
+#include "bake/surface_nets.h"
+#include "clip/clip.h"
+#include "core/progress.h"
+#include "host/mesh_writer.h"
+
+namespace kinora::bake {
+
+struct MeshExtractionOptions {
+  std::size_t triangles = 200'000; ///< so many per layer and a tenth at most; fewer if the field has no more detail
+  int resolution = 0;              ///< cells per side of the layer's box; 0: as `triangles` asks
+  double opacity = 0.5; ///< the surface is where a way of one cell of the field's finest level is this opaque
+  double min_component_share = 0.02; ///< parts with less than this share of the largest one's faces are left out
+};
+
+/// The surface in canonical space, without a skin. Colours are what a ray from outside composites just behind the
+/// surface, in the mean of what light it stands in during the clip. Nothing if the layer has no surface. Uses all
+/// threads; same bits for any number of them. Throws Error: kUsage for options that make no sense, kInterrupted.
+std::optional<host::Mesh> extract_mesh(const clip::Layer& layer, const MeshExtractionOptions& options,
+                                       const Progress& progress);
+
+} // namespace kinora::bake
