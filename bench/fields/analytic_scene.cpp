@@ -1,4 +1,4 @@
-#include "fields/scenes/analytic_scene.h"
+#include "fields/analytic_scene.h"
 
 #include <cmath>
 #include <numbers>

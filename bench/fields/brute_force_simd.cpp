@@ -17,8 +17,8 @@ using namespace skinning::HWY_NAMESPACE;
 using Nodes = BruteForce::Nodes;
 
 struct Nearest {
-  I node[kWeighed]; // nearest first; the last has no say
-  F squared[kWeighed];
+  I node[kNearestNodes]; // nearest first; the last has no say
+  F squared[kNearestNodes];
 };
 
 Nearest find_nearest(const std::vector<motion::PositionRow>& positions, const Vec3& at) {
@@ -30,7 +30,7 @@ Nearest find_nearest(const std::vector<motion::PositionRow>& positions, const Ve
     numbers.add(dot(offset, offset), static_cast<std::int32_t>(n));
   }
   Nearest nearest;
-  for (int k = 0; k < kWeighed; ++k) {
+  for (int k = 0; k < kNearestNodes; ++k) {
     nearest.node[k] = numbers.number(k);
     const Vec3 offset = sub(at, gather_positions(positions.data(), nearest.node[k]));
     nearest.squared[k] = dot(offset, offset);
@@ -42,7 +42,7 @@ Nearest find_nearest(const std::vector<motion::PositionRow>& positions, const Ve
 Blend blend(const Nodes& nodes, Nearest nearest, bool less_the_first_without) {
   F& last = nearest.squared[kMaxNodes];
   last = hn::Min(last, constant(nodes.squared_influence_radius));
-  const NodeWeights weights = weigh(nearest.squared, nodes.inverse_squared_weight_radius);
+  const NodeWeights weights = skinning_weights_of(nearest.squared, nodes.inverse_squared_weight_radius);
   return Blend(weighted_sum(
       [&](std::size_t k)
           HWY_ATTR { return less_the_first_without ? hn::Max(weights.values[k], zero()) : weights.falloffs[k]; },

@@ -17,10 +17,10 @@
 
 #include "core/metrics.h"
 #include "core/parallel.h"
+#include "fields/analytic_scene.h"
 #include "fields/calibration.h"
 #include "fields/planning/view_consistency.h"
 #include "fields/rendering/renderer.h"
-#include "fields/scenes/analytic_scene.h"
 #include "fields/training/trainer.h"
 #include "instruction_set.h"
 #include "knobs.h"

@@ -1,6 +1,7 @@
 #include "fields/proxy_surface.h"
 
 #include <algorithm>
+#include <array>
 
 namespace kinora::bench {
 namespace {
@@ -18,9 +19,7 @@ void ProxySurface::prepare(const Instant& instant) {
   camera_ = instant.camera;
   posed_ = fields::pose(*field_, instant.warp);
   view_.emplace(posed_, camera_);
-  bins_.emplace(camera_.intrinsics);
-  bins_->add(0, view_->corners(), view_->faces());
-  bins_->sort();
+  bins_.emplace(camera_.intrinsics, std::array{fields::TriangleBins::Mesh{view_->corners(), view_->faces()}});
   const int width = camera_.intrinsics.width;
   const int height = camera_.intrinsics.height;
   entries_.clear();

@@ -42,7 +42,7 @@ struct Comparison {
 };
 
 /// `frames`: numbers that the truth has them by. `each`: prints every frame's.
-inline Comparison compare_tracks(const evaluate::TrueTracks& tracks, const motion::Motion& motion,
+inline Comparison compare_tracks(const evaluate::GroundTruthTracks& tracks, const motion::Motion& motion,
                                  const std::vector<int>& frames, bool each) {
   Comparison all;
   std::vector<Comparison> by_frame(frames.size());

@@ -25,6 +25,8 @@ namespace {
 
 using namespace kinora;
 using namespace kinora::tracking;
+using kinora::motion::Health;
+using kinora::motion::Motion;
 
 constexpr std::size_t kPoints = 2000;
 constexpr std::size_t kMinPoints = 5;

@@ -170,9 +170,9 @@ void follow(const std::string& folder, const std::vector<ingest::Frame>& frames,
   std::printf("# %zu frames, %d not tracked; %zu nodes, %.1f mm apart; body: %s, explained %.3f, empty %.3f; past "
               "settled in %.2f s\n",
               frames.size(), not_tracked, motion.graph()->nodes().size(), 1e3 * layer.node_spacing,
-              std::string(motion::name_of(layer.body.verdict())).c_str(), layer.body.explained(),
+              std::string(tracking::name_of(layer.body.verdict())).c_str(), layer.body.explained(),
               layer.body.free_space(), 1e-3 * settling);
-  const evaluate::TrueTracks tracks = evaluate::read_true_tracks(folder);
+  const evaluate::GroundTruthTracks tracks = evaluate::read_ground_truth_tracks(folder);
   Comparison comparison;
   std::vector<int> numbers;
   numbers.reserve(frames.size());

@@ -29,6 +29,8 @@ namespace {
 
 using namespace kinora;
 using namespace kinora::tracking;
+using kinora::motion::Health;
+using kinora::motion::Motion;
 namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180 / std::numbers::pi;

@@ -15,6 +15,7 @@ int FrameRange::count_of(int count) const {
 
 std::vector<int> FrameRange::frames_of(int count) const {
   std::vector<int> frames;
+  frames.reserve(static_cast<std::size_t>(count_of(count)));
   for (int i = 0; i < count_of(count); ++i) frames.push_back(begin + i * step);
   return frames;
 }

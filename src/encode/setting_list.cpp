@@ -64,6 +64,7 @@ std::size_t unlikeness(std::string_view wanted, std::string_view path) {
 std::string nearest_to(const std::string& wanted, const std::vector<Setting>& settings) {
   constexpr std::size_t kShown = 3;
   std::vector<std::pair<std::size_t, std::string>> ranked;
+  ranked.reserve(settings.size());
   for (const Setting& setting : settings) ranked.emplace_back(unlikeness(wanted, setting.path), setting.path);
   const auto shown = static_cast<std::ptrdiff_t>(std::min(kShown, ranked.size()));
   std::partial_sort(ranked.begin(), ranked.begin() + shown, ranked.end());

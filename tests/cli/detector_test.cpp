@@ -16,7 +16,8 @@ using Json = nlohmann::json;
 void paint_joints(const tracking::BodyState& state, ingest::Frame& frame) {
   const tracking::PosedBody body = tracking::pose_body(state.pose, state.shape);
   for (std::size_t i = 0; i < ingest::kDetectedJoints; ++i) {
-    const Eigen::Vector2d pixel = frame.camera.intrinsics.project(tracking::place_of(tracking::landmark_of(i), body));
+    const Eigen::Vector2d pixel =
+        frame.camera.intrinsics.project(tracking::position_of(tracking::landmark_of(i), body));
     for (int dv = -2; dv <= 2; ++dv) {
       for (int du = -2; du <= 2; ++du) {
         const int u = static_cast<int>(std::lround(pixel.x())) + du;

@@ -190,7 +190,7 @@ TEST(Settings, AreNotZeroWhereThatIsDividedBy) {
     EXPECT_THROW(check(settings), Error) << path;
   }
   Settings settings;
-  list_settings(settings).change("solver.photometric_share=0");
+  list_settings(settings).change("solver.photometric_weight=0");
   EXPECT_NO_THROW(check(settings));
 }
 

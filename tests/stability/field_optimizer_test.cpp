@@ -90,7 +90,7 @@ TEST(FieldSteps, OfOtherLayersRaysAloneOnlyEmptyTheField) {
   const auto rays_of = [](std::size_t step) {
     return StepRays{1, [step](std::size_t, RayBatch& batch) {
                       batch = testing::random_rays(step, 100);
-                      for (RayTarget& target : batch.targets) target.own = false;
+                      for (RayTarget& target : batch.targets) target.foreground = false;
                     }};
   };
   optimizer.draw(rays_of(0));

@@ -8,7 +8,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::kernels::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 const char* instruction_set() { return hwy::TargetName(HWY_TARGET); }
 

@@ -3,16 +3,19 @@
 #include "core/parallel.h"
 
 namespace kinora::fields {
-TriangleBins::TriangleBins(const Intrinsics& intrinsics)
+TriangleBins::TriangleBins(const Intrinsics& intrinsics, std::span<const Mesh> layers)
     : intrinsics_(intrinsics), columns_((intrinsics.width + kTile - 1) / kTile),
-      rows_((intrinsics.height + kTile - 1) / kTile) {}
+      rows_((intrinsics.height + kTile - 1) / kTile) {
+  for (std::size_t l = 0; l < layers.size(); ++l) add(static_cast<std::uint8_t>(l), layers[l]);
+  sort();
+}
 
-void TriangleBins::add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const ProxyFace> faces) {
+void TriangleBins::add(std::uint8_t layer, const Mesh& mesh) {
   constexpr std::size_t kFaces = kBatch / 2;
   const std::size_t first = batches_.size();
-  batches_.resize(first + chunk_count(faces.size(), kFaces));
-  parallel_for(faces.size(), kFaces, [&](const Chunk& chunk) {
-    add_front(intrinsics_, corners.data(), faces.subspan(chunk.begin, chunk.end - chunk.begin), layer,
+  batches_.resize(first + chunk_count(mesh.faces.size(), kFaces));
+  parallel_for(mesh.faces.size(), kFaces, [&](const Chunk& chunk) {
+    add_front(intrinsics_, mesh.corners.data(), mesh.faces.subspan(chunk.begin, chunk.end - chunk.begin), layer,
               batches_[first + chunk.index]);
   });
 }

@@ -30,12 +30,14 @@ class TriangleBins {
 public:
   static constexpr int kTile = 16; ///< pixels per side
 
-  explicit TriangleBins(const Intrinsics& intrinsics);
+  /// A layer's mesh, at corners in the camera's frame.
+  struct Mesh {
+    std::span<const Eigen::Vector3f> corners;
+    std::span<const ProxyFace> faces;
+  };
 
-  /// Adds the front faces of a layer, at corners in the camera's frame; layers in ascending order.
-  void add(std::uint8_t layer, std::span<const Eigen::Vector3f> corners, std::span<const ProxyFace> faces);
-  /// To be called once, after all layers.
-  void sort();
+  /// Of the front faces of all layers; at most 255.
+  TriangleBins(const Intrinsics& intrinsics, std::span<const Mesh> layers);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
@@ -45,6 +47,8 @@ public:
 
 private:
   static constexpr std::uint32_t kBatch = 2048; // triangles at most
+  void add(std::uint8_t layer, const Mesh& mesh);
+  void sort();
   template <class Visit> void for_triangles_and_tiles(const Visit& visit) const;
 
   Intrinsics intrinsics_;

@@ -261,11 +261,10 @@ Picture render(std::span<const PosedField> layers, const Camera& camera, const D
   }
   while (per_side * std::max(intrinsics.width, intrinsics.height) > kMaxSide) per_side /= 2;
   const Intrinsics fine = intrinsics.resized(per_side * intrinsics.width, per_side * intrinsics.height);
-  TriangleBins bins(fine);
-  for (std::size_t l = 0; l < views.size(); ++l) {
-    bins.add(static_cast<std::uint8_t>(l), views[l].corners(), views[l].faces());
-  }
-  bins.sort();
+  std::vector<TriangleBins::Mesh> meshes;
+  meshes.reserve(views.size());
+  for (const ProjectedLayer& view : views) meshes.push_back({view.corners(), view.faces()});
+  const TriangleBins bins(fine, meshes);
   Picture picture{ColorImage(intrinsics.width, intrinsics.height, 4), DepthImage(intrinsics.width, intrinsics.height),
                   LabelImage(intrinsics.width, intrinsics.height)};
   if (options.normals) picture.normal = Image<float>(intrinsics.width, intrinsics.height, 3);

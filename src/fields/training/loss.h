@@ -24,7 +24,7 @@ struct LossWeights {
   float free_space_rays = 0.25F; ///< that are not the layer's own, where there are any
   float depth_clamp = 4.0F;
   float distance = 0.1F;
-  SensorNoise noise; ///< of the layer's measured depths; bands widen with it
+  SensorNoise noise = {}; ///< of the layer's measured depths; bands widen with it
 };
 
 /// min(((z − z*)/band)², depth_clamp) of a sample at depth z.

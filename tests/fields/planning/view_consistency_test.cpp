@@ -90,7 +90,7 @@ TEST(ViewConsistency, MeasuresNoiseAndWidensBandsWithIt) {
   const LayerObservations ball{store, kBall, still};
   const FieldConfig config = choose_field_config(ball);
   const RaySampler narrow(ball, config, {});
-  const RaySampler wide(ball, config, {}, 3);
+  const RaySampler wide(ball, config, {}, SensorNoise{3});
   EXPECT_GT(wide.occupancy().count(), narrow.occupancy().count());
 }
 

@@ -116,9 +116,7 @@ TEST_P(ProxyMeshTest, FacesSeenFromOutsideAreEnteredWhereTheirPlaneIs) {
     }
     faces.push_back({4 * f, 4 * f + 1, 4 * f + 2, 4 * f + 3});
   }
-  TriangleBins bins(intrinsics);
-  bins.add(0, corners, faces);
-  bins.sort();
+  const TriangleBins bins(intrinsics, std::array{TriangleBins::Mesh{corners, faces}});
   constexpr int kTile = TriangleBins::kTile;
   std::size_t drawn = 0, met = 0;
   for (int row = 0; row < bins.rows(); ++row) {

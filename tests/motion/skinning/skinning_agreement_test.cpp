@@ -214,8 +214,8 @@ Poses by_hull(const Scene& s, std::span<const Vector3d> points) {
     influences.set(i, s.graph->influence(points[i]));
     in[i] = relative(s, points[i]);
   }
-  fields::kernels::CarriedPoints out{in, std::vector<Eigen::Vector4f>(padded)};
-  fields::kernels::carry(influences, s.rows.transforms.data(), in.data(), 1, 0, points.size(), out);
+  fields::kernels::SkinnedPoints out{in, std::vector<Eigen::Vector4f>(padded)};
+  fields::kernels::skin(influences, s.rows.transforms.data(), in.data(), 1, 0, points.size(), out);
   out.world.resize(points.size());
   std::vector<Eigen::Vector3f> rotated_vectors;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -90,12 +90,12 @@ ingest::Frame see_person(const PersonScene& scene, int frame, const PersonCamera
   return result;
 }
 
-evaluate::TrueTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera,
-                                  std::span<const std::size_t> parts) {
+evaluate::GroundTruthTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera,
+                                         std::span<const std::size_t> parts) {
   constexpr double kTolerance = 0.004; // metres between a point and what its ray meets
   const Intrinsics intrinsics = intrinsics_of(camera);
   const std::vector<CoatPoint> points = material_points(scene.has_skirt, count);
-  evaluate::TrueTracks tracks;
+  evaluate::GroundTruthTracks tracks;
   for (int frame = 0; frame < scene.frames; ++frame) {
     const DressedPerson person = scene.at(frame);
     for (std::size_t i = 0; i < points.size(); ++i) {

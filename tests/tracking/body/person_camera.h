@@ -23,7 +23,7 @@ ingest::Frame see_person(const PersonScene& scene, int frame, const PersonCamera
 
 /// About `count` material points, evenly over the person, and for each in every frame where it is and whether the
 /// camera sees it. `parts`: of these alone (empty: of all). Ids are the same for any `parts`.
-evaluate::TrueTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera = {},
-                                  std::span<const std::size_t> parts = {});
+evaluate::GroundTruthTracks track_person(const PersonScene& scene, std::size_t count, const PersonCamera& camera = {},
+                                         std::span<const std::size_t> parts = {});
 
 } // namespace kinora::tracking::testing

@@ -104,8 +104,8 @@ std::vector<double> errors_after_jump(const PersonScene& scene, const motion::Mo
                                       int frame, const PersonCamera& camera, std::size_t points) {
   std::vector<Eigen::Vector3d> starts, ends;
   for (const auto& [id, positions] : track_person(scene, points, camera, scene.fast_parts)) {
-    const evaluate::TruePlace& start = positions.at(kJumpFrame - 1);
-    const evaluate::TruePlace& end = positions.at(frame);
+    const evaluate::TruePosition& start = positions.at(kJumpFrame - 1);
+    const evaluate::TruePosition& end = positions.at(frame);
     if (!start.visible || !end.visible) continue;
     starts.push_back(start.point);
     ends.push_back(end.point);

@@ -19,7 +19,7 @@ struct SeenErrors {
 };
 
 /// `numbers`: for each frame of the motion, which one of the truth it is; −1: none.
-inline SeenErrors seen_errors(const evaluate::TrueTracks& truth, const motion::Motion& motion,
+inline SeenErrors seen_errors(const evaluate::GroundTruthTracks& truth, const motion::Motion& motion,
                               const std::vector<int>& numbers) {
   SeenErrors errors;
   double count = 0;
