@@ -33,7 +33,7 @@ class IncludeRule(unittest.TestCase):
             ("src/tracking/rigid/icp.cpp", '"core/image.h"'),
             ("src/tracking/rigid/icp.cpp", '"motion/motion.h"'),
             ("src/tracking/deforming/tracker.cpp", '"tracking/rigid/icp.h"'),
-            ("src/motion/skinning/blend.cpp", '"motion/motion.h"'),
+            ("src/motion/motion.cpp", '"motion/skinning/blend.h"'),
             ("src/clip/clip.cpp", '"clip/coding/range_coder.h"'),
             ("src/cli/encode.cpp", '"player/player.h"'),
             ("src/cli/convert.cpp", '"bake/surface.h"'),
@@ -55,7 +55,7 @@ class IncludeRule(unittest.TestCase):
         for path, include in [
             ("src/core/image.cpp", '"ingest/frame/frame.h"'),
             ("src/core/image.cpp", '"kinora/plugin.h"'),
-            ("src/motion/motion.cpp", '"motion/skinning/blend.h"'),
+            ("src/motion/skinning/blend.cpp", '"motion/motion.h"'),
             ("src/motion/motion.cpp", '"tracking/view/projected_layer.h"'),
             ("src/clip/coding/range_coder.cpp", '"clip/clip.h"'),
             ("src/clip/coding/range_coder.cpp", '"fields/model/field.h"'),
