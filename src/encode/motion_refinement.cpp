@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "fields/sampling/contour_pixels.h"
@@ -23,6 +24,7 @@ using fields::RayResponse;
 using motion::BulkWarp;
 using motion::NodeStates;
 
+constexpr int kDampingAttempts = 5;          // of a step, each damped thirty times as much
 constexpr std::size_t kPixels = 4000;        // of a frame
 constexpr std::size_t kContourPixels = 3000; // besides, on either side of the rim
 constexpr std::size_t kMinPixels = 100;      // pixels with colour that a frame must have
@@ -270,20 +272,20 @@ private:
     problem.set_prior(states);
     double before = 0;
     const tracking::BlockSystem system = problem.linearise(motion::pose_layer(points, states), before);
-    for (double damping = 1e-3; damping < 1e3; damping *= 30) {
-      const auto added = tracking::damping_of(problem.pattern(), system, damping, 1e-6);
+    MarquardtDamping damping({.growth = 30});
+    return damped_gauss_newton(damping, kDampingAttempts, [&](double value) -> StepOutcome {
+      const auto added = tracking::damping_of(problem.pattern(), system, value, 1e-6);
       const auto solved =
           tracking::solve_pcg(problem.pattern(), system, added, config_.pcg_iterations, config_.pcg_tolerance);
       const NodeStates candidate = motion::stepped(states, solved.step);
-      if (!(problem.energy(motion::pose_layer(points, candidate)) < before)) continue;
+      if (!(problem.energy(motion::pose_layer(points, candidate)) < before)) return {};
       for (std::size_t n = 0; n < nodes.size(); ++n) {
         nodes[n] =
             DualQuaternion::from(SE3(Eigen::Translation3d(warp.world_origin()) * candidate.transforms[n].to_se3() *
                                      Eigen::Translation3d(-table_->origin())));
       }
-      return true;
-    }
-    return false;
+      return {.is_taken = true, .is_last = true};
+    });
   }
 
   const fields::Field& field_;
