@@ -26,7 +26,7 @@ ingest::Frame wall() {
 StoredPixel stored(const ingest::Frame& frame, int u) {
   PixelStore store(1000, 1);
   store.add(frame, 0);
-  return store.pixels()[static_cast<std::size_t>(kWidth + u)]; // all are kept, row by row
+  return store.pixels()[static_cast<std::size_t>(kWidth) + static_cast<std::size_t>(u)]; // all are kept, row by row
 }
 
 TEST(StoredDepth, IsMeasuredWhereTheFrameHasCleanDepth) {

@@ -322,8 +322,8 @@ TEST_P(SkinningAgreement, WhereRotationsCancelEveryWayMovesPointsRigidly) {
     transforms.push_back(DualQuaternion::from(Eigen::Quaterniond(0, axis.x(), axis.y(), axis.z()), moved));
   }
   const Scene s(nodes, transforms);
-  std::vector<Vector3d> points;
-  for (int i = 0; i < 16; ++i) points.emplace_back(0, 0, 0.005 * (i - 8)); // equally far from all nodes
+  std::vector<Vector3d> points(16, Vector3d::Zero());
+  for (int i = 0; i < 16; ++i) points[static_cast<std::size_t>(i)].z() = 0.005 * (i - 8); // equally far from all nodes
   for (const auto& way : {by_warp, by_bulk_warp, by_layer_pose, by_lanes, by_hull}) {
     const Poses found = way(s, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
