@@ -8,7 +8,6 @@
 
 #include <hwy/highway.h>
 
-HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::kernels::HWY_NAMESPACE {
 
 /// A row of kWidth floats held in as many vectors as the instruction set needs.
@@ -20,6 +19,5 @@ template <int kWidth> struct Row {
 };
 
 } // namespace kinora::fields::kernels::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
 
 #endif
