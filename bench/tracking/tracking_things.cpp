@@ -30,7 +30,6 @@ namespace {
 using namespace kinora;
 using namespace kinora::tracking;
 using kinora::motion::Health;
-using kinora::motion::Motion;
 namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
