@@ -51,6 +51,8 @@ template <class Call> KinoraStatus guarded(KinoraMessage* message, const Call& c
     set_message(message, "out of memory");
   } catch (const std::exception& error) {
     set_message(message, error.what());
+  } catch (...) { // whatever a library throws must not pass through C
+    set_message(message, "an unknown exception");
   }
   return KINORA_FAILURE;
 }

@@ -58,6 +58,8 @@ template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* 
     probe(path, answer);
   } catch (const std::exception& error) {
     answer_probe(answer, 0, error.what());
+  } catch (...) {
+    answer_probe(answer, 0, "an unknown exception");
   }
 }
 

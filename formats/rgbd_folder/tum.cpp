@@ -1,4 +1,6 @@
 // The folders of the TUM RGB-D benchmark (Sturm et al., IROS 2012): lists of time stamps and file names.
+#include <queue>
+
 #include "common/files.h"
 #include "core/error.h"
 #include "rgbd_folder/listing.h"
@@ -48,8 +50,13 @@ std::optional<Stamped> stamped_at(const Line& line, std::size_t word, const fs::
   return Stamped{*time, folder / line.words[word + 1]};
 }
 
-std::string bad_line(const fs::path& path, const Line& line, const char* expected) {
-  return path.string() + ", line " + std::to_string(line.number) + ": left out, for it is not " + expected;
+/// One warning for all lines of a file that are left out, however many.
+void warn_of_bad_lines(const fs::path& path, const std::vector<std::size_t>& numbers, const char* expected,
+                       std::vector<std::string>& warnings) {
+  if (numbers.empty()) return;
+  std::string warning = path.string() + ", line " + std::to_string(numbers.front());
+  if (numbers.size() > 1) warning += " and " + std::to_string(numbers.size() - 1) + " more";
+  warnings.push_back(warning + ": left out, for it is not " + expected);
 }
 
 /// In order of time, with a warning if the file was not; a second image of the same time is left out.
@@ -71,42 +78,80 @@ void put_in_order(std::vector<Item>& items, const TimeOf& time_of, const fs::pat
 
 std::vector<Stamped> read_list(const fs::path& path, std::vector<std::string>& warnings) {
   std::vector<Stamped> list;
+  std::vector<std::size_t> bad_lines;
   const std::string text = read_text(path);
   for (const Line& line : lines_of(text)) {
     if (std::optional<Stamped> entry = stamped_at(line, 0, path.parent_path()))
       list.push_back(std::move(*entry));
     else
-      warnings.push_back(bad_line(path, line, "\"time file\""));
+      bad_lines.push_back(line.number);
   }
+  warn_of_bad_lines(path, bad_lines, "\"time file\"", warnings);
   put_in_order(
       list, [](const Stamped& entry) { return entry.time; }, path, warnings);
   return list;
 }
 
-/// Each colour image with the depth image nearest in time; each depth image once, the closest pairs first.
-std::vector<Pair> associate(const std::vector<Stamped>& colors, const std::vector<Stamped>& depths) {
-  struct Candidate {
-    double difference;
-    std::size_t color;
-    std::size_t depth;
-  };
-  std::vector<Candidate> candidates;
-  std::size_t first = 0;
-  for (std::size_t c = 0; c < colors.size(); ++c) {
-    while (first < depths.size() && depths[first].time < colors[c].time - kMaxTimeDifference) ++first;
-    for (std::size_t d = first; d < depths.size() && depths[d].time <= colors[c].time + kMaxTimeDifference; ++d)
-      candidates.push_back({std::abs(depths[d].time - colors[c].time), c, d});
+/// An image of either list in the order of time, and its neighbours that are not paired yet.
+struct Neighbour {
+  double time;
+  bool is_color;
+  std::size_t index; ///< in its list
+  std::size_t before;
+  std::size_t after;
+};
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+std::vector<Neighbour> in_order_of_time(const std::vector<Stamped>& colors, const std::vector<Stamped>& depths) {
+  std::vector<Neighbour> merged;
+  merged.reserve(colors.size() + depths.size());
+  for (std::size_t c = 0; c < colors.size(); ++c) merged.push_back({colors[c].time, true, c, 0, 0});
+  for (std::size_t d = 0; d < depths.size(); ++d) merged.push_back({depths[d].time, false, d, 0, 0});
+  std::stable_sort(merged.begin(), merged.end(),
+                   [](const Neighbour& a, const Neighbour& b) { return a.time < b.time; });
+  for (std::size_t i = 0; i < merged.size(); ++i) {
+    merged[i].before = i == 0 ? kNone : i - 1;
+    merged[i].after = i + 1 == merged.size() ? kNone : i + 1;
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.difference < b.difference; });
+  return merged;
+}
+
+/// Each colour image with the depth image nearest in time; each depth image once, the closest pairs first. The closest
+/// pair are always neighbours among what is left, so that memory grows with the lists, whatever their times are.
+std::vector<Pair> associate(const std::vector<Stamped>& colors, const std::vector<Stamped>& depths) {
   std::vector<Pair> pairs;
   pairs.reserve(colors.size());
   for (const Stamped& color : colors) pairs.push_back({color, std::nullopt});
-  std::vector<bool> used(depths.size(), false);
-  for (const Candidate& candidate : candidates) {
-    if (pairs[candidate.color].depth || used[candidate.depth]) continue;
-    pairs[candidate.color].depth = depths[candidate.depth];
-    used[candidate.depth] = true;
+  std::vector<Neighbour> images = in_order_of_time(colors, depths);
+  struct Candidate {
+    double difference;
+    std::size_t first; ///< numbers in `images`
+    std::size_t second;
+    bool operator>(const Candidate& other) const {
+      return std::tie(difference, first) > std::tie(other.difference, other.first);
+    }
+  };
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
+  const auto consider = [&](std::size_t first, std::size_t second) {
+    if (first == kNone || second == kNone || images[first].is_color == images[second].is_color) return;
+    const double difference = images[second].time - images[first].time;
+    if (difference <= kMaxTimeDifference) candidates.push({difference, first, second});
+  };
+  for (std::size_t i = 1; i < images.size(); ++i) consider(i - 1, i);
+  std::vector<bool> used(images.size(), false);
+  while (!candidates.empty()) {
+    const auto [difference, first, second] = candidates.top();
+    candidates.pop();
+    if (used[first] || used[second]) continue;
+    used[first] = used[second] = true;
+    const std::size_t color = images[first].is_color ? first : second;
+    pairs[images[color].index].depth = depths[images[color == first ? second : first].index];
+    const std::size_t before = images[first].before;
+    const std::size_t after = images[second].after;
+    if (before != kNone) images[before].after = after;
+    if (after != kNone) images[after].before = before;
+    consider(before, after);
   }
   return pairs;
 }
@@ -114,17 +159,19 @@ std::vector<Pair> associate(const std::vector<Stamped>& colors, const std::vecto
 /// associations.txt has colour first or depth first: the folder or file name that says "depth" decides.
 std::vector<Pair> read_associations(const fs::path& path, std::vector<std::string>& warnings) {
   std::vector<Pair> pairs;
+  std::vector<std::size_t> bad_lines;
   const std::string text = read_text(path);
   for (const Line& line : lines_of(text)) {
     std::optional<Stamped> a = stamped_at(line, 0, path.parent_path());
     std::optional<Stamped> b = stamped_at(line, 2, path.parent_path());
     if (!a || !b) {
-      warnings.push_back(bad_line(path, line, "\"time colour-file time depth-file\""));
+      bad_lines.push_back(line.number);
       continue;
     }
     if (line.words[1].find("depth") != std::string_view::npos) std::swap(a, b);
     pairs.push_back({std::move(*a), std::move(b)});
   }
+  warn_of_bad_lines(path, bad_lines, "\"time colour-file time depth-file\"", warnings);
   put_in_order(
       pairs, [](const Pair& pair) { return pair.color.time; }, path, warnings);
   return pairs;

@@ -10,7 +10,7 @@ namespace kinora {
 
 int FrameRange::count_of(int count) const {
   const int last = end ? std::min(*end, count) : count;
-  return last <= begin ? 0 : (last - begin + step - 1) / step;
+  return last <= begin ? 0 : (last - begin - 1) / step + 1; // no sum that a plugin's count could overflow
 }
 
 std::vector<int> FrameRange::frames_of(int count) const {

@@ -14,7 +14,8 @@ using Bytes = std::vector<std::byte>;
 
 /// 8-bit PNG or JPEG to 3 channels sRGB (grey is repeated, alpha dropped, palettes expanded). JPEG's EXIF is ignored.
 /// Throws Error(kCorruptInput), naming `source`, if the bytes are empty, truncated, damaged, larger than
-/// 16384 pixels on a side, or of another kind. A truncated picture is an error, never half a picture. Thread-safe.
+/// 16384 pixels on a side, more than 64 MiB in memory of a file that is far smaller than photographs are, or of another
+/// kind. A truncated picture is an error, never half a picture. Thread-safe.
 ColorImage decode_color(std::span<const std::byte> bytes, const std::string& source);
 
 /// Single-channel 16-bit PNG. Throws as above; an 8-bit or colour PNG or a JPEG is an error that says so.

@@ -29,7 +29,9 @@ struct JpegErrors {
   auto* errors = reinterpret_cast<JpegErrors*>(jpeg->err);
   char text[JMSG_LENGTH_MAX];
   jpeg->err->format_message(jpeg, text);
-  errors->decode->problem = text;
+  // Which libjpeg would need where its coefficients are more than max_memory_to_use.
+  const bool too_large = jpeg->err->msg_code == JERR_NO_BACKING_STORE;
+  errors->decode->problem = too_large ? "the file is far too short for so large a progressive picture" : text;
   std::longjmp(errors->jump, 1); // NOLINT(cert-err52-cpp): libjpeg's way of reporting errors
 }
 
@@ -59,12 +61,14 @@ bool read_jpeg(PictureDecoding& decode, JpegErrors& errors, jpeg_decompress_stru
     decode.problem = "the JPEG's size is larger than its bytes can hold or than 16384 pixels on a side";
     return false;
   }
+  // Of a progressive picture libjpeg keeps all coefficients.
+  jpeg.mem->max_memory_to_use = static_cast<long>(max_picture_bytes(decode.bytes.size()));
   jpeg.out_color_space = JCS_RGB;
   jpeg_start_decompress(&jpeg);
   decode.width = static_cast<int>(jpeg.output_width);
   decode.height = static_cast<int>(jpeg.output_height);
   decode.channels = 3;
-  decode.allocate(std::size_t{jpeg.output_width} * 3);
+  if (!decode.allocate(std::size_t{jpeg.output_width} * 3)) return false;
   while (jpeg.output_scanline < jpeg.output_height)
     jpeg_read_scanlines(&jpeg, decode.rows.data() + jpeg.output_scanline, jpeg.output_height - jpeg.output_scanline);
   jpeg_finish_decompress(&jpeg);

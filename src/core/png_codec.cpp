@@ -78,7 +78,7 @@ bool read_png(PictureDecoding& decode, PngTarget target, png_structp png, png_in
   const int passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);
   decode.channels = png_get_channels(png, info);
-  decode.allocate(png_get_rowbytes(png, info));
+  if (!decode.allocate(png_get_rowbytes(png, info))) return false;
   for (int pass = 0; pass < passes; ++pass) png_read_rows(png, decode.rows.data(), nullptr, decode.rows.size());
   png_read_end(png, nullptr);
   return true;

@@ -1,5 +1,8 @@
 #include "host/frame_reader.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "host/interface_struct.h"
@@ -8,6 +11,13 @@
 
 namespace kinora::host {
 namespace {
+
+constexpr double kMaxDistortion = 100; ///< as for calibration files
+
+[[noreturn]] void refuse(const KinoraFormat& format, const std::string& fault) {
+  throw Error(ErrorCode::kFailure,
+              fmt::format("the plugin of the format {} {}; get a corrected build of it", format.name, fault));
+}
 
 std::unique_ptr<KinoraReader, void (*)(KinoraReader*)>
 open_reader(const KinoraFormat& format, const std::filesystem::path& path, const Options& options) {
@@ -19,7 +29,32 @@ open_reader(const KinoraFormat& format, const std::filesystem::path& path, const
   KinoraReader* reader = nullptr;
   const KinoraStatus status = format.open_reader(path.c_str(), values.data(), values.size(), &reader, &message);
   if (status != KINORA_OK) throw error_of(status, message, path.string());
+  if (reader == nullptr) refuse(format, "opened " + path.string() + " and gave no reader");
   return {reader, format.reader_close};
+}
+
+bool has_usable_distortion(const KinoraCamera& camera) {
+  return std::all_of(std::begin(camera.distortion), std::end(camera.distortion),
+                     [](double value) { return std::abs(value) < kMaxDistortion; });
+}
+
+/// A plugin is not trusted: whatever is used without a further look must be as plugin.h says.
+void check_info(const KinoraFormat& format, const KinoraCaptureInfo& info) {
+  if (info.frame_count < 1) refuse(format, "gave a capture without frames");
+  if (!std::isfinite(info.start_time) || !std::isfinite(info.frames_per_second) || info.frames_per_second <= 0)
+    refuse(format, "gave a start time or a rate of frames that makes no sense");
+  if (!has_usable_distortion(info.camera) || (info.has_depth_camera != 0 && !has_usable_distortion(info.depth_camera)))
+    refuse(format, "gave an absurd lens distortion");
+  if (info.label_count > 0 && info.labels == nullptr) refuse(format, "gave no list of labels, but a number of them");
+  for (std::size_t i = 0; i < info.label_count; ++i) {
+    const KinoraLabel& label = info.labels[i];
+    if (label.label < 0 || label.label > 255 || label.name == nullptr || label.kind == nullptr)
+      refuse(format, "gave a label without name or kind, or outside of 0 to 255");
+  }
+  if (info.warning_count > 0 && info.warnings == nullptr)
+    refuse(format, "gave no list of warnings, but a number of them");
+  for (std::size_t i = 0; i < info.warning_count; ++i)
+    if (info.warnings[i] == nullptr) refuse(format, "gave a warning without a text");
 }
 
 } // namespace
@@ -29,6 +64,7 @@ FrameReader::FrameReader(const KinoraFormat& format, const std::filesystem::path
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->reader_info(reader_.get(), &info_, &message);
   if (status != KINORA_OK) throw error_of(status, message, path.string());
+  check_info(format, info_);
 }
 
 std::optional<ReadFrame> FrameReader::next() {

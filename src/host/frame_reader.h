@@ -20,8 +20,8 @@ struct ReadFrame {
 /// Moveable, one thread at a time. The format must outlive it.
 class FrameReader {
 public:
-  /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format that
-  /// does not read.
+  /// Throws what the plugin reports, Error(kFailure) if it breaks the interface (no reader, a list that is missing),
+  /// and Error(kUsage) for options that the format does not declare or a format that does not read.
   FrameReader(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
 
   const KinoraFormat& format() const { return *format_; }

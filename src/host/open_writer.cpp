@@ -18,6 +18,10 @@ WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, c
   KinoraWriter* writer = nullptr;
   const KinoraStatus status = format.open_writer(path.c_str(), values.data(), values.size(), &writer, &message);
   if (status != KINORA_OK) throw error_of(status, message, path.string());
+  if (writer == nullptr)
+    throw Error(ErrorCode::kFailure,
+                fmt::format("the plugin of the format {} opened {} and gave no writer; get a corrected build of it",
+                            format.name, path.string()));
   return {writer, format.writer_abandon};
 }
 

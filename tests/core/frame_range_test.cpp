@@ -1,5 +1,7 @@
 #include "core/frame_range.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -35,6 +37,12 @@ TEST(FrameRange, EverythingElseIsAUsageError) {
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
     }
   }
+}
+
+TEST(FrameRange, CountsThatAPluginMayGiveDoNotOverflow) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_EQ(FrameRange().count_of(kMost), kMost);
+  EXPECT_EQ(FrameRange::parse("::2").count_of(kMost), kMost / 2 + 1);
 }
 
 TEST(FrameRange, ContainsWhatItSelects) {

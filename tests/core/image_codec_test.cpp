@@ -145,6 +145,39 @@ TEST(ImageCodec, HugeHeadersAreRefusedBeforeMemoryIsTaken) {
   corrupt_sentence([&] { decode_color(with_header(png, 0, 8, 8), "a.img"); });
 }
 
+TEST(ImageCodec, BitsAreExpandedOnlyIfTheFileIsLargeEnoughForWhatTheyBecome) {
+  Bytes png = with_header(encode_png(sample_color(8, 8, 1)), 16384, 16384, 1); // 32 MiB of bits, 768 MiB of colours
+  png.resize(147'000);
+  EXPECT_NE(corrupt_sentence([&] { decode_color(png, "a.img"); }).find("far too short"), std::string::npos);
+  EXPECT_NE(corrupt_sentence([&] { decode_labels(png, "a.img"); }).find("far too short"), std::string::npos);
+}
+
+/// Changes the size in a JPEG's frame header, and fills the file up to `bytes`.
+Bytes with_jpeg_size(Bytes jpeg, int width, int height, std::size_t bytes) {
+  for (std::size_t i = 2; i + 9 < jpeg.size(); ++i) {
+    if (jpeg[i] != std::byte{0xFF} || (jpeg[i + 1] != std::byte{0xC0} && jpeg[i + 1] != std::byte{0xC2})) continue;
+    const int values[] = {height, width};
+    for (std::size_t k = 0; k < 2; ++k) {
+      jpeg[i + 5 + 2 * k] = static_cast<std::byte>(values[k] >> 8);
+      jpeg[i + 6 + 2 * k] = static_cast<std::byte>(values[k] & 0xFF);
+    }
+    break;
+  }
+  jpeg.resize(bytes);
+  return jpeg;
+}
+
+TEST(ImageCodec, JpegsAreUnpackedOnlyIfTheFileIsLargeEnough) {
+  const Bytes large = with_jpeg_size(jpeg_of(sample_color(16, 16)), 8192, 8192, 140'000); // 192 MiB of pixels
+  EXPECT_NE(corrupt_sentence([&] { decode_color(large, "a.img"); }).find("far too short"), std::string::npos);
+}
+
+TEST(ImageCodec, CoefficientsOfProgressiveJpegsAreBounded) {
+  // 57 MiB of pixels would do, but not 114 MiB of coefficients.
+  const Bytes large = with_jpeg_size(jpeg_of(sample_color(16, 16), true), 5000, 4000, 42'000);
+  EXPECT_NE(corrupt_sentence([&] { decode_color(large, "a.img"); }).find("so large a progressive"), std::string::npos);
+}
+
 TEST(ImageCodec, LabelsAreTakenAsTheyAre) {
   ColorImage mask(6, 1, 1);
   for (int u = 0; u < 6; ++u) mask.at(u, 0) = static_cast<std::uint8_t>(u);

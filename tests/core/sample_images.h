@@ -33,7 +33,7 @@ inline DepthImage16 sample_depth(int width, int height, std::uint16_t start = 10
 }
 
 /// Quality 95, without subsampling.
-inline Bytes jpeg_of(const ColorImage& image) {
+inline Bytes jpeg_of(const ColorImage& image, bool progressive = false) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -48,6 +48,7 @@ inline Bytes jpeg_of(const ColorImage& image) {
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, 95, TRUE);
   for (int c = 0; c < jpeg.num_components; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
+  if (progressive) jpeg_simple_progression(&jpeg);
   jpeg_start_compress(&jpeg, TRUE);
   for (int v = 0; v < image.height(); ++v) {
     std::vector<std::uint8_t> row(image.pixel(0, v), image.pixel(0, v) + image.width() * image.channels());

@@ -1,8 +1,10 @@
 #include "evaluate/ground_truth.h"
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "core/error.h"
+#include "evaluate/ground_truth_tracks.h"
 #include "formats/sample_capture.h"
 
 namespace kinora::evaluate {
@@ -89,6 +91,29 @@ TEST(GroundTruth, DamageIsAnErrorThatNamesFileAndPlace) {
   folder.write("cameras.json", kCameras);
   folder.write("gt/object_mesh.obj", "f 1 2 3\n");
   expect_corrupt("object_mesh.obj", [&] { (void)GroundTruth::read(folder.path()); });
+}
+
+void write_gzip(const fs::path& path, const std::string& line, int count) {
+  fs::create_directories(path.parent_path());
+  const gzFile file = gzopen(path.c_str(), "wb");
+  gzputs(file, "frame,id,x_m,y_m,z_m,visible\n");
+  for (int i = 0; i < count; ++i) gzwrite(file, line.data(), static_cast<unsigned>(line.size()));
+  gzclose(file);
+}
+
+TEST(GroundTruthTracks, AreReadByIdAndFrame) {
+  const TemporaryFolder folder;
+  write_gzip(folder.path() / "gt" / "tracks.csv.gz", "4,7,0.5,1,2,1\n", 1);
+  const GroundTruthTracks tracks = read_ground_truth_tracks(folder.path());
+  ASSERT_EQ(tracks.size(), 1U);
+  EXPECT_TRUE(tracks.at(7).at(4).point.isApprox(Eigen::Vector3d(0.5, 1, 2)));
+  EXPECT_TRUE(tracks.at(7).at(4).visible);
+}
+
+TEST(GroundTruthTracks, FilesThatUnpackToFarMoreThanListsDoAreRefused) {
+  const TemporaryFolder folder;
+  write_gzip(folder.path() / "gt" / "tracks.csv.gz", "0,0,0,0,0,0\n", 1'500'000); // 18 MB in 20 kB
+  expect_corrupt("unpacks to far more", [&] { (void)read_ground_truth_tracks(folder.path()); });
 }
 
 } // namespace

@@ -14,13 +14,11 @@ namespace kinora::test {
 
 namespace fs = std::filesystem;
 
-/// A folder of this test alone, removed at the end.
+/// A folder of this program alone, removed at the end.
 class TemporaryFolder {
 public:
   TemporaryFolder() {
-    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = fs::temp_directory_path() / ("kinora_" + std::to_string(getpid()) + "_" + test->test_suite_name() + "_" +
-                                         test->name() + "_" + std::to_string(count_++));
+    path_ = fs::temp_directory_path() / ("kinora_" + std::to_string(getpid()) + "_" + std::to_string(count_++));
     fs::create_directories(path_);
   }
   ~TemporaryFolder() {

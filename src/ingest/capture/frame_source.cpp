@@ -12,9 +12,12 @@ Intrinsics intrinsics_of(const KinoraCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
+/// Of the camera's size, with rows that do not overlap.
 bool is_image(const KinoraImage& image, const Intrinsics& camera, int channels, KinoraPixelType type) {
+  const std::size_t value_bytes = type == KINORA_PIXEL_U16 ? 2 : 1;
   return image.data != nullptr && image.width == camera.width && image.height == camera.height &&
-         image.channels == channels && image.pixel_type == type;
+         image.channels == channels && image.pixel_type == type &&
+         image.row_bytes >= value_bytes * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
 }
 
 template <class T> Image<T> copy_of(const KinoraImage& image) {
@@ -26,22 +29,15 @@ template <class T> Image<T> copy_of(const KinoraImage& image) {
   return copy;
 }
 
-template <class T> const T* row_of(const KinoraImage& image, int v) {
-  return reinterpret_cast<const T*>(static_cast<const std::byte*>(image.data) +
-                                    image.row_bytes * static_cast<std::size_t>(v));
-}
-
 /// Metres, 0 where nothing is measured or where the plugin has no confidence in it.
 DepthImage metres_of(const KinoraFrame& frame, double max_depth) {
-  DepthImage depth(frame.depth.width, frame.depth.height);
-  for (int v = 0; v < depth.height(); ++v) {
-    const auto* row = row_of<std::uint16_t>(frame.depth, v);
-    const auto* confidence = frame.confidence.data != nullptr ? row_of<std::uint8_t>(frame.confidence, v) : nullptr;
-    for (int u = 0; u < depth.width(); ++u) {
-      const double metres = row[u] * frame.depth_unit;
-      const bool believed = confidence == nullptr || confidence[u] > 0;
-      depth.at(u, v) = believed && metres <= max_depth ? static_cast<float>(metres) : 0.0F;
-    }
+  const auto units = copy_of<std::uint16_t>(frame.depth);
+  const auto confidence = frame.confidence.data != nullptr ? copy_of<std::uint8_t>(frame.confidence) : LabelImage();
+  DepthImage depth(units.width(), units.height());
+  for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+    const double metres = units.data()[i] * frame.depth_unit;
+    const bool believed = confidence.empty() || confidence.data()[i] > 0;
+    depth.data()[i] = believed && metres <= max_depth ? static_cast<float>(metres) : 0.0F;
   }
   return depth;
 }
@@ -146,10 +142,10 @@ SourceResult FrameSource::next() {
 std::string FrameSource::problem_of(const KinoraFrame& frame) const {
   const std::string format = reader_.format().name;
   if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
-    return format + " gave no colour image of the camera's size";
+    return format + " gave no colour image of the camera's size (or rows that overlap)";
   const Intrinsics& depth_camera = registration_ ? registration_->depth : intrinsics_;
   if (!is_image(frame.depth, depth_camera, 1, KINORA_PIXEL_U16))
-    return format + " gave no depth image of the camera's size";
+    return format + " gave no depth image of the camera's size (or rows that overlap)";
   if (frame.confidence.data != nullptr && !is_image(frame.confidence, depth_camera, 1, KINORA_PIXEL_U8))
     return format + " gave a confidence image that is not of the depth camera's size";
   if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";

@@ -15,7 +15,7 @@ namespace kinora::ingest {
 class NpzArchive {
 public:
   /// Of one array, unpacked. What a member says to unpack to counts, and it must unpack to just that.
-  static constexpr std::size_t kMaxBytes = std::size_t{128} << 20U;
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20U;
 
   /// Throws Error: kCorruptInput if the file is no ZIP archive.
   explicit NpzArchive(const std::filesystem::path& path);

@@ -161,6 +161,25 @@ TEST_F(CaptureTest, FramesWithConfidenceOfAnotherSizeThanDepthAreBad) {
   expect_error(ErrorCode::kCorruptInput, {"confidence image", "depth camera's size"}, options);
 }
 
+KinoraStatus next_with_overlapping_rows(KinoraReader* reader, KinoraFrame* frame, KinoraMessage* message) {
+  const KinoraStatus status = flat->reader_next(reader, frame, message);
+  --frame->depth.row_bytes;
+  return status;
+}
+
+TEST_F(CaptureTest, FramesWhoseRowsOverlapAreBad) {
+  load_example_plugin();
+  flat = &plugins_.find("flat");
+  KinoraFormat overlapping = *flat;
+  overlapping.name = "overlapping";
+  overlapping.reader_next = next_with_overlapping_rows;
+  const KinoraFormat* const formats[] = {&overlapping};
+  plugins_.add({sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "overlapping", "1", formats, 1}, "test");
+  CaptureOptions options;
+  options.format = "overlapping";
+  expect_error(ErrorCode::kCorruptInput, {"depth image", "rows that overlap"}, options);
+}
+
 TEST_F(CaptureTest, RefusesCamerasOfAnotherSize) {
   write_3dmatch(folder_, 2);
   CaptureOptions options;

@@ -159,8 +159,7 @@ TEST_F(BodyMeshFile, IsRefusedWithContentsThatAreNoPerson) {
 
 // Hardly any bytes that unpack to more than is ever read.
 TEST_F(BodyMeshFile, IsRefusedBeforeItUnpacksToTooMuch) {
-  EXPECT_NE(refusal_with("f", Bytes(NpzArchive::kMaxBytes + 1)).find("unpacks to more than 128 MiB"),
-            std::string::npos);
+  EXPECT_NE(refusal_with("f", Bytes(NpzArchive::kMaxBytes + 1)).find("unpacks to more than 16 MiB"), std::string::npos);
 }
 
 TEST_F(BodyMeshFile, IsRefusedAtEveryTruncation) {
