@@ -1,0 +1,239 @@
+// What folders hold: one file of a capture, or of the truth beside it, is the input; the others stay as they are.
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "core/error.h"
+#include "core/image_codec.h"
+#include "evaluate/ground_truth.h"
+#include "evaluate/ground_truth_tracks.h"
+#include "formats/sample_capture.h"
+#include "fuzz/fuzzer.h"
+#include "host/plugin_table.h"
+#include "ingest/capture/capture.h"
+
+namespace kinora::fuzz {
+namespace {
+
+using test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 3;
+
+void read_capture(const fs::path& folder) {
+  static const host::PluginTable plugins = host::PluginTable::builtin();
+  Progress progress;
+  const auto capture = ingest::Capture::open(plugins, folder, {}, progress);
+  while (capture->next()) {
+  }
+}
+
+/// A capture whose file `name` is the input.
+struct Folder {
+  TemporaryFolder folder;
+  const char* name;
+
+  template <class Write> Folder(const char* fuzzed, const Write& write_capture) : name(fuzzed) {
+    write_capture(folder);
+  }
+  void read_with(std::span<const std::byte> input) const {
+    folder.write(name, input);
+    read_capture(folder.path());
+  }
+};
+
+std::vector<Bytes> texts(std::initializer_list<const char*> list) {
+  std::vector<Bytes> seeds;
+  for (const char* text : list) seeds.push_back(bytes_of(text));
+  return seeds;
+}
+
+void write_tum(const TemporaryFolder& folder) { test::write_tum(folder, kFrames); }
+
+void read_tum_list(std::span<const std::byte> input) {
+  static const Folder folder("rgb.txt", write_tum);
+  folder.read_with(input);
+}
+std::vector<Bytes> tum_lists() {
+  return texts({"# time file\n100.000000 rgb/100.000000.png\n100.033333 rgb/100.033333.png\n"
+                "100.066667 rgb/100.066667.png\n"});
+}
+
+void read_associations(std::span<const std::byte> input) {
+  static const Folder folder("associations.txt", write_tum);
+  folder.read_with(input);
+}
+std::vector<Bytes> associations() {
+  return texts({"100.0 rgb/100.000000.png 100.005 depth/100.005000.png\n"
+                "100.03 rgb/100.033333.png 100.038 depth/100.038333.png\n",
+                "100.005 depth/100.005000.png 100.0 rgb/100.000000.png\n"});
+}
+
+void read_trajectory(std::span<const std::byte> input) {
+  static const Folder folder("groundtruth.txt", write_tum);
+  folder.read_with(input);
+}
+std::vector<Bytes> trajectories() {
+  return texts({"# t x y z qx qy qz qw\n100.0 0 0 0 0 0 0 1\n100.03 1 0 0 0 0 0 1\n100.07 2 0 0 0 0.6 0 0.8\n"});
+}
+
+void read_calibration(std::span<const std::byte> input) {
+  static const Folder folder("intrinsics.json", write_tum);
+  folder.read_with(input);
+}
+std::vector<Bytes> calibrations() {
+  return texts(
+      {test::kSampleIntrinsics,
+       R"({"fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5, "depth_scale_m": 0.001, "distortion": [0.1, -0.2, 0, 0, 1],
+                 "depth_registered_to_color": true})"});
+}
+
+void read_camera_matrix(std::span<const std::byte> input) {
+  static const Folder folder("camera-intrinsics.txt",
+                             [](const TemporaryFolder& made) { test::write_3dmatch(made, kFrames); });
+  folder.read_with(input);
+}
+std::vector<Bytes> camera_matrices() {
+  return texts({"2.0e+001 0 7.5\n0 20 5.5\n0 0 1\n", "20 0 7.5 0\n0 20 5.5 0\n0 0 1 0\n0 0 0 1\n"});
+}
+
+void read_labels_json(std::span<const std::byte> input) {
+  static const Folder folder("labels.json", [](const TemporaryFolder& made) { test::write_numbered(made, kFrames); });
+  folder.read_with(input);
+}
+std::vector<Bytes> labels_json() {
+  return texts({R"({"2": {"name": "box", "kind": "rigid"}, "3": {"name": "anna", "kind": "deforming"}, "0": {}})"});
+}
+
+void read_pose_file(std::span<const std::byte> input) {
+  static const Folder folder("frames/frame-000151.pose.txt",
+                             [](const TemporaryFolder& made) { test::write_3dmatch(made, kFrames); });
+  folder.read_with(input);
+}
+std::vector<Bytes> pose_files() {
+  return texts({" 1.0e+000\t 0\t 0\t 1e-002\t\r\n 0\t 1\t 0\t 0\t\r\n 0\t 0\t 1\t 0\t\r\n 0\t 0\t 0\t 1\t\r\n"});
+}
+
+constexpr const char* kYaml =
+    "%YAML:1.2\nload_directory: \"./\"\nintrinsics:\n  f_u: 20\n  f_v: 21.5\n  pp_x: 7.5\n  pp_y: 5.5\n  width: 16\n"
+    "  height: 12\ncamera2world_pose: !!opencv-matrix\n  rows: 4\n  cols: 4\n  dt: d\n  data: [1., 0, 0, 0,\n 0, 1., "
+    "0, "
+    "0,\n 0, 0, 1., 0,\n 0, 0, 0, 1.]\nimage_name_pre: \"{}_\"\nload_index: 9\nn_leading_zeros: 0\nimage_name_post: "
+    "\"\"\nload_image_type: \"png\"\n";
+
+void write_m3t(const TemporaryFolder& folder) {
+  folder.write("depth.yaml", fmt::format(fmt::runtime(kYaml), "d") + "depth_scale: 0.001\n");
+  for (int i = 0; i < kFrames; ++i) {
+    folder.write(fmt::format("c_{}.png", 9 + i), test::color_bytes(i));
+    folder.write(fmt::format("d_{}.png", 9 + i), test::depth_bytes(i));
+  }
+}
+
+void read_yaml(std::span<const std::byte> input) {
+  static const Folder folder("color.yaml", write_m3t);
+  folder.read_with(input);
+}
+std::vector<Bytes> yaml_files() { return {bytes_of(fmt::format(fmt::runtime(kYaml), "c"))}; }
+
+// ---- pictures
+
+void decode_picture(std::span<const std::byte> input) {
+  int refused = 0;
+  std::string problem;
+  const auto attempt = [&](const auto& decode) {
+    try {
+      decode(input, "fuzz");
+    } catch (const Error& error) {
+      ++refused;
+      problem = error.what();
+    }
+  };
+  attempt(decode_color);
+  attempt(decode_depth16);
+  attempt(decode_labels);
+  if (refused == 3) throw Error(ErrorCode::kCorruptInput, problem);
+}
+std::vector<Bytes> pictures() {
+  return {test::color_bytes(1),
+          test::depth_bytes(1),
+          test::jpeg_of(test::sample_color(24, 20)),
+          test::jpeg_of(test::sample_color(24, 20), true),
+          encode_png(test::sample_color(16, 12, 1)),
+          encode_png(test::sample_color(16, 12, 4))};
+}
+
+// ---- the truth
+
+void write_truth(const TemporaryFolder& folder) {
+  test::write_numbered(folder, 1);
+  folder.write("gt/object_pose.txt", "0 1000.0 1 0 0 0.5 0 1 0 0 0 0 1 2 0 0 0 1\n");
+  folder.write("gt/object_mesh.obj", "v 0 0 0\nv 1 2 3\n");
+}
+
+void read_truth(const char* name, const TemporaryFolder& folder, std::span<const std::byte> input) {
+  folder.write(name, input);
+  (void)evaluate::GroundTruth::read(folder.path());
+}
+
+void read_cameras(std::span<const std::byte> input) {
+  static const Folder truth("cameras.json", write_truth);
+  read_truth("cameras.json", truth.folder, input);
+}
+std::vector<Bytes> cameras() {
+  return texts({R"({"cameras": [{"name": "a", "width": 16, "height": 12, "fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5,
+    "camera_to_world": [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}, {"name": "b", "width": 16,
+    "height": 12, "fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5,
+    "camera_to_world": [[0, 0, 1, 5], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]]}]})"});
+}
+
+void read_object_poses(std::span<const std::byte> input) {
+  static const Folder truth("gt/object_pose.txt", write_truth);
+  read_truth("gt/object_pose.txt", truth.folder, input);
+}
+std::vector<Bytes> object_poses() {
+  return texts({"# frame time matrix\n0 1000.0 1 0 0 0.5 0 1 0 0 0 0 1 2 0 0 0 1\n"
+                "4 1000.1 1 0 0 0.6 0 1 0 0 0 0 1 2 0 0 0 1\r\n"});
+}
+
+void read_object_mesh(std::span<const std::byte> input) {
+  static const Folder truth("gt/object_mesh.obj", write_truth);
+  read_truth("gt/object_mesh.obj", truth.folder, input);
+}
+std::vector<Bytes> object_meshes() { return texts({"# box\nv 0 0 0\nv 1 2 3\nvt 9 9\nf 1 2 1\n"}); }
+
+constexpr const char* kTracks = "frame,id,x_m,y_m,z_m,visible\n4,7,0.5,1,2,1\n5,7,0.5,1.5,2,0\n4,8,1e-3,-1,2,1\n";
+
+/// As text and packed: zlib reads both.
+void read_tracks(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("gt/tracks.csv.gz", input);
+  (void)evaluate::read_ground_truth_tracks(folder.path());
+}
+std::vector<Bytes> tracks() {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.gz";
+  const gzFile file = gzopen(path.c_str(), "wb");
+  gzputs(file, kTracks);
+  gzclose(file);
+  std::ifstream packed(path, std::ios::binary);
+  return {bytes_of(kTracks), bytes_of({std::istreambuf_iterator<char>(packed), {}})};
+}
+
+} // namespace
+
+std::vector<Fuzzer> folder_fuzzers() {
+  return {{"tum_list", tum_lists, read_tum_list, 100},
+          {"associations", associations, read_associations, 100},
+          {"trajectory", trajectories, read_trajectory, 100},
+          {"calibration", calibrations, read_calibration, 200},
+          {"camera_matrix", camera_matrices, read_camera_matrix, 200},
+          {"labels_json", labels_json, read_labels_json, 200},
+          {"pose_file", pose_files, read_pose_file, 100},
+          {"yaml", yaml_files, read_yaml, 200},
+          {"picture", pictures, decode_picture, 3000},
+          {"cameras", cameras, read_cameras, 500},
+          {"object_pose", object_poses, read_object_poses, 500},
+          {"object_mesh", object_meshes, read_object_mesh, 500},
+          {"tracks", tracks, read_tracks, 500}};
+}
+
+} // namespace kinora::fuzz

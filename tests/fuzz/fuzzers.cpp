@@ -1,0 +1,12 @@
+#include "fuzz/fuzzer.h"
+
+namespace kinora::fuzz {
+
+std::vector<Fuzzer> fuzzers() {
+  std::vector<Fuzzer> all;
+  for (const auto& some : {file_fuzzers(), folder_fuzzers(), input_fuzzers(), plugin_fuzzers()})
+    all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
+} // namespace kinora::fuzz
