@@ -49,6 +49,17 @@ void FileSource::read(std::uint64_t offset, std::span<std::byte> out) {
   std::copy_n(buffer_.begin() + static_cast<std::ptrdiff_t>(start), out.size(), out.begin());
 }
 
+void FileSource::refresh() {
+  buffer_.clear();
+  if (fseeko(file_, 0, SEEK_END) != 0) return;
+  const auto size = static_cast<std::uint64_t>(ftello(file_));
+  if (size < size_) {
+    throw Error(ErrorCode::kCorruptInput,
+                fmt::format("{}: has become shorter while it was read; somebody else writes to it", name_));
+  }
+  size_ = size;
+}
+
 void FileSource::read_through(std::uint64_t offset, std::span<std::byte> out) {
   if (fseeko(file_, static_cast<off_t>(offset), SEEK_SET) != 0 ||
       std::fread(out.data(), 1, out.size(), file_) != out.size()) {

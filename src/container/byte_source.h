@@ -11,14 +11,16 @@
 
 namespace kinora::container {
 
-/// Random access to bytes of a size that is known from the start. Not thread-safe.
+/// Random access to bytes. Not thread-safe.
 class ByteSource {
 public:
   virtual ~ByteSource() = default;
   virtual const std::string& name() const = 0; ///< for errors
-  virtual std::uint64_t size() const = 0;
+  virtual std::uint64_t size() const = 0;      ///< as of opening, or of the last refresh()
   /// Fills `out` from `offset`; offset + out.size() ≤ size(). Throws Error(kCorruptInput) if the system cannot read.
   virtual void read(std::uint64_t offset, std::span<std::byte> out) = 0;
+  /// Takes note of what was written since. Throws Error(kCorruptInput) if the file has become shorter.
+  virtual void refresh() {}
 };
 
 /// A file, through a small buffer, so that element headers cost no system call each.
@@ -33,6 +35,7 @@ public:
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return size_; }
   void read(std::uint64_t offset, std::span<std::byte> out) override;
+  void refresh() override;
 
 private:
   void read_through(std::uint64_t offset, std::span<std::byte> out);

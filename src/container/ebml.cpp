@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -79,6 +80,19 @@ std::uint64_t read_uint(ByteSource& source, const Element& element) {
   const auto used = std::span(bytes).first(static_cast<std::size_t>(element.body_size()));
   source.read(element.body, used);
   return big_endian(used);
+}
+
+double read_float(ByteSource& source, const Element& element) {
+  const std::uint64_t bits = read_uint(source, element);
+  if (element.body_size() == sizeof(float)) {
+    const auto narrow = static_cast<std::uint32_t>(bits);
+    float value = 0;
+    std::memcpy(&value, &narrow, sizeof value);
+    return value;
+  }
+  double value = 0;
+  if (element.body_size() == sizeof(double)) std::memcpy(&value, &bits, sizeof value);
+  return value;
 }
 
 std::string read_text(ByteSource& source, const Element& element) {

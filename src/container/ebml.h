@@ -44,6 +44,8 @@ Element read_element_header(ByteSource& source, std::uint64_t offset, std::uint6
 Element read_element(ByteSource& source, std::uint64_t offset, std::uint64_t limit);
 
 std::uint64_t read_uint(ByteSource& source, const Element& element);
+/// A float of 4 or 8 bytes; 0 of any other size.
+double read_float(ByteSource& source, const Element& element);
 /// At most 64 KiB; ends at the first zero byte (RFC 8794, section 7.4).
 std::string read_text(ByteSource& source, const Element& element);
 /// Allocates no more than the source holds.

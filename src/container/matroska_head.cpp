@@ -4,7 +4,9 @@
 #include <matroska/KaxAttached.h>
 #include <matroska/KaxInfoData.h>
 #include <matroska/KaxTag.h>
+#include <matroska/KaxTrackAudio.h>
 #include <matroska/KaxTrackEntryData.h>
+#include <matroska/KaxTrackVideo.h>
 
 #include "container/crc32c.h"
 #include "container/envelope.h"
@@ -19,7 +21,9 @@ namespace {
 
 constexpr const char* kApplication = "Kinora";
 // A subtitle: the type under which remuxers keep tracks whose codec they do not know.
-constexpr std::uint64_t kTrackType = 0x11;
+constexpr std::uint64_t kSubtitle = 0x11;
+constexpr std::uint64_t kVideo = 1;
+constexpr std::uint64_t kSound = 2;
 
 template <class Child> void set_uint(EbmlMaster& parent, std::uint64_t value) {
   static_cast<EbmlUInteger&>(GetChild<Child>(parent)).SetValue(value);
@@ -39,6 +43,27 @@ template <class Child> void set_bytes(EbmlMaster& parent, std::span<const std::b
 std::uint64_t uid_of(const std::string& text, std::span<const std::byte> bytes, std::uint64_t salt) {
   const std::uint64_t text_crc = crc32c(std::as_bytes(std::span(text)));
   return mix64(salt ^ mix64(text_crc << 32 | crc32c(bytes))) | 1;
+}
+
+std::uint64_t type_of(const Track& track) {
+  if (!track.media) return kSubtitle;
+  return track.media->width > 0 ? kVideo : kSound;
+}
+
+void fill_media(KaxTrackEntry& entry, const MediaFormat& media) {
+  if (media.duration_ns > 0) {
+    set_uint<KaxTrackDefaultDuration>(entry, static_cast<std::uint64_t>(media.duration_ns));
+  }
+  if (media.width > 0) {
+    auto& video = GetChild<KaxTrackVideo>(entry);
+    set_uint<KaxVideoPixelWidth>(video, static_cast<std::uint64_t>(media.width));
+    set_uint<KaxVideoPixelHeight>(video, static_cast<std::uint64_t>(media.height));
+    return;
+  }
+  auto& audio = GetChild<KaxTrackAudio>(entry);
+  static_cast<EbmlFloat&>(GetChild<KaxAudioSamplingFreq>(audio)).SetValue(media.sampling_rate);
+  set_uint<KaxAudioChannels>(audio, static_cast<std::uint64_t>(media.channels));
+  set_uint<KaxAudioBitDepth>(audio, static_cast<std::uint64_t>(media.bits));
 }
 
 void add_tag(KaxTag& tag, const std::string& name, const std::string& value) {
@@ -73,13 +98,15 @@ void fill_tracks(KaxTracks& tracks, const FileHead& head) {
     auto& entry = AddNewChild<KaxTrackEntry>(tracks);
     set_uint<KaxTrackNumber>(entry, ++number);
     set_uint<KaxTrackUID>(entry, uid_of(track.codec + track.name, track.private_data, track.id));
-    set_uint<KaxTrackType>(entry, kTrackType);
+    set_uint<KaxTrackType>(entry, type_of(track));
     set_uint<KaxTrackFlagDefault>(entry, 0);
     set_uint<KaxTrackFlagLacing>(entry, 0);
     set_text<KaxTrackLanguage>(entry, "und");
     set_utf8<KaxTrackName>(entry, track.name);
     set_text<KaxCodecID>(entry, track.codec);
-    set_bytes<KaxCodecPrivate>(entry, wrap_private(track));
+    if (!track.media) set_bytes<KaxCodecPrivate>(entry, wrap_private(track));
+    if (track.media && !track.private_data.empty()) set_bytes<KaxCodecPrivate>(entry, track.private_data);
+    if (track.media) fill_media(entry, *track.media);
     entry.SetGlobalTimecodeScale(kTimestampScaleNs);
   }
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,13 +12,24 @@ namespace kinora::container {
 
 using Bytes = std::vector<std::byte>;
 
-/// A track of payloads of one kind.
+/// What Matroska says of a track that any player understands (video or sound), besides its codec. Zero: not said.
+struct MediaFormat {
+  int width = 0; ///< of video, pixels
+  int height = 0;
+  int sampling_rate = 0; ///< of sound, Hz
+  int channels = 0;
+  int bits = 0;                 ///< of a sample
+  std::int64_t duration_ns = 0; ///< nominal, of a frame
+};
+
+/// A track of payloads of one kind; or of blocks of a codec that any player understands.
 struct Track {
   std::uint16_t id =
       0;              ///< chosen by whoever writes; unique in the file; survives remuxing (Matroska's number does not)
-  std::string codec;  ///< Matroska CodecID: "S_KINORA/…"
+  std::string codec;  ///< Matroska CodecID: "S_KINORA/…", or "V_…", "A_…" with `media`
   std::string name;   ///< for people: what mkvinfo shows
   Bytes private_data; ///< of the codec; may be empty
+  std::optional<MediaFormat> media = std::nullopt; ///< its blocks have no envelope: neither checksum nor exact time
 };
 
 /// A file inside the file.

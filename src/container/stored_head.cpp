@@ -41,10 +41,24 @@ Bytes parse_stripped_prefix(ByteSource& source, const Element& encodings) {
   return prefix;
 }
 
+int small_number(double value) { return value >= 0 && value < 1e9 ? static_cast<int>(value) : 0; }
+
+void parse_media(ByteSource& source, const Element& part, MediaFormat& media) {
+  for_each_child(source, part, [&](const Element& child) {
+    const auto number = [&] { return small_number(static_cast<double>(read_uint(source, child))); };
+    if (child.id == ids::kPixelWidth) media.width = number();
+    if (child.id == ids::kPixelHeight) media.height = number();
+    if (child.id == ids::kSamplingFrequency) media.sampling_rate = small_number(read_float(source, child));
+    if (child.id == ids::kChannels) media.channels = number();
+    if (child.id == ids::kBitDepth) media.bits = number();
+  });
+}
+
 StoredTrack parse_track(ByteSource& source, const Element& entry) {
   StoredTrack stored;
   Element codec_private;
   Element encodings;
+  MediaFormat media;
   for_each_child(source, entry, [&](const Element& child) {
     switch (child.id) {
     case ids::kTrackNumber:
@@ -62,6 +76,13 @@ StoredTrack parse_track(ByteSource& source, const Element& entry) {
     case ids::kCodecPrivate:
       codec_private = child;
       break;
+    case ids::kDefaultDuration:
+      media.duration_ns = static_cast<std::int64_t>(read_uint(source, child));
+      break;
+    case ids::kVideo:
+    case ids::kAudio:
+      parse_media(source, child, media);
+      break;
     case ids::kContentEncodings:
       encodings = child;
       break;
@@ -71,7 +92,12 @@ StoredTrack parse_track(ByteSource& source, const Element& entry) {
   });
   if (stored.number == 0) throw_corrupt(source, entry.start, "a track without a number");
   stored.ours = stored.track.codec.starts_with(kCodecPrefix);
-  if (!stored.ours) return stored;
+  if (!stored.ours) {
+    if (codec_private.id != 0) stored.track.private_data = read_bytes(source, codec_private);
+    stored.track.media = media;
+    stored.encoded_again = encodings.id != 0;
+    return stored;
+  }
   if (codec_private.id == 0) throw_corrupt(source, entry.start, "a Kinora track without private data");
   unwrap_private(read_bytes(source, codec_private), stored.track, location(source, codec_private));
   if (encodings.id != 0) stored.stripped_prefix = parse_stripped_prefix(source, encodings);

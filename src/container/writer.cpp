@@ -1,5 +1,7 @@
 #include "container/writer.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
@@ -26,8 +28,7 @@ using namespace libmatroska;
 
 namespace {
 
-constexpr std::size_t kClusterBytes = 1 << 20;
-constexpr std::uint64_t kClusterTicks = 5000; // a block's time has 16 bits relative to its cluster
+constexpr std::uint64_t kMaxClusterTicks = 30'000; // a block's time has 16 bits relative to its cluster
 constexpr int kSizeBytes = 8;
 constexpr std::size_t kLargestElement = (std::size_t{1} << 31) - 64; // libmatroska counts in 32 bits
 
@@ -41,8 +42,8 @@ void check_head(const FileHead& head) {
   if (head.tracks.empty()) misuse("a file needs at least one track");
   std::set<std::uint16_t> ids;
   for (const Track& track : head.tracks) {
-    if (!track.codec.starts_with(kCodecPrefix))
-      misuse(fmt::format("codec {} does not begin with S_KINORA/", track.codec));
+    if (track.codec.starts_with(kCodecPrefix) == track.media.has_value())
+      misuse(fmt::format("codec {} begins with S_KINORA/ if and only if it is ours", track.codec));
     if (!ids.insert(track.id).second) misuse(fmt::format("two tracks have the id {}", track.id));
   }
   std::set<std::string> names;
@@ -71,9 +72,13 @@ struct Cue {
 
 class Writer::Impl {
 public:
-  Impl(const std::filesystem::path& path, const FileHead& head) : sink_(path), duration_ns_(head.duration_ns) {
+  Impl(const std::filesystem::path& path, const FileHead& head, const WriterOptions& options)
+      : sink_(path), options_(options), duration_ns_(head.duration_ns) {
     check_head(head);
-    for (std::size_t i = 0; i < head.tracks.size(); ++i) track_indices_[head.tracks[i].id] = i;
+    for (std::size_t i = 0; i < head.tracks.size(); ++i) {
+      track_indices_[head.tracks[i].id] = i;
+      is_media_.push_back(head.tracks[i].media.has_value());
+    }
     digest_head(head);
     write_head(head);
   }
@@ -81,32 +86,50 @@ public:
   void write(std::uint16_t track, std::int64_t time_ns, bool key, std::span<const std::byte> bytes) {
     const auto index = track_indices_.find(track);
     if (index == track_indices_.end()) misuse(fmt::format("there is no track {} to write to", track));
-    if (time_ns < last_time_ns_)
+    if (time_ns < last_time_ns_ && !options_.any_order)
       misuse(fmt::format("a payload at {} ns comes after one at {} ns", time_ns, last_time_ns_));
     if (bytes.size() > kLargestElement) misuse(fmt::format("a payload of track {} has 2 GB or more", track));
-    Bytes block = wrap_payload(track, time_ns, key, bytes);
+    Bytes block =
+        is_media_[index->second] ? Bytes(bytes.begin(), bytes.end()) : wrap_payload(track, time_ns, key, bytes);
     digest(block);
     const std::uint64_t time = ticks(time_ns);
-    if (!pending_.empty() &&
-        (pending_bytes_ + block.size() > kClusterBytes || time - pending_.front().time > kClusterTicks)) {
-      flush_cluster();
+    if (!pending_.empty() && (pending_bytes_ + block.size() > options_.cluster_bytes ||
+                              spanned_with(time) > std::min(ticks(options_.cluster_ns), kMaxClusterTicks))) {
+      flush();
     }
-    last_time_ns_ = time_ns;
+    last_time_ns_ = std::max(last_time_ns_, time_ns);
+    first_time_ = pending_.empty() ? time : std::min(first_time_, time);
+    latest_time_ = pending_.empty() ? time : std::max(latest_time_, time);
     pending_bytes_ += block.size();
     pending_.push_back({index->second, time, key, std::move(block)});
   }
 
-  void finish() {
+  void flush() {
+    if (pending_.empty()) return;
     flush_cluster();
-    const std::uint64_t cues_at = sink_.getFilePointer();
+    sink_.flush(options_.durable);
+    whole_bytes_ = sink_.getFilePointer();
+  }
+
+  void finish() {
+    flush();
     const bool has_cues = write_cues();
-    const std::uint64_t end = sink_.getFilePointer();
-    sink_.setFilePointer(static_cast<std::int64_t>(seek_head_at_));
-    write_seek_head(has_cues ? cues_at : seek_head_at_, has_cues);
-    write_info();
-    segment_.ForceSize(end - segment_.GetDataStart());
-    segment_.OverwriteHead(sink_);
-    sink_.close();
+    complete(has_cues);
+  }
+
+  void finish_at_last_cluster() {
+    pending_.clear();
+    sink_.cut(whole_bytes_);
+    while (!cues_.empty() && segment_.GetDataStart() + cues_.back().cluster_position >= whole_bytes_) cues_.pop_back();
+    bool has_cues = false;
+    try {
+      has_cues = write_cues();
+      sink_.flush(false);
+    } catch (const Error&) { // no room even for these: whoever seeks has to read
+      has_cues = false;
+      sink_.cut(whole_bytes_);
+    }
+    complete(has_cues);
   }
 
 private:
@@ -117,6 +140,7 @@ private:
     ebml.Render(sink_, true);
     segment_.SetSizeInfinite(true);
     segment_.WriteHead(sink_, kSizeBytes);
+    write_unknown_size();
     seek_head_at_ = sink_.getFilePointer();
     has_attachments_ = !head.attachments.empty();
     write_seek_head(seek_head_at_, true);
@@ -134,6 +158,33 @@ private:
     KaxTags tags;
     fill_tags(tags, head);
     tags.Render(sink_);
+    const std::uint64_t end = sink_.getFilePointer();
+    sink_.setFilePointer(static_cast<std::int64_t>(seek_head_at_)); // now that it is known where all of this is
+    write_seek_head(0, false);
+    sink_.setFilePointer(static_cast<std::int64_t>(end));
+    sink_.flush(options_.durable);
+    whole_bytes_ = end;
+  }
+
+  // What readers of an unfinished file must see; libebml writes a size of zero.
+  void write_unknown_size() {
+    constexpr std::array<std::uint8_t, kSizeBytes> kUnknown{0x01, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF};
+    const std::uint64_t end = sink_.getFilePointer();
+    sink_.setFilePointer(static_cast<std::int64_t>(end - kSizeBytes));
+    sink_.write(kUnknown.data(), kUnknown.size());
+    sink_.setFilePointer(static_cast<std::int64_t>(end));
+  }
+
+  // Everything but what stands at the front is written.
+  void complete(bool has_cues) {
+    const std::uint64_t end = sink_.getFilePointer();
+    sink_.setFilePointer(static_cast<std::int64_t>(seek_head_at_));
+    write_seek_head(whole_bytes_, has_cues);
+    write_info();
+    segment_.ForceSize(end - segment_.GetDataStart());
+    segment_.OverwriteHead(sink_);
+    sink_.flush(options_.durable);
+    sink_.close();
   }
 
   void write_seek_head(std::uint64_t cues_at, bool has_cues) {
@@ -179,11 +230,16 @@ private:
     info.Render(sink_, true); // with the time scale, though it is the default
   }
 
+  /// Ticks from the first to the last time of the cluster with one payload more.
+  std::uint64_t spanned_with(std::uint64_t time) const {
+    return std::max(time, latest_time_) - std::min(time, first_time_);
+  }
+
   void flush_cluster() {
     if (pending_.empty()) return;
     KaxCluster cluster;
     cluster.SetParent(segment_);
-    const std::uint64_t start = pending_.front().time;
+    const std::uint64_t start = first_time_;
     cluster.InitTimecode(start, static_cast<std::int64_t>(kTimestampScaleNs));
     static_cast<EbmlUInteger&>(GetChild<KaxClusterTimecode>(cluster)).SetValue(start);
     std::vector<const KaxSimpleBlock*> blocks;
@@ -259,11 +315,15 @@ private:
   void digest(std::span<const std::byte> bytes) { digest_value(std::uint64_t{bytes.size()} << 32 | crc32c(bytes)); }
 
   FileSink sink_;
+  WriterOptions options_;
+  std::vector<bool> is_media_;    // for each track
+  std::uint64_t whole_bytes_ = 0; // of the file, up to the end of its last whole cluster
   KaxSegment segment_;
   KaxTracks tracks_;
   std::map<std::uint16_t, std::size_t> track_indices_;
   std::vector<Pending> pending_;
   std::size_t pending_bytes_ = 0;
+  std::uint64_t first_time_ = 0, latest_time_ = 0; // of the pending ones, ticks
   std::vector<Cue> cues_;
   std::int64_t duration_ns_;
   std::int64_t last_time_ns_ = 0;
@@ -272,11 +332,14 @@ private:
   std::uint64_t seek_head_at_ = 0, info_at_ = 0, tracks_at_ = 0, attachments_at_ = 0, tags_at_ = 0;
 };
 
-Writer::Writer(const std::filesystem::path& path, const FileHead& head) : impl_(std::make_unique<Impl>(path, head)) {}
+Writer::Writer(const std::filesystem::path& path, const FileHead& head, const WriterOptions& options)
+    : impl_(std::make_unique<Impl>(path, head, options)) {}
 Writer::~Writer() = default;
 void Writer::write(std::uint16_t track, std::int64_t time_ns, bool key, std::span<const std::byte> bytes) {
   impl_->write(track, time_ns, key, bytes);
 }
+void Writer::flush() { impl_->flush(); }
 void Writer::finish() { impl_->finish(); }
+void Writer::finish_at_last_cluster() { impl_->finish_at_last_cluster(); }
 
 } // namespace kinora::container
