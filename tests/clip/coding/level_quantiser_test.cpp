@@ -38,6 +38,16 @@ TEST(LevelQuantiser, StaysWithinHalfAStepOfValuesOfAnyScale) {
   }
 }
 
+// Half as fine costs quality, twice as fine a bit of every parameter: either is a decision (docs/container.md).
+TEST(LevelQuantiser, HasBetweenSixteenAndThirtyTwoStepsInTheRootMeanSquare) {
+  for (const double scale : {0.001, 0.1, 0.13, 0.19, 1.0, 50.0}) {
+    const std::vector<float> values = gaussian(4, 3000, scale);
+    const double steps = rms(values) / std::ldexp(1.0, quantise(values).exponent);
+    EXPECT_GE(steps, 16) << scale;
+    EXPECT_LT(steps, 32) << scale;
+  }
+}
+
 TEST(LevelQuantiser, KeepsOutliersWithoutCoarseningTheRest) {
   std::vector<float> values = gaussian(2, 5000, 0.1);
   values[77] = 30;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -36,6 +37,12 @@ std::vector<std::int32_t> decode(const std::vector<std::byte>& code, std::size_t
   return values;
 }
 
+std::string hex(const std::vector<std::byte>& bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) text += fmt::format("{:02x}", std::to_integer<int>(byte));
+  return text;
+}
+
 TEST(RangeCoder, GivesBackEveryInteger) {
   std::vector<std::vector<std::int32_t>> cases{{}, {0}, {1}, {-1}, {INT32_MAX, -INT32_MAX, 0, 1, INT32_MAX}};
   cases.emplace_back(5000, 0);
@@ -66,6 +73,22 @@ TEST(RangeCoder, NoticesACodeThatEndsTooEarlyOrTooLate) {
   EXPECT_THROW(decode(code, values.size()), Error);
   code.resize(code.size() / 2);
   EXPECT_THROW(decode(code, values.size()), Error);
+}
+
+// What files hold that exist: a model that learns otherwise reads none of them.
+TEST(RangeCoder, WritesTheBytesOfFilesThatExist) {
+  std::vector<std::int32_t> values;
+  for (int i = 0; i < 96; ++i) values.push_back((i * i) % 23 - 11 + (i % 7 == 0 ? 40 : 0));
+  EXPECT_EQ(hex(encode(values)),
+            "c24a53046c4bd1703a980089796690355ebf78a699acadeca54a7c1023939bd88878c01825aac9822b0003a30ee83d0d"
+            "44c7f59e7fb891eceef9733b8170c3640e");
+  BitModel model;
+  std::string probabilities;
+  for (int i = 0; i < 48; ++i) {
+    model.learn(i % 5 != 0);
+    if (i % 8 == 7) probabilities += std::to_string(model.probability()) + " ";
+  }
+  EXPECT_EQ(probabilities, "2957 3011 3194 3165 3260 3225 ");
 }
 
 } // namespace
