@@ -108,12 +108,9 @@ TEST(ThinStick, SixPixelsWideIsFollowedInAHand) {
   EXPECT_LT(found.arm, 0.012);
 }
 
-// Cleaning takes two pixels from either side of a jump, so that nothing of it is measured: it goes as the hand turns.
-TEST(ThinStick, ThreePixelsWideDoesNotDisturbWhoHoldsIt) {
-  const Followed found = follow_in_hand(3);
-  EXPECT_LT(found.stick, 0.16); // found: 108 mm
-  EXPECT_LT(found.arm, 0.012);
-}
+// Cleaning takes two pixels from either side of a jump, so that nothing of it is measured, and the stick itself is not
+// followed (docs/capturing.md says so).
+TEST(ThinStick, ThreePixelsWideDoesNotDisturbWhoHoldsIt) { EXPECT_LT(follow_in_hand(3).arm, 0.012); }
 
 // Carried across the view at 1 cm and turned by 1° a frame. How far off it is wherever it is believed, metres.
 std::vector<double> errors_of_rigid(double pixels) {
