@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "clip/sample_clip.h"
+#include "fields/scenes/painted_field.h"
 
 namespace kinora::player {
 namespace {
@@ -77,6 +78,47 @@ TEST(PlayerTime, DrawingAtATimeIsDrawingAtItsFrame) {
   const fields::Picture by_time = player.draw_at(camera, player.clip().times[2], player.all_layers());
   EXPECT_TRUE(std::equal(by_frame.color.values().begin(), by_frame.color.values().end(), by_time.color.values().begin(),
                          by_time.color.values().end()));
+}
+
+// How far apart the colours of two pictures are, of 255, in the mean.
+double difference(const fields::Picture& a, const fields::Picture& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.color.values().size(); ++i) sum += std::abs(a.color.data()[i] - b.color.data()[i]);
+  return sum / static_cast<double>(a.color.values().size());
+}
+
+/// A ball that goes 20 cm to the right from one frame to the next, as a rigid thing or on a graph of two nodes.
+Player ball_on_its_way(bool deforms) {
+  clip::Clip clip = clip::testing::sample_clip(1, 2, false);
+  clip.layers.resize(1);
+  clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
+  clip.layers[0].confidence.reset();
+  const std::array<SE3, 2> poses{SE3::Identity(), SE3(Eigen::Translation3d(0.2, 0, 0))};
+  if (!deforms) {
+    clip.layers[0].motion = motion::Motion::rigid({{poses[0]}, {poses[1]}});
+    return Player(std::move(clip));
+  }
+  const auto graph = std::make_shared<const motion::DeformationGraph>(
+      std::vector<Eigen::Vector3d>{{-0.1, 0, 0}, {0.1, 0, 0}}, 0.5, 1.0);
+  std::vector<motion::Motion::Deformation> deformations;
+  for (const SE3& pose : poses) deformations.push_back({{DualQuaternion::from(pose), DualQuaternion::from(pose)}});
+  clip.layers[0].motion = motion::Motion::deforming(graph, std::move(deformations));
+  return Player(std::move(clip));
+}
+
+class PlayerBetweenFrames : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(PlayerTime, PlayerBetweenFrames, ::testing::Bool());
+
+// A camera that goes along sees the same at every time.
+TEST_P(PlayerBetweenFrames, LayersAreHalfWay) {
+  const Player player = ball_on_its_way(GetParam());
+  const auto drawn = [&](double frame, double camera_x) {
+    const Camera camera{{32, 24, 30, 30, 15.5, 11.5}, SE3(Eigen::Translation3d(camera_x, 0, -1.2))};
+    return player.draw(camera, frame, {0});
+  };
+  EXPECT_GT(difference(drawn(0, 0), drawn(0, 0.1)), 5) << "the ball beside the middle is another picture";
+  EXPECT_LT(difference(drawn(0, 0), drawn(0.5, 0.1)), 1);
+  EXPECT_LT(difference(drawn(0, 0), drawn(1, 0.2)), 1) << "and is drawn anew for each time";
 }
 
 } // namespace
