@@ -1,9 +1,13 @@
 #include "evaluate/ground_truth_comparison.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "clip/sample_clip.h"
+#include "core/image_codec.h"
+#include "fields/scenes/painted_field.h"
 #include "formats/sample_capture.h"
 
 namespace kinora::evaluate {
@@ -68,6 +72,59 @@ TEST(ObjectPose, AConstantShiftIsFoundInMetres) {
 TEST(ObjectPose, AConstantTurnIsFoundInDegrees) {
   const SE3 rotation(Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 1, 0).normalized()));
   EXPECT_NEAR(pose_report(rotation).at("error_degrees_mean").get<double>(), 2.8648, 1e-3);
+}
+
+/// A red ball 1.2 m before the world's origin that goes 15 cm to the right with each frame of the clip.
+player::Player ball_that_goes_right() {
+  clip::Clip clip = clip::testing::sample_clip(1, 3, false);
+  clip.camera_to_world = {SE3::Identity()};
+  clip.capture_frames = {0, 1, 2};
+  clip.layers.resize(1);
+  clip.layers[0].label = 1;
+  clip.layers[0].field =
+      fields::testing::painted_field({{-0.5, -0.5, 0.7}, 1}, fields::testing::PaintedBall{{0, 0, 1.2}});
+  clip.layers[0].confidence.reset();
+  std::vector<motion::Motion::Pose> poses;
+  for (int i = 0; i < 3; ++i) poses.push_back({SE3(Eigen::Translation3d(0.15 * i, 0, 0)), motion::Health::kTracked});
+  clip.layers[0].motion = motion::Motion::rigid(std::move(poses));
+  return player::Player(std::move(clip));
+}
+
+/// What the player itself shows a camera 20 cm to the right at frame 2 is the truth of that camera.
+nlohmann::json novel_report(const player::Player& player, double camera_x) {
+  const TemporaryFolder folder;
+  folder.write("cameras.json", fmt::format(R"({{"cameras": [
+    {{"name": "capture", "width": 48, "height": 36, "fx": 40, "fy": 40, "cx": 23.5, "cy": 17.5,
+      "camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}},
+    {{"name": "side", "width": 48, "height": 36, "fx": 40, "fy": 40, "cx": 23.5, "cy": 17.5,
+      "camera_to_world": [[1,0,0,{}],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}]}})",
+                                           camera_x));
+  Camera camera{{48, 36, 40, 40, 23.5, 17.5}, SE3(Eigen::Translation3d(0.2, 0, 0))};
+  const fields::Picture picture = player.draw(camera, 2, player.all_layers());
+  ColorImage color(48, 36, 3);
+  ColorImage mask(48, 36, 1);
+  for (std::size_t i = 0; i < color.pixel_count(); ++i) {
+    const double alpha = picture.color.data()[4 * i + 3] / 255.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      color.data()[3 * i + c] = static_cast<std::uint8_t>(std::nearbyint(alpha * picture.color.data()[4 * i + c]));
+    }
+    mask.data()[i] = picture.color.data()[4 * i + 3] > 127 ? 1 : 0;
+  }
+  folder.write("novel/side/rgb/000002.png", encode_png(color));
+  folder.write("novel/side/mask/000002.png", encode_png(mask));
+  const auto truth = GroundTruth::read(folder.path());
+  Progress progress;
+  return compare_with_ground_truth(player, truth.value(), progress).at("novel_cameras").at(0).at("layers").at(0);
+}
+
+TEST(NovelCameras, ShowWhatTheClipShowsThereAtThatFrame) {
+  const player::Player player = ball_that_goes_right();
+  const nlohmann::json same = novel_report(player, 0.2);
+  EXPECT_EQ(same.at("frames"), 1);
+  EXPECT_GT(same.at("psnr_inside").get<double>(), 40);
+  EXPECT_GT(same.at("iou").get<double>(), 0.95);
+  const nlohmann::json elsewhere = novel_report(player, 0.35);
+  EXPECT_LT(elsewhere.at("iou").get<double>(), 0.8) << "a camera beside it sees the ball elsewhere";
 }
 
 } // namespace
