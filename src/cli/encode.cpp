@@ -148,9 +148,10 @@ void run(const Options& options, Context& context) {
     how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
     how.body_from = options.body.filename().string();
   }
-  OutputFile out(options.clip, context.shared.overwrite, {options.capture});
+  const std::vector inputs{options.capture, options.segmenter, options.detector, options.body};
+  OutputFile out(options.clip, context.shared.overwrite, inputs);
   std::optional<OutputFile> report_file;
-  if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite);
+  if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite, inputs);
 
   const Stopwatch watch;
   encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);

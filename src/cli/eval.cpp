@@ -21,7 +21,8 @@ struct Options {
 
 void run(const Options& options, Context& context) {
   std::optional<OutputFile> file;
-  if (!options.report.empty()) file.emplace(options.report, context.shared.overwrite, std::vector{options.clip});
+  if (!options.report.empty())
+    file.emplace(options.report, context.shared.overwrite, std::vector{options.clip, options.capture});
   const player::Player player(open_clip(options.clip));
   require_input(options.capture);
   evaluate::EvaluateOptions how;

@@ -67,9 +67,9 @@ int run(int argc, const char* const* argv, Context& context) {
 }
 
 int guarded(int argc, const char* const* argv) {
-  handle_signals();
   Context context;
   try {
+    handle_signals();
     return run(argc, argv, context);
   } catch (const Error& error) {
     return fail(context, error.exit_code(), error.what());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <set>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -18,6 +20,10 @@ namespace {
 constexpr std::string_view kDefaultFormat = "png";
 
 using Passes = std::vector<std::string>;
+
+[[noreturn]] void unwritable(const fs::path& path, const std::string& why) {
+  throw Error(ErrorCode::kUnwritableOutput, fmt::format("{} cannot be written: {}", path.string(), why));
+}
 
 bool contains(const Passes& passes, std::string_view pass) {
   return std::find(passes.begin(), passes.end(), pass) != passes.end();
@@ -37,50 +43,29 @@ host::Picture picture_for(const fields::Picture& drawn, const std::string& name,
 /// A writer that puts files into a folder beside the output, from where each is moved to its place when it is whole.
 class StagedWriter {
 public:
-  StagedWriter(const KinoraFormat& format, fs::path folder, const host::Options& options)
-      : folder_(std::move(folder)), writer_(make_folder(folder_, format, options)) {}
-  StagedWriter(const StagedWriter&) = delete;
-  StagedWriter& operator=(const StagedWriter&) = delete;
-  ~StagedWriter() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
+  StagedWriter(const KinoraFormat& format, const fs::path& output, const host::Options& options)
+      : folder_(output, Unfinished::Kind::kFolder), writer_(format, folder_.path(), options) {}
 
   void write(const host::Picture& picture) { writer_.write(picture); }
   void finish() { writer_.finish(); }
 
-  /// Moves every file to where `destination` says. Throws Error(kUnwritableOutput).
+  /// Moves every file to where `destination` says. Throws Error(kUnwritableOutput), and what `destination` throws.
   void move_files(const std::function<fs::path(const fs::path& inside)>& destination) {
     std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
       if (entry.is_regular_file()) files.push_back(entry.path());
     }
     for (const fs::path& file : files) {
-      const fs::path target = destination(file.lexically_relative(folder_));
+      const fs::path target = destination(file.lexically_relative(folder_.path()));
       std::error_code error;
       if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
       fs::rename(file, target, error);
-      if (error) {
-        throw Error(ErrorCode::kUnwritableOutput,
-                    fmt::format("{} cannot be written: {}", target.string(), error.message()));
-      }
+      if (error) unwritable(target, error.message());
     }
   }
 
 private:
-  static host::PictureWriter make_folder(const fs::path& folder, const KinoraFormat& format,
-                                         const host::Options& options) {
-    std::error_code error;
-    fs::remove_all(folder, error);
-    fs::create_directories(folder, error);
-    if (error) {
-      throw Error(ErrorCode::kUnwritableOutput,
-                  fmt::format("{} cannot be written: {}", folder.string(), error.message()));
-    }
-    return {format, folder, options};
-  }
-
-  fs::path folder_;
+  Unfinished folder_;
   host::PictureWriter writer_;
 };
 
@@ -107,7 +92,7 @@ class SinglePictureOutput : public PictureOutput {
 public:
   SinglePictureOutput(const PictureRequest& request, const host::PluginTable& plugins)
       : path_(request.path), file_(request.path, request.overwrite, request.inputs),
-        writer_(plugins.writer_for(request.path), fs::path(request.path) += ".parts", request.options) {
+        writer_(plugins.writer_for(request.path), request.path, request.options) {
     for (const std::string& pass : request.beside) {
       beside_.push_back(pass);
       const fs::path file = path_.parent_path() / (path_.stem().string() + "." + pass + ".png");
@@ -141,7 +126,8 @@ class FolderOutput : public PictureOutput {
 public:
   FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
                const host::Options& options)
-      : path_(checked(request, names, format)), beside_(request.beside), writer_(format, path_ / ".part", options) {}
+      : path_(request.path), overwrite_(request.overwrite), beside_(request.beside), inputs_(request.inputs),
+        writer_(format, checked(request, names, format) / "", options) {}
   void add(const fields::Picture& picture, const std::string& name, double seconds) override {
     writer_.write(picture_for(picture, name, seconds, beside_));
     move();
@@ -153,31 +139,45 @@ public:
 
 private:
   void move() {
-    writer_.move_files([this](const fs::path& inside) { return path_ / inside; });
+    writer_.move_files([this](const fs::path& inside) {
+      fs::path target = path_ / inside;
+      if (!written_.insert(target.lexically_normal()).second) unwritable(target, "two pictures have this name");
+      refuse_to_lose(target, overwrite_, inputs_);
+      return target;
+    });
   }
 
-  static fs::path checked(const PictureRequest& request, const std::vector<std::string>& names,
-                          const KinoraFormat& format) {
+  /// What can be known before anything is drawn; move() holds whatever the writer makes of the names.
+  static const fs::path& checked(const PictureRequest& request, const std::vector<std::string>& names,
+                                 const KinoraFormat& format) {
     std::error_code error;
     if (fs::exists(request.path, error) && !fs::is_directory(request.path, error)) {
-      throw Error(ErrorCode::kUnwritableOutput,
-                  fmt::format("{} cannot be written: it is not a folder; name a folder, a .png or a .mp4",
-                              request.path.string()));
+      unwritable(request.path, "it is not a folder; name a folder, a .png or a .mp4");
     }
     const std::string extension = std::string(format.extensions).substr(0, std::string(format.extensions).find(' '));
     for (const std::string& name : names) {
-      const fs::path file = request.path / (name + extension);
-      if (request.overwrite || !fs::exists(file, error)) continue;
-      throw Error(ErrorCode::kUnwritableOutput,
-                  fmt::format("{} cannot be written: it exists already; add --overwrite to replace it, or give another "
-                              "folder",
-                              file.string()));
+      refuse_to_lose(request.path / (name + extension), request.overwrite, request.inputs);
+      for (const std::string& pass : request.beside) {
+        refuse_to_lose(request.path / fmt::format("{}.{}.png", name, pass), request.overwrite, request.inputs);
+      }
     }
     return request.path;
   }
 
+  static void refuse_to_lose(const fs::path& file, bool overwrite, const std::vector<fs::path>& inputs) {
+    std::error_code error;
+    for (const fs::path& input : inputs) {
+      if (fs::equivalent(file, input, error)) unwritable(file, "it is also the input; give another folder");
+    }
+    if (overwrite || !fs::exists(fs::symlink_status(file, error))) return;
+    unwritable(file, "it exists already; add --overwrite to replace it, or give another folder");
+  }
+
   fs::path path_;
+  bool overwrite_;
   Passes beside_;
+  std::vector<fs::path> inputs_;
+  std::set<fs::path> written_;
   StagedWriter writer_;
 };
 

@@ -87,6 +87,16 @@ private:
   std::string err_;
 };
 
+/// Everything below a folder, as paths within it; sorted.
+inline std::vector<std::string> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_directory()) names.push_back(entry.path().lexically_relative(folder).string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 inline Said run_kinora(const TemporaryFolder& folder, const std::vector<std::string>& words) {
   return Running(folder.path(), words).finish();
 }
