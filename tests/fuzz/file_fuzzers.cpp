@@ -12,7 +12,6 @@ namespace kinora::fuzz {
 namespace {
 
 using container::testing::load;
-using container::testing::operator+;
 
 /// A file is refused in one of two ways.
 template <class Call> void expect_refusal_or_success(const Call& call) {

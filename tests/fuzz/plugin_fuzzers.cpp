@@ -74,7 +74,7 @@ KinoraImage image(std::vector<std::byte>& buffer, int channels, KinoraPixelType 
   made.height = choices.number(kHeight);
   made.channels = choices.number(channels);
   made.pixel_type = choices.number(type);
-  const auto row = static_cast<std::size_t>(kWidth * channels * (type == KINORA_PIXEL_U16 ? 2 : 1));
+  const std::size_t row = std::size_t{kWidth} * static_cast<std::size_t>(channels) * (type == KINORA_PIXEL_U16 ? 2 : 1);
   made.row_bytes = choices.rarely() ? choices.byte() : row;
   const std::size_t bytes = made.row_bytes * static_cast<std::size_t>(std::max(made.height, 0));
   if (bytes > kMaxBuffer || choices.rarely()) return made;              // without data
