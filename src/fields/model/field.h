@@ -30,7 +30,7 @@ struct FieldLimits {
   static constexpr float kMaxSharpness = 11.0F; ///< of either sign
 };
 
-/// What the density MLP's first output means (signed_distance.h).
+/// What the density MLP's first output means (volume_density.h).
 enum class Geometry : std::uint8_t {
   kDensity,       ///< the logarithm of density
   kSignedDistance ///< the distance from the surface in units of density_length(), positive outside

@@ -2,7 +2,7 @@
 
 #include "fields/network/hash_grid.h"
 #include "fields/network/mlp.h"
-#include "fields/network/signed_distance.h"
+#include "fields/network/volume_density.h"
 
 namespace kinora::fields {
 namespace {

@@ -2,7 +2,7 @@
 // tested against, and whose gradients are checked numerically in double.
 //
 // A point: hash-grid encoding e (Müller et al. 2022, sec. 3), h = relu(eᵀ W₁), g = hᵀ W₂; g₀ is the raw density, or a
-// signed distance with g₀ = ln(Ψ(−exp(k) s)) + k its raw density (signed_distance.h; Ψ of Laplace's distribution, k the
+// signed distance with g₀ = ln(Ψ(−exp(k) s)) + k its raw density (volume_density.h; Ψ of Laplace's distribution, k the
 // sharpness); σ = exp(min(g₀, kMaxRawDensity)); g₁…g₁₅ are features. A ray (Max 1995; Mildenhall et al. 2020): αᵢ = 1 −
 // exp(−σᵢ δᵢ), wᵢ = αᵢ Πⱼ<ᵢ (1 − αⱼ), A = Σ wᵢ, F = Σ wᵢ gᵢ; colour = sigmoid(MLP([R F / (A + ε), 1])), where R turns
 // the vectors among the features as the layer is turned (vector_features.h).

@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 
 #include <hwy/highway.h>
+// after highway.h
+#include "fields/training/loss_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::HWY_NAMESPACE {
@@ -50,10 +52,10 @@ void composite(const RayBatch& rays, const float* geometry, const LossWeights& w
     }
     const float opacity = c.opacity[r] = 1 - transmittance;
     if (!target.foreground) {
-      c.loss += static_cast<double>(weights.free_space * opacity);
+      c.loss += static_cast<double>(free_space_term(opacity, weights));
       continue;
     }
-    c.loss += static_cast<double>(weights.opacity * transmittance * transmittance + weights.depth * depth_loss);
+    c.loss += static_cast<double>(opacity_term(transmittance, weights) + weights.depth * depth_loss);
     c.foreground_opacity += static_cast<double>(opacity);
     ++c.foreground_rays;
     const auto normaliser = hn::Set(d, 1.0F / (opacity + kOpacityEpsilon));
@@ -78,7 +80,7 @@ void composite_backward(const RayBatch& rays, const float* geometry, const LossW
   ShiftedRow shifted; // the first element belongs to no feature and stays zero
   for (std::size_t r = 0; r < rays.ray_count(); ++r) {
     const RayTarget& target = rays.targets[r];
-    float opacity_gradient = scale * weights.free_space;
+    float by_opacity = free_space_gradient(scale, weights);
     hn::Vec<RowTag> feature_gradient[kRowVectors];
     for (auto& g : feature_gradient) g = hn::Zero(d);
     if (target.foreground) {
@@ -93,7 +95,7 @@ void composite_backward(const RayBatch& rays, const float* geometry, const LossW
       for (std::size_t v = 0; v < kRowVectors; ++v) {
         feature_gradient[v] = hn::Load(d, shifted.values + v * kRowLanes);
       }
-      opacity_gradient = -scale * 2 * weights.opacity * (1 - c.opacity[r]) - hn::GetLane(hn::SumOfLanes(d, along));
+      by_opacity = opacity_gradient(scale, 1 - c.opacity[r], weights) - hn::GetLane(hn::SumOfLanes(d, along));
       inputs += kG;
       input_gradient += kG;
     }
@@ -107,7 +109,7 @@ void composite_backward(const RayBatch& rays, const float* geometry, const LossW
         hn::StoreU(hn::Mul(hn::Set(d, c.weight[i]), feature_gradient[v]), d, out + v * kRowLanes);
       }
       const float weight_gradient =
-          opacity_gradient + scale * weights.depth * c.depth_term[i] + hn::GetLane(hn::SumOfLanes(d, along));
+          by_opacity + scale * weights.depth * c.depth_term[i] + hn::GetLane(hn::SumOfLanes(d, along));
       out[0] = c.density[i] * rays.samples[i].length * (c.transmittance[i] * weight_gradient - behind);
       behind += c.weight[i] * weight_gradient;
     }
@@ -122,6 +124,7 @@ namespace kinora::fields {
 
 HWY_EXPORT(composite);
 HWY_EXPORT(composite_backward);
+HWY_EXPORT(compare_colors);
 
 void composite(const RayBatch& rays, const std::vector<float>& lengths, const float* geometry,
                const LossWeights& weights, Composition& composition, std::vector<float>& inputs) {
@@ -143,6 +146,12 @@ void composite_backward(const RayBatch& rays, const float* geometry, const LossW
                         float* geometry_gradient) {
   HWY_DYNAMIC_DISPATCH(composite_backward)
   (rays, geometry, weights, scale, composition, inputs.data(), input_gradient, geometry_gradient);
+}
+
+ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                         std::vector<float>& gradient) {
+  gradient.assign(rays.ray_count() * FieldConfig::kColorOutputs, 0.0F);
+  return HWY_DYNAMIC_DISPATCH(compare_colors)(rays, outputs, weights, scale, gradient.data());
 }
 
 } // namespace kinora::fields

@@ -10,7 +10,7 @@
 #include "fields/network/flush_to_zero.h"
 #include "fields/network/hash_grid.h"
 #include "fields/network/mlp.h"
-#include "fields/network/signed_distance.h"
+#include "fields/network/volume_density.h"
 #include "fields/network/vector_features.h"
 #include "fields/training/adam.h"
 #include "fields/training/compositing.h"

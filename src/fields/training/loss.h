@@ -12,10 +12,10 @@
 
 namespace kinora::fields {
 
-/// The loss of an own ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)², depth_clamp), of
-/// any other free_space·A, with wᵢ the compositing weights and A their sum. A field of signed distances sᵢ adds to an
-/// own ray's distance·Σᵢ ((sᵢ − (z* − zᵢ))/band)², over the samples in the band and in metres of depth along the ray.
-/// The loss of a step is the mean over its rays, of which `free_space_rays` are a share.
+/// The loss of a foreground ray is color·‖C − C*‖² + opacity·(1 − A)² + depth·Σᵢ wᵢ min(((zᵢ − z*)/band)²,
+/// depth_clamp), of any other free_space·A, with wᵢ the compositing weights and A their sum. A field of signed
+/// distances sᵢ adds to an own ray's distance·Σᵢ ((sᵢ − (z* − zᵢ))/band)², over the samples in the band and in metres
+/// of depth along the ray. The loss of a step is the mean over its rays, of which `free_space_rays` are a share.
 struct LossWeights {
   float color = 1.0F;
   float opacity = 0.1F;
@@ -33,7 +33,23 @@ template <class T> T depth_term(T depth, const RayTarget& target, const LossWeig
   return std::min(residual * residual, T(weights.depth_clamp));
 }
 
-/// Sums over the own rays of a chunk.
+/// opacity·(1 − A)² of a foreground ray; `transmittance` is 1 − A.
+template <class T> T opacity_term(T transmittance, const LossWeights& weights) {
+  return T(weights.opacity) * transmittance * transmittance;
+}
+
+/// scale · ∂opacity_term/∂A.
+template <class T> T opacity_gradient(T scale, T transmittance, const LossWeights& weights) {
+  return -scale * T(2) * T(weights.opacity) * transmittance;
+}
+
+/// free_space·A of a ray of opacity A that is no foreground ray: what is seen past is empty.
+template <class T> T free_space_term(T opacity, const LossWeights& weights) { return T(weights.free_space) * opacity; }
+
+/// scale · ∂free_space_term/∂A.
+template <class T> T free_space_gradient(T scale, const LossWeights& weights) { return scale * T(weights.free_space); }
+
+/// Sums over the foreground rays of a chunk.
 struct ColorSums {
   double squared_error = 0;       ///< ‖C − C*‖²
   double squared_target = 0;      ///< ‖C*‖²

@@ -50,7 +50,7 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
 
   const bool has_distances = config.geometry == Geometry::kSignedDistance;
   T loss = 0;
-  T opacity_gradient = 0;
+  T by_opacity = 0;
   array<T, kG> feature_gradient{};
   if (target.foreground) {
     const T normaliser = T(1) / (opacity + T(kOpacityEpsilon));
@@ -66,7 +66,7 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
       loss += T(weights.color) * difference * difference;
       color_gradient[c] = scale * T(2) * T(weights.color) * difference;
     }
-    loss += T(weights.opacity) * (T(1) - opacity) * (T(1) - opacity);
+    loss += opacity_term(T(1) - opacity, weights);
     for (std::size_t i = 0; i < n; ++i) {
       loss += T(weights.depth) * weight[i] * depth_terms[i];
       if (!has_distances) continue;
@@ -76,22 +76,22 @@ T ray_loss(const FieldConfig& config, std::span<const GridLevel> levels, const P
     if (gradient) {
       array<T, kG> input_gradient = color_backward<T>(p.color_net, color, color_gradient, gradient->color_net);
       rotate_vectors(inverse_rotation(target.rotation), input_gradient.data());
-      opacity_gradient = -scale * T(2) * T(weights.opacity) * (T(1) - opacity);
+      by_opacity = opacity_gradient(scale, T(1) - opacity, weights);
       for (int f = 0; f < kG - 1; ++f) {
         feature_gradient[f] = input_gradient[f] * normaliser;
-        opacity_gradient -= feature_gradient[f] * input[f];
+        by_opacity -= feature_gradient[f] * input[f];
       }
     }
   } else {
-    loss = T(weights.free_space) * opacity;
-    opacity_gradient = scale * T(weights.free_space);
+    loss = free_space_term(opacity, weights);
+    by_opacity = free_space_gradient(scale, weights);
   }
   if (!gradient) return loss;
 
   T behind = 0; // Σⱼ>ᵢ wⱼ ∂L/∂wⱼ
   for (std::size_t i = n; i-- > 0;) {
     const auto& g = points[i].geometry;
-    T weight_gradient = opacity_gradient + scale * T(weights.depth) * depth_terms[i];
+    T weight_gradient = by_opacity + scale * T(weights.depth) * depth_terms[i];
     array<T, kG> geometry_gradient{};
     for (int f = 1; f < kG; ++f) {
       weight_gradient += feature_gradient[f - 1] * g[f];

@@ -1,9 +1,9 @@
 // Blends of a layer's points in lanes, for *_simd.cpp after <hwy/foreach_target.h>.
-#if defined(KINORA_TRACKING_SKINNED_POINTS_SIMD_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KINORA_TRACKING_SKINNED_POINTS_SIMD_H
-#undef KINORA_TRACKING_SKINNED_POINTS_SIMD_H
+#if defined(KINORA_MOTION_SKINNING_SKINNED_POINTS_SIMD_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KINORA_MOTION_SKINNING_SKINNED_POINTS_SIMD_H
+#undef KINORA_MOTION_SKINNING_SKINNED_POINTS_SIMD_H
 #else
-#define KINORA_TRACKING_SKINNED_POINTS_SIMD_H
+#define KINORA_MOTION_SKINNING_SKINNED_POINTS_SIMD_H
 #endif
 
 #include "motion/skinning/layer_pose.h"

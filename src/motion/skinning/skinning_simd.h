@@ -3,11 +3,11 @@
 // moves points by nodes is made of these; DeformationGraph::influence and blend_motion are the same for one point in
 // double precision, and tests/motion/skinning/skinning_agreement_test.cpp keeps all that use them equal.
 // Source: Kavan et al., ACM TOG 27(4), 2008 (blending); Jiang et al., "Instant-NVR", CVPR 2023, sec. 4.1 (weights).
-#if defined(KINORA_TRACKING_SKINNING_SIMD_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KINORA_TRACKING_SKINNING_SIMD_H
-#undef KINORA_TRACKING_SKINNING_SIMD_H
+#if defined(KINORA_MOTION_SKINNING_SKINNING_SIMD_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KINORA_MOTION_SKINNING_SKINNING_SIMD_H
+#undef KINORA_MOTION_SKINNING_SKINNING_SIMD_H
 #else
-#define KINORA_TRACKING_SKINNING_SIMD_H
+#define KINORA_MOTION_SKINNING_SKINNING_SIMD_H
 #endif
 
 #include <cstdint>

@@ -31,7 +31,7 @@ motion::Health DeformingTracker::begin(const ingest::Frame& frame, const LayerVi
   seen_.emplace(Seen{std::move(*model),
                      std::move(trajectory),
                      {},
-                     TrackingGap(config_.held_frames),
+                     HeldOrLost(config_.held_frames),
                      Relocalisation(config_.relocalisation)});
   const SE3 origin_to_camera = seen_->model.origin_to_camera(frame.camera.camera_to_world);
   seen_->relocalisation.add(history_.count(), origin_to_camera, seen_->trajectory);

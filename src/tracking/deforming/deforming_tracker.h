@@ -14,7 +14,7 @@
 #include "tracking/deforming/relocalisation.h"
 #include "tracking/deforming/topology_change.h"
 #include "tracking/deforming/tracked_layer.h"
-#include "tracking/rigid/tracking_gap.h"
+#include "tracking/lost/held_or_lost.h"
 #include "tracking/view/frame_history.h"
 
 namespace kinora::tracking {
@@ -80,7 +80,7 @@ private:
     CanonicalModel model;
     NodeTrajectory trajectory;
     TrackedView last_found;
-    TrackingGap gap;
+    HeldOrLost gap;
     Relocalisation relocalisation;
   };
 

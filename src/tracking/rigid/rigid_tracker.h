@@ -12,7 +12,7 @@
 #include "tracking/rigid/non_rigidity.h"
 #include "tracking/rigid/pose_quality.h"
 #include "tracking/rigid/rigid_icp.h"
-#include "tracking/rigid/tracking_gap.h"
+#include "tracking/lost/held_or_lost.h"
 #include "tracking/tsdf/tsdf.h"
 #include "tracking/view/frame_history.h"
 
@@ -144,7 +144,7 @@ private:
   SE3 model_to_world_ = SE3::Identity(); ///< model = canonical − the volume's origin
   std::unique_ptr<PreviousFrame> previous_;
   std::vector<Eigen::Matrix3d> keyframes_; ///< model-to-camera rotations from which the object was seen well
-  TrackingGap gap_;
+  HeldOrLost gap_;
   bool has_texture_detail_ = false;
   bool is_released_ = false;         ///< by what held it, since it was found last
   bool is_moved_by_contact_ = false; ///< in the last frame, by what holds it

@@ -1,12 +1,13 @@
-#include "fields/training/loss.h"
-
-#include <cmath>
+// The colours' term of the loss, in vectors: compositing_simd.cpp compiles it for every instruction set.
+#if defined(KINORA_FIELDS_TRAINING_LOSS_SIMD_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KINORA_FIELDS_TRAINING_LOSS_SIMD_H
+#undef KINORA_FIELDS_TRAINING_LOSS_SIMD_H
+#else
+#define KINORA_FIELDS_TRAINING_LOSS_SIMD_H
+#endif
 
 #include "fields/model/field.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fields/training/loss_simd.cpp"
-#include <hwy/foreach_target.h> // IWYU pragma: keep
+#include "fields/training/loss.h"
 
 #include <hwy/highway.h>
 // after highway.h
@@ -16,8 +17,8 @@ HWY_BEFORE_NAMESPACE();
 namespace kinora::fields::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
-                         float* gradient) {
+inline ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
+                                float* gradient) {
   const hn::CappedTag<float, 4> d;
   const auto one = hn::Set(d, 1.0F);
   const auto factor = hn::Set(d, scale * 2 * weights.color);
@@ -57,40 +58,4 @@ ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossW
 } // namespace kinora::fields::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace kinora::fields {
-
-HWY_EXPORT(compare_colors);
-
-void ColorSums::add(const ColorSums& other) {
-  squared_error += other.squared_error;
-  squared_target += other.squared_target;
-  for (std::size_t c = 0; c < 3; ++c) target[c] += other.target[c];
-}
-
-ColorSums compare_colors(const RayBatch& rays, const float* outputs, const LossWeights& weights, float scale,
-                         std::vector<float>& gradient) {
-  gradient.assign(rays.ray_count() * FieldConfig::kColorOutputs, 0.0F);
-  return HWY_DYNAMIC_DISPATCH(compare_colors)(rays, outputs, weights, scale, gradient.data());
-}
-
-double distance_loss(const RayBatch& rays, const std::vector<float>& distances, const LossWeights& weights, float scale,
-                     float* geometry_gradient) {
-  double loss = 0;
-  for (std::size_t r = 0; r < rays.ray_count(); ++r) {
-    const RayTarget& target = rays.targets[r];
-    if (!target.foreground || !(target.depth > 0)) continue;
-    const float per_distance = target.inverse_band / target.lengths_per_depth;
-    for (std::size_t i = rays.first_sample[r]; i < rays.first_sample[r + 1]; ++i) {
-      const float measured = (target.depth - rays.samples[i].depth) * target.inverse_band;
-      if (std::abs(measured) > 1) continue;
-      const float residual = distances[i] * per_distance - measured;
-      loss += static_cast<double>(weights.distance * residual * residual);
-      geometry_gradient[i * FieldConfig::kGeometry] += scale * 2 * weights.distance * residual * per_distance;
-    }
-  }
-  return loss;
-}
-
-} // namespace kinora::fields
 #endif

@@ -5,10 +5,10 @@
 
 namespace kinora::tracking {
 
-class TrackingGap {
+class HeldOrLost {
 public:
   /// `held_frames`: in a row without it; in the one after these it is lost.
-  explicit TrackingGap(int held_frames) : held_frames_(held_frames) {}
+  explicit HeldOrLost(int held_frames) : held_frames_(held_frames) {}
 
   /// The next frame, and what it says by itself; returns that, but kLost where the gap has become too long.
   motion::Health add(motion::Health seen) {
