@@ -128,7 +128,7 @@ private:
   std::vector<CameraTrackingResult> results_;
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
-  HeldOrLost gap_;        ///< of frames that do not show where the camera is in all directions
+  HeldOrLost gap_;         ///< of frames that do not show where the camera is in all directions
   bool uncertain_ = false; ///< since the last key frame the camera was lost, and has not been found by features
   RelativePose anchor_{};  ///< the last that a frame showed in all directions
   double anchor_time_ = 0;

@@ -9,10 +9,10 @@
 
 #include "ingest/frame/frame.h"
 #include "motion/motion.h"
+#include "tracking/lost/held_or_lost.h"
 #include "tracking/rigid/non_rigidity.h"
 #include "tracking/rigid/pose_quality.h"
 #include "tracking/rigid/rigid_icp.h"
-#include "tracking/lost/held_or_lost.h"
 #include "tracking/tsdf/tsdf.h"
 #include "tracking/view/frame_history.h"
 
