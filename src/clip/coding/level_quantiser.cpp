@@ -43,12 +43,13 @@ Spread spread_of(std::span<const float> values) {
   return spread;
 }
 
-int choose_exponent(const Spread& spread) {
+int choose_exponent(const Spread& spread, int steps_per_rms) {
   const auto fits = [&](int exponent) { return spread.largest <= std::ldexp(kLargestInteger, exponent); };
   // Values that were quantised before lie on a coarse lattice; their own root mean square must not move it.
   const int lattice = spread.finest_bit;
-  if (lattice >= kMinExponent && fits(lattice) && spread.rms <= std::ldexp(4.0 * kStepsPerRms, lattice)) return lattice;
-  int exponent = std::clamp(std::ilogb(spread.rms / kStepsPerRms), kMinExponent, kMaxExponent);
+  if (lattice >= kMinExponent && fits(lattice) && spread.rms <= std::ldexp(4.0 * steps_per_rms, lattice))
+    return lattice;
+  int exponent = std::clamp(std::ilogb(spread.rms / steps_per_rms), kMinExponent, kMaxExponent);
   while (!fits(exponent)) ++exponent;
   return exponent;
 }
@@ -68,15 +69,16 @@ void normalise(QuantisedLevel& level) {
 
 } // namespace
 
-QuantisedLevel quantise(std::span<const float> values) {
+QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding) {
   QuantisedLevel level;
   level.values.resize(values.size());
   const Spread spread = values.empty() ? Spread{} : spread_of(values);
   if (spread.largest == 0) return level;
-  level.exponent = choose_exponent(spread);
+  level.exponent = choose_exponent(spread, rounding.steps_per_rms);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    level.values[i] =
-        static_cast<std::int16_t>(std::lrint(std::ldexp(static_cast<double>(values[i]), -level.exponent)));
+    const double steps = std::ldexp(static_cast<double>(values[i]), -level.exponent);
+    const double size = std::floor(std::abs(steps) + 1 - rounding.up_from);
+    level.values[i] = static_cast<std::int16_t>(std::copysign(std::min(size, kLargestInteger), steps));
   }
   normalise(level);
   return level;

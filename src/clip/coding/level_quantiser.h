@@ -15,14 +15,17 @@ struct QuantisedLevel {
 
 inline constexpr int kMinExponent = -60;
 inline constexpr int kMaxExponent = 40;
-/// The root mean square of a level is at least this many steps (fewer only where a level holds values 1000 times its
-/// root mean square), so that |error| ≤ step / 2 ≤ rms / (2 · kStepsPerRms): 1.8 % root mean square.
-inline constexpr int kStepsPerRms = 16;
 
-/// Rounds to the nearest multiple of a power of two that depends on the values alone. Values that already are such
-/// multiples stay as they are: quantise(dequantise(q)) = q. Thread-safe.
-/// Throws Error(kFailure) if a value is not finite or larger than 2^54.
-QuantisedLevel quantise(std::span<const float> values);
+struct Rounding {
+  int steps_per_rms;    ///< the root mean square of the values is so many steps, or less than twice as many
+  double up_from = 0.5; ///< what is left of a step that counts as one more: above a half, small values cost less
+};
+
+/// Rounds to a multiple of a power of two that depends on the values alone; where some values are 1000 times as large
+/// as the root mean square, by larger steps than `rounding` says. |error| ≤ step · up_from. Values that already are
+/// such multiples stay as they are: quantise(dequantise(q)) = q. Thread-safe. Throws Error(kFailure) if a value is not
+/// finite or larger than 2^54.
+QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding);
 
 /// Exact in float for every exponent within the limits.
 float dequantise(std::int16_t value, int exponent);

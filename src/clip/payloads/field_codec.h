@@ -10,10 +10,10 @@
 
 namespace kinora::clip {
 
-/// Stored are the occupancy exactly, the table entries that it touches (touched_entries.h) as 16-bit integers times one
-/// power of two for each level (level_quantiser.h), and both networks and the sharpness as 16-bit floats. The same
-/// field gives the same bytes. Thread-safe. Throws Error(kFailure) if parameters are not finite, or their number does
-/// not fit the configuration.
+/// Stored are the occupancy exactly, and the table entries that it touches (touched_entries.h) and both networks as
+/// integers times one power of two for each level and matrix (level_quantiser.h), arithmetically coded
+/// (field_syntax.h), coarse levels first; the sharpness as a 16-bit float. The same field gives the same bytes.
+/// Thread-safe. Throws Error(kFailure) if parameters are not finite, or their number does not fit the configuration.
 Bytes encode_field(const fields::Field& field);
 
 /// Entries that no occupied cell touches come back as zero. encode_field(decode_field(b)) = b for every b that

@@ -44,7 +44,7 @@ TEST(FieldCodec, KeepsConfigurationAndOccupancyExactly) {
   EXPECT_EQ(back.occupancy.words(), field.occupancy.words());
 }
 
-TEST(FieldCodec, KeepsTouchedParametersWithinTwoPercentAndForgetsTheOthers) {
+TEST(FieldCodec, KeepsTouchedParametersWithinAFifthAndForgetsTheOthers) {
   const Field field = random_field(2);
   const Field back = decode(encode_field(field));
   const auto levels = fields::grid_levels(field.config);
@@ -64,12 +64,12 @@ TEST(FieldCodec, KeepsTouchedParametersWithinTwoPercentAndForgetsTheOthers) {
     power += std::pow(field.table[i], 2);
   }
   EXPECT_GT(power, 0);
-  EXPECT_LT(std::sqrt(error / power), 0.02);
+  EXPECT_LT(std::sqrt(error / power), 0.2);
   for (std::size_t i = 0; i < field.density_net.size(); ++i) {
-    EXPECT_NEAR(back.density_net[i], field.density_net[i], std::abs(field.density_net[i]) * 0x1p-11 + 1e-7);
+    EXPECT_NEAR(back.density_net[i], field.density_net[i], 0x1p-6);
   }
   for (std::size_t i = 0; i < field.color_net.size(); ++i) {
-    EXPECT_NEAR(back.color_net[i], field.color_net[i], std::abs(field.color_net[i]) * 0x1p-11 + 1e-7);
+    EXPECT_NEAR(back.color_net[i], field.color_net[i], 0x1p-6);
   }
 }
 
@@ -127,7 +127,7 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
     return bad;
   };
   expect_corrupt(with(0, {1}));           // version
-  expect_corrupt(with(0, {5}));           // version
+  expect_corrupt(with(0, {6}));           // version
   expect_corrupt(with(1, {0}));           // levels
   expect_corrupt(with(1, {255}));         // levels
   expect_corrupt(with(2, {31}));          // table size
@@ -138,6 +138,8 @@ TEST(FieldCodec, RejectsEveryHeaderOutsideItsLimits) {
   expect_corrupt(with(10, {32}));         // hidden width
   expect_corrupt(with(23, {0x7F, 0xF8})); // a box that is not a number
   expect_corrupt(with(46, {0xF8, 0x7F})); // a side that is not a number
+  expect_corrupt(with(48, {2}));          // geometry
+  expect_corrupt(with(49, {127}));        // exponent of a matrix
   expect_corrupt(with(56, {200}));        // resolution of a level
   expect_corrupt(with(58, {127}));        // exponent of a level
 }
