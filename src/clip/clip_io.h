@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "clip/clip.h"
+#include "container/byte_source.h"
 #include "core/progress.h"
 
 namespace kinora::clip {
@@ -31,5 +33,7 @@ void write_clip(const Clip& clip, const std::filesystem::path& path);
 /// Reads and checks everything: sizes, ranges, checksums. The file is not trusted.
 /// Throws Error: kNotRecognised (not Matroska, or no clip of ours), kCorruptInput (naming file and place).
 Clip read_clip(const std::filesystem::path& path, ByteAccount* account = nullptr);
+/// The same out of memory or from elsewhere.
+Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* account = nullptr);
 
 } // namespace kinora::clip

@@ -40,7 +40,8 @@ struct Destination {
 
 class ClipReader {
 public:
-  explicit ClipReader(const std::filesystem::path& path) : reader_(path), budget_(reader_.file_bytes()) {}
+  explicit ClipReader(std::unique_ptr<container::ByteSource> source)
+      : reader_(std::move(source)), budget_(reader_.file_bytes()) {}
 
   Clip read() {
     check_kind();
@@ -228,7 +229,11 @@ private:
 } // namespace
 
 Clip read_clip(const std::filesystem::path& path, ByteAccount* account) {
-  ClipReader reader(path);
+  return read_clip(std::make_unique<container::FileSource>(path), account);
+}
+
+Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* account) {
+  ClipReader reader(std::move(source));
   Clip clip = reader.read();
   if (account != nullptr) *account = reader.account();
   return clip;

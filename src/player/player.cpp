@@ -65,17 +65,28 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
   return posed;
 }
 
-fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers,
-                             const fields::DrawOptions& options) const {
+std::vector<fields::PosedField> Player::posed_layers(double frame, const LayerChoice& layers) const {
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
     if (frame < static_cast<double>(first_frames_.at(i))) continue;
     posed.push_back(this->posed(i, frame));
   }
+  return posed;
+}
+
+fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoice& layers,
+                             const fields::DrawOptions& options) const {
   fields::DrawOptions wanted = options;
   wanted.samples = samples_per_side(camera.intrinsics, clip_.intrinsics);
-  return fields::render(posed, camera, wanted);
+  return fields::render(posed_layers(frame, layers), camera, wanted);
+}
+
+fields::Picture Player::preview(const Camera& camera, double frame, const LayerChoice& layers,
+                                const fields::DrawOptions& options) const {
+  fields::DrawOptions wanted = options;
+  wanted.samples = 1;
+  return fields::render(posed_layers(frame, layers), camera, wanted);
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {

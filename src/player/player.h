@@ -37,7 +37,10 @@ public:
   /// get the samples that they need; `options.samples` is not looked at.
   fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers,
                        const fields::DrawOptions& options = {}) const;
-  /// The same at a time in seconds from the start.
+  /// The same with one sample for each pixel, whatever the capture's were: what is seen while something moves.
+  fields::Picture preview(const Camera& camera, double frame, const LayerChoice& layers,
+                          const fields::DrawOptions& options = {}) const;
+  /// As draw(), at a time in seconds from the start.
   fields::Picture draw_at(const Camera& camera, double seconds, const LayerChoice& layers,
                           const fields::DrawOptions& options = {}) const {
     return draw(camera, clip_.frame_at(seconds), layers, options);
@@ -47,6 +50,7 @@ public:
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
 private:
+  std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
   fields::PosedField posed(std::size_t layer, double frame) const;
 
   clip::Clip clip_;

@@ -20,7 +20,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "clip/coding": ["core"],
     "clip/payloads": ["clip/coding", "container", "fields/network", "motion"],
     "clip": ["clip/payloads"],
-    "player": ["clip", "fields/rendering"],
+    "player": ["clip", "fields/rendering", "include/kinora"],
 }
 MAKE = {  # from a capture to a clip
     "host": ["core", "include/kinora"],

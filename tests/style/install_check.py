@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that an installation holds the tool, its modules and the public headers, and nothing else, and that it runs.
+"""Checks that an installation holds the tool, its modules, the player's library and the public headers, and nothing else, and that it runs.
 
 usage: install_check.py ROOT BUILD
 """
@@ -15,7 +15,10 @@ def main():
     headers = pathlib.Path(sys.argv[1]) / "include"
     modules = pathlib.Path(sys.argv[2]) / "lib/kinora"
     expected = {"bin/kinora"} | {f"lib/kinora/{p.name}" for p in modules.glob("*.so")}
-    expected |= {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h")}
+    expected |= {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h*")}
+    expected |= {f"lib/{p.name}" for p in modules.parent.glob("libkinora_player.so*")}
+    expected |= {f"lib/cmake/kinora/kinora-config{part}.cmake" for part in ("", "-release", "-version")}
+    expected |= {"lib/pkgconfig/kinora-player.pc"}
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cmake", "--install", sys.argv[2], "--prefix", folder], check=True, stdout=subprocess.DEVNULL)
         prefix = pathlib.Path(folder)

@@ -1,0 +1,57 @@
+// Which frame of a clip is to be shown now.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace kinora::player {
+
+/// Seconds that go on by themselves: the system's steady clock, or the sound that has been heard. Need not start at 0.
+using MasterClock = std::function<double()>;
+
+MasterClock steady_clock();
+
+/// Plays along a master clock. Every time that it gives is a frame's: the last whose time has come. Starts paused at
+/// the first frame. Not thread-safe.
+class PlaybackClock {
+public:
+  static constexpr double kMinSpeed = 1.0 / 16, kMaxSpeed = 16;
+
+  /// `times`: of all frames, in seconds, increasing; at least one.
+  explicit PlaybackClock(std::vector<double> times, MasterClock master = steady_clock());
+
+  std::size_t frame() const;
+  double seconds() const { return times_[frame()]; } ///< of that frame
+  bool playing() const { return playing_ && !ended(); }
+  double speed() const { return speed_; }
+  bool loop() const { return loop_; }
+
+  /// From the start, if it stands at the end.
+  void play();
+  void pause();
+  /// To a time of the clip, clamped; plays on if it plays.
+  void seek(double seconds);
+  /// Pauses, and goes that many frames on, or back; stays inside the clip.
+  void step(int frames);
+  /// Throws Error(kUsage) outside of kMinSpeed to kMaxSpeed.
+  void set_speed(double speed);
+  void set_loop(bool loop);
+  void set_master(MasterClock master);
+
+private:
+  double position() const; // in [first time, end], continuous
+  double end() const;      // when the last frame has been shown as long as the others
+  bool ended() const;
+  void restart_at(double position);
+
+  std::vector<double> times_;
+  MasterClock master_;
+  double start_ = 0;        // position at...
+  double start_master_ = 0; // ...this time of the master
+  double speed_ = 1;
+  bool playing_ = false;
+  bool loop_ = false;
+};
+
+} // namespace kinora::player
