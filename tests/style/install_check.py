@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that an installation holds the tool, its modules and the public headers, and nothing else, and that it runs.
+"""Checks that an installation holds the tool, its modules, the public headers and what finds them, and nothing else, and that it runs.
 
 usage: install_check.py ROOT BUILD
 """
@@ -16,6 +16,8 @@ def main():
     modules = pathlib.Path(sys.argv[2]) / "lib/kinora"
     expected = {"bin/kinora"} | {f"lib/kinora/{p.name}" for p in modules.glob("*.so")}
     expected |= {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h")}
+    expected |= {f"lib/cmake/Kinora/{name}" for name in ("KinoraConfig.cmake", "KinoraConfigVersion.cmake", "kinora-plugin.cmake")}
+    expected.add("lib/pkgconfig/kinora-plugin.pc")
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cmake", "--install", sys.argv[2], "--prefix", folder], check=True, stdout=subprocess.DEVNULL)
         prefix = pathlib.Path(folder)
