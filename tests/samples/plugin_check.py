@@ -54,6 +54,16 @@ def check_use(kinora, capture, *more):
         sys.exit("kinora info does not read the sample's file")
 
 
+def check_missing(kinora, sample, capture, folder):
+    """With its plugin.json alone, the error names what to install."""
+    folder.mkdir(parents=True)
+    shutil.copy(sample / "plugin.json", folder)
+    for command in ("probe", "info"):
+        done = subprocess.run([kinora, command, capture, "--plugin-dir", folder.parent], capture_output=True, text=True)
+        if done.returncode != 6 or "could have been read by the format raw-depth" not in done.stderr:
+            sys.exit(f"kinora {command} does not say which plugin is missing: {done.returncode} {done.stderr}")
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -64,6 +74,7 @@ def main():
         sample = folder / "sample"
         shutil.copytree(pathlib.Path(sys.argv[1]) / "samples/plugin", sample)
         write_capture(folder / "a.raw", 3)
+        check_missing(prefix / "bin/kinora", sample, folder / "a.raw", folder / "absent/raw_depth")
         build_with_pkg_config(sample, prefix, folder / "mine/raw_depth")
         check_use(prefix / "bin/kinora", folder / "a.raw", "--plugin-dir", folder / "mine")
         build_with_cmake(sample, prefix, folder / "build")
