@@ -10,8 +10,9 @@
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
-  static const KinoraFormat* const formats[] = {&kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,
-                                                &kPngFormat, &mp4_format(),    &kGltfFormat,        &openvdb_format()};
+  static const KinoraFormat* const formats[] = {&kTumFormat,   &kNumberedFormat,   &kThreeDMatchFormat,
+                                                &kM3tFormat,   &kTransformsFormat, &kPngFormat,
+                                                &mp4_format(), &kGltfFormat,       &openvdb_format()};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

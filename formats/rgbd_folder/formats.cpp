@@ -64,12 +64,12 @@ template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* 
 }
 
 template <Listing (*list)(const std::filesystem::path&), void (*probe)(const char*, KinoraProbe*)>
-constexpr KinoraFormat folder_format(const char* name, const char* description) {
+constexpr KinoraFormat folder_format(const char* name, const char* description, std::uint64_t besides) {
   auto format = make_struct<KinoraFormat>();
   format.name = name;
   format.description = description;
   format.extensions = "";
-  format.capabilities = KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS;
+  format.capabilities = KINORA_READS_FRAMES | KINORA_SEEKS | besides;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
   format.probe = safe_probe<probe>;
@@ -84,13 +84,19 @@ constexpr KinoraFormat folder_format(const char* name, const char* description) 
 } // namespace
 
 constinit const KinoraFormat kTumFormat = folder_format<list_tum, probe_tum>(
-    "tum-rgbd", "TUM RGB-D folder: associations.txt, or rgb.txt and depth.txt; groundtruth.txt gives camera poses");
+    "tum-rgbd", "TUM RGB-D folder: associations.txt, or rgb.txt and depth.txt; groundtruth.txt gives camera poses",
+    KINORA_READS_POSES | KINORA_READS_MASKS);
 constinit const KinoraFormat kNumberedFormat = folder_format<list_numbered, probe_numbered>(
-    "numbered-folder", "folder of numbered images: color/ (or rgb/) and depth/, optionally mask/");
+    "numbered-folder", "folder of numbered images: color/ (or rgb/) and depth/, optionally mask/", KINORA_READS_MASKS);
 constinit const KinoraFormat kThreeDMatchFormat = folder_format<list_3dmatch, probe_3dmatch>(
-    "3dmatch", "3DMatch or 7-Scenes folder: frame-NNNNNN.color.*, .depth.png and .pose.txt");
+    "3dmatch", "3DMatch or 7-Scenes folder: frame-NNNNNN.color.*, .depth.png and .pose.txt",
+    KINORA_READS_POSES | KINORA_READS_MASKS);
 
 constinit const KinoraFormat kM3tFormat = folder_format<list_m3t, probe_m3t>(
-    "m3t", "M3T sequence: a colour and a depth camera, each with a .yaml calibration beside its numbered images");
+    "m3t", "M3T sequence: a colour and a depth camera, each with a .yaml calibration beside its numbered images",
+    KINORA_READS_MASKS);
+
+constinit const KinoraFormat kTransformsFormat = folder_format<list_transforms, probe_transforms>(
+    "transforms", "transforms.json with depth: data sets of nerfstudio and instant-ngp", KINORA_READS_POSES);
 
 } // namespace kinora::formats

@@ -9,5 +9,6 @@ extern const KinoraFormat kTumFormat;         ///< tum-rgbd
 extern const KinoraFormat kNumberedFormat;    ///< numbered-folder
 extern const KinoraFormat kThreeDMatchFormat; ///< 3dmatch
 extern const KinoraFormat kM3tFormat;         ///< m3t
+extern const KinoraFormat kTransformsFormat;  ///< transforms
 
 } // namespace kinora::formats

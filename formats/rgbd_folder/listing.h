@@ -44,12 +44,14 @@ Listing list_tum(const std::filesystem::path& folder);
 Listing list_numbered(const std::filesystem::path& folder);
 Listing list_3dmatch(const std::filesystem::path& folder);
 Listing list_m3t(const std::filesystem::path& folder);
+Listing list_transforms(const std::filesystem::path& folder);
 
 /// The plugin interface's `probe` for each layout.
 void probe_tum(const char* path, KinoraProbe* answer);
 void probe_numbered(const char* path, KinoraProbe* answer);
 void probe_3dmatch(const char* path, KinoraProbe* answer);
 void probe_m3t(const char* path, KinoraProbe* answer);
+void probe_transforms(const char* path, KinoraProbe* answer);
 
 /// Fills in an answer.
 void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason);

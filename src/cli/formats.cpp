@@ -28,6 +28,7 @@ void run_json(Context& context) {
                               {"extensions", entry.format->extensions},
                               {"capabilities", host::capability_names(*entry.format)},
                               {"origin", entry.origin},
+                              {"installed", entry.installed()},
                               {"options", options_json(*entry.format)}});
   }
   context.print_json(out);
@@ -42,8 +43,9 @@ void run(Context& context) {
   std::string options;
   for (const host::FormatEntry& entry : context.plugins().formats()) {
     const KinoraFormat& format = *entry.format;
-    table.add({format.name, format.description, fmt::format("{}", fmt::join(host::capability_names(format), " ")),
-               entry.origin});
+    table.add({format.name,
+               entry.installed() ? format.description : fmt::format("{} (not installed)", format.description),
+               fmt::format("{}", fmt::join(host::capability_names(format), " ")), entry.origin});
     for (std::size_t i = 0; i < format.option_count; ++i) {
       const KinoraOption& option = format.options[i];
       options += fmt::format("  {}: -O {}={}  {}\n", format.name, option.name, option.default_value, option.help);

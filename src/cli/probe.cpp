@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/text.h"
 #include "core/error.h"
+#include "host/frame_reader.h"
 
 namespace kinora::cli {
 namespace {
@@ -18,7 +19,20 @@ struct Answer {
   std::string name;
   int confidence;
   std::string reason;
+  std::string origin;
 };
+
+/// Whether the surest format can open what it recognised: "it is X but broken" is worth more than a high score.
+std::string problem_of(const Answer& best, const std::filesystem::path& input, const host::PluginTable& plugins) {
+  constexpr int kSureEnough = 50;
+  if (best.origin.empty() || best.confidence < kSureEnough) return {};
+  try {
+    const host::FrameReader reader(plugins.find(best.name), input, {});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
 
 // Clips are no capture format; whether a file is one is asked of their own reader.
 std::optional<Answer> as_clip(const std::filesystem::path& path) {
@@ -26,9 +40,18 @@ std::optional<Answer> as_clip(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, ignored)) return std::nullopt;
   try {
     clip::read_clip(path);
-    return Answer{"kinora-clip", 100, "a clip of Kinora, whole"};
+    return Answer{"kinora-clip", 100, "a clip of Kinora, whole", ""};
   } catch (const Error& error) {
-    return Answer{"kinora-clip", error.code() == ErrorCode::kNotRecognised ? 0 : 90, error.what()};
+    return Answer{"kinora-clip", error.code() == ErrorCode::kNotRecognised ? 0 : 90, error.what(), ""};
+  }
+}
+
+/// Throws Error(kMissingComponent) where a format that is not installed might have read it.
+void refuse_for_missing_plugin(const std::filesystem::path& input, const host::PluginTable& plugins) {
+  try {
+    plugins.recognise(input);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kMissingComponent) throw;
   }
 }
 
@@ -37,22 +60,28 @@ void run(const std::filesystem::path& input, Context& context) {
   std::vector<Answer> answers;
   if (const auto clip = as_clip(input)) answers.push_back(*clip);
   for (const host::ProbeScore& score : context.plugins().probe(input)) {
-    answers.push_back({score.format->name, score.confidence, score.reason});
+    answers.push_back({score.format->name, score.confidence, score.reason, score.origin});
   }
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.confidence > b.confidence; });
   if (answers.empty() || answers.front().confidence == 0) {
+    refuse_for_missing_plugin(input, context.plugins());
     throw Error(ErrorCode::kNotRecognised,
                 fmt::format("no format recognises {}{}; see kinora formats for what can be read", input.string(),
                             answers.empty() || answers.front().reason.empty()
                                 ? ""
                                 : fmt::format(" ({}: {})", answers.front().name, answers.front().reason)));
   }
+  const std::string problem = problem_of(answers.front(), input, context.plugins());
   if (context.shared.json) {
     Json out = {{"schema", "kinora.probe/1"}, {"path", input.string()}, {"formats", Json::array()}};
     for (const Answer& answer : answers) {
-      out["formats"].push_back({{"name", answer.name}, {"confidence", answer.confidence}, {"reason", answer.reason}});
+      out["formats"].push_back({{"name", answer.name},
+                                {"confidence", answer.confidence},
+                                {"reason", answer.reason},
+                                {"origin", answer.origin.empty() ? "built-in" : answer.origin}});
     }
+    out["problem"] = problem.empty() ? Json(nullptr) : Json(problem);
     context.print_json(out);
     return;
   }
@@ -61,6 +90,7 @@ void run(const std::filesystem::path& input, Context& context) {
     table.add({answer.name, fmt::format("{} %", answer.confidence), answer.reason});
   }
   context.print(table.str());
+  if (!problem.empty()) context.print(fmt::format("It is {} but broken: {}\n", answers.front().name, problem));
 }
 
 } // namespace

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "core/module.h"
+#include "host/external_plugin.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
@@ -13,22 +13,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const KinoraPlugin& load_library(const fs::path& path) {
-  void* library = dlopen(fs::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    const char* why = dlerror();
-    throw Error(ErrorCode::kMissingComponent,
-                fmt::format("{}: cannot be loaded ({})", path.string(), why != nullptr ? why : "no reason given"));
+/// What a folder of plugins holds: folders with a plugin.json, and libraries that lie there without one.
+std::vector<fs::path> plugins_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    if (const fs::path manifest = entry->path() / "plugin.json"; fs::is_regular_file(manifest, ignored))
+      found.push_back(manifest);
+    else if (entry->path().extension() == ".so")
+      found.push_back(entry->path());
   }
-  const auto entry = reinterpret_cast<KinoraPluginEntry>(dlsym(library, KINORA_PLUGIN_ENTRY));
-  if (entry == nullptr)
-    throw Error(ErrorCode::kMissingComponent,
-                fmt::format("{}: no Kinora plugin (it exports no {})", path.string(), KINORA_PLUGIN_ENTRY));
-  const KinoraPlugin* plugin = entry(KINORA_PLUGIN_ABI);
-  if (plugin == nullptr)
-    throw Error(ErrorCode::kMissingComponent, fmt::format("{}: does not work with version {} of the plugin interface",
-                                                          path.string(), KINORA_PLUGIN_ABI));
-  return *plugin;
+  if (fs::is_regular_file(folder / "plugin.json", error)) found.push_back(folder / "plugin.json");
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// A library beside folder/plugin.json is that plugin's own.
+bool belongs_to_manifest(const fs::path& library, const std::vector<fs::path>& found) {
+  return std::ranges::find(found, library.parent_path() / "plugin.json") != found.end();
 }
 
 } // namespace
@@ -48,14 +51,13 @@ std::vector<fs::path> plugin_folders(std::span<const fs::path> extra) {
 
 void load_external_plugins(PluginTable& table, std::span<const fs::path> folders, Progress& progress) {
   for (const fs::path& folder : folders) {
-    std::vector<fs::path> libraries;
-    std::error_code error;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-      if (entry->path().extension() == ".so") libraries.push_back(entry->path());
-    std::sort(libraries.begin(), libraries.end());
-    for (const fs::path& library : libraries) {
+    const std::vector<fs::path> found = plugins_in(folder);
+    for (const fs::path& path : found) {
       try {
-        table.add(load_library(library), library.string());
+        if (path.filename() == "plugin.json")
+          table.add(std::make_shared<const ExternalPlugin>(read_manifest(path)));
+        else if (!belongs_to_manifest(path, found))
+          table.add(load_library(path), path.string());
       } catch (const Error& problem) {
         progress.warn(fmt::format("plugin left out: {}", problem.what()));
       }

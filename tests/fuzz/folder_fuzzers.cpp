@@ -218,6 +218,19 @@ std::vector<Bytes> tracks() {
   return {bytes_of(kTracks), bytes_of({std::istreambuf_iterator<char>(packed), {}})};
 }
 
+constexpr const char* kTransforms = R"({"w": 16, "h": 12, "fl_x": 20, "cx": 8, "cy": 6, "frames": [
+{"file_path": "color/000000.png", "depth_file_path": "depth/000000.png", "time": 0,
+ "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]},
+{"file_path": "color/000001", "depth_path": "depth/000001.png", "time": 0.1,
+ "transform_matrix": [[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0]]}]})";
+
+void read_transforms(std::span<const std::byte> input) {
+  static const Folder folder("transforms.json",
+                             [](const TemporaryFolder& made) { test::write_numbered(made, kFrames); });
+  folder.read_with(input);
+}
+std::vector<Bytes> transforms() { return texts({kTransforms}); }
+
 } // namespace
 
 std::vector<Fuzzer> folder_fuzzers() {
@@ -230,6 +243,7 @@ std::vector<Fuzzer> folder_fuzzers() {
           {"pose_file", pose_files, read_pose_file, 100},
           {"yaml", yaml_files, read_yaml, 200},
           {"picture", pictures, decode_picture, 3000},
+          {"transforms", transforms, read_transforms, 200},
           {"cameras", cameras, read_cameras, 500},
           {"object_pose", object_poses, read_object_poses, 500},
           {"object_mesh", object_meshes, read_object_mesh, 500},

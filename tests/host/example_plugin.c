@@ -24,6 +24,13 @@ struct KinoraReader {
 };
 
 static void probe(const char* path, KinoraProbe* answer) {
+#ifdef EXAMPLE_CRASHES
+  abort();
+#endif
+#ifdef EXAMPLE_HANGS
+  for (;;) {
+  }
+#endif
   char head[4] = {0};
   FILE* file = fopen(path, "rb");
   if (file != NULL) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that an installation holds the tool, its modules, the player's library and the public headers, and nothing else, and that it runs.
+"""Checks that an installation holds the tool, its modules, the player's library, the public headers and what finds them, and nothing else, and that it runs.
 
 usage: install_check.py ROOT BUILD
 """
@@ -17,8 +17,9 @@ def main():
     expected = {"bin/kinora"} | {f"lib/kinora/{p.name}" for p in modules.glob("*.so")}
     expected |= {f"include/{p.relative_to(headers).as_posix()}" for p in headers.rglob("*.h*")}
     expected |= {f"lib/{p.name}" for p in modules.parent.glob("libkinora_player.so*")}
-    expected |= {f"lib/cmake/kinora/kinora-config{part}.cmake" for part in ("", "-release", "-version")}
-    expected |= {"lib/pkgconfig/kinora-player.pc"}
+    names = ("KinoraConfig", "KinoraConfigVersion", "kinora-player", "kinora-player-release", "kinora-plugin")
+    expected |= {f"lib/cmake/Kinora/{name}.cmake" for name in names}
+    expected |= {f"lib/pkgconfig/kinora-{component}.pc" for component in ("player", "plugin")}
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cmake", "--install", sys.argv[2], "--prefix", folder], check=True, stdout=subprocess.DEVNULL)
         prefix = pathlib.Path(folder)
