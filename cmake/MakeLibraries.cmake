@@ -2,6 +2,8 @@
 find_package(TBB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(draco REQUIRED)
 find_package(ZLIB REQUIRED)
 pkg_check_modules(MATROSKA REQUIRED IMPORTED_TARGET libmatroska libebml)
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)

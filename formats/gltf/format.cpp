@@ -12,9 +12,18 @@ KinoraStatus open_glb(const char* path, const KinoraOptionValue* options, size_t
                       KinoraMessage* message) {
   return guarded(message, [&] {
     const auto given = option_map(options, option_count);
+    const auto value = [&given](const char* name) {
+      const auto found = given.find(name);
+      return found == given.end() ? std::string() : found->second;
+    };
     GlbSettings settings;
-    if (const auto steps = given.find("interpolation"); steps != given.end())
-      settings.interpolation = steps->second == "step" ? Interpolation::kStep : Interpolation::kLinear;
+    if (value("interpolation") == "step") settings.interpolation = Interpolation::kStep;
+    if (value("compression") == "meshopt") settings.compression = Compression::kMeshopt;
+    if (value("compression") == "draco") settings.compression = Compression::kDraco;
+    settings.quantize = value("quantize") != "false";
+    if (const std::string quality = value("jpeg"); !quality.empty()) settings.jpeg_quality = std::stoi(quality);
+    if (settings.jpeg_quality < 0 || settings.jpeg_quality > 100)
+      throw Error(ErrorCode::kUsage, "-O jpeg=" + value("jpeg") + ": the quality is 1 to 100, or 0 for PNG");
     *writer = reinterpret_cast<KinoraWriter*>(new GlbWriter(path, settings));
     return KINORA_OK;
   });
@@ -44,15 +53,22 @@ KinoraStatus finish_glb(KinoraWriter* writer, KinoraMessage* message) {
 
 void abandon_glb(KinoraWriter* writer) { delete self(writer); }
 
-const KinoraOption kOptions[] = {{"interpolation", "linear|step", "linear",
-                                  "Between two frames: move evenly, or hold the pose of the earlier one.", nullptr}};
+const KinoraOption kOptions[] = {
+    {"interpolation", "linear|step", "linear", "Between two frames: move evenly, or hold the pose of the earlier one.",
+     nullptr},
+    {"compression", "none|meshopt|draco", "none",
+     "Smaller files for viewers that can unpack them: meshopt packs geometry and animation, draco geometry.", nullptr},
+    {"quantize", "bool", "true", "Positions, texture coordinates and rotations as 16-bit numbers, half the size.",
+     nullptr},
+    {"jpeg", "int", "88", "Quality of textures as JPEG, 1 to 100; 0 keeps them as they are, as PNG.", nullptr}};
 
 constexpr KinoraFormat glb_format() {
   auto format = make_struct<KinoraFormat>();
   format.name = "glb";
-  format.description = "glTF 2.0 in one binary file: a mesh per layer with vertex colours, skins and animation";
+  format.description =
+      "glTF 2.0 in one binary file: a mesh per layer with a texture or vertex colours, skins and animation";
   format.extensions = ".glb";
-  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS;
+  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
   format.open_writer = open_glb;

@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include <meshoptimizer.h>
+
 #include "core/error.h"
 
 namespace kinora::formats {
@@ -16,8 +18,10 @@ constexpr std::uint32_t kBinaryChunk = 0x004E4942;
 
 std::size_t component_bytes(int component_type) {
   switch (component_type) {
+  case 5120:
   case 5121:
     return 1;
+  case 5122:
   case 5123:
     return 2;
   default:
@@ -40,39 +44,93 @@ void pad(std::vector<std::byte>& out, std::byte with) {
   out.resize((out.size() + kAlignment - 1) / kAlignment * kAlignment, with);
 }
 
+/// As meshoptimizer packs triangles or rows of `stride` bytes.
+std::vector<std::byte> packed(std::span<const std::byte> bytes, std::size_t stride, GlbTarget target,
+                              GlbFilter filter) {
+  const std::size_t count = bytes.size() / stride;
+  std::vector<std::byte> filtered;
+  if (filter == GlbFilter::kExponential) {
+    constexpr int kBits = 16;
+    filtered.resize(bytes.size());
+    std::vector<float> values(bytes.size() / sizeof(float));
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    meshopt_encodeFilterExp(filtered.data(), count, stride, kBits, values.data());
+    bytes = filtered;
+  }
+  std::vector<std::byte> out;
+  auto* const to =
+      [&](std::size_t bound) {
+        out.resize(bound);
+        return reinterpret_cast<unsigned char*>(out.data());
+      }(target == GlbTarget::kIndices ? meshopt_encodeIndexBufferBound(count, count)
+                                      : meshopt_encodeVertexBufferBound(count, stride));
+  if (target == GlbTarget::kIndices) {
+    std::vector<std::uint32_t> indices(count);
+    std::memcpy(indices.data(), bytes.data(), bytes.size());
+    out.resize(meshopt_encodeIndexBuffer(to, out.size(), indices.data(), count));
+  } else {
+    out.resize(meshopt_encodeVertexBuffer(to, out.size(), bytes.data(), count, stride));
+  }
+  return out;
+}
+
 } // namespace
 
-int GlbBuffer::add_bytes(std::span<const std::byte> bytes, const GlbElements& elements, GlbTarget target) {
+std::size_t GlbBuffer::stride_of(const GlbElements& elements) {
+  if (elements.stride > 0) return elements.stride;
+  return component_bytes(elements.component_type) * static_cast<std::size_t>(elements.components);
+}
+
+int GlbBuffer::add_bytes(std::span<const std::byte> bytes) {
   pad(bytes_, std::byte{0});
-  nlohmann::json view = {{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}};
-  if (target != GlbTarget::kNone) view["target"] = static_cast<int>(target);
+  views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
   append(bytes_, bytes);
-  const std::size_t element_bytes =
-      component_bytes(elements.component_type) * static_cast<std::size_t>(elements.components);
-  nlohmann::json accessor = {{"bufferView", views_.size()},
-                             {"componentType", elements.component_type},
-                             {"count", bytes.size() / element_bytes},
-                             {"type", elements.type}};
+  return static_cast<int>(views_.size()) - 1;
+}
+
+int GlbBuffer::add_view(std::span<const std::byte> bytes, std::size_t stride, GlbTarget target, GlbFilter filter) {
+  int number = 0;
+  if (packing_ == GlbPacking::kPlain || bytes.empty()) {
+    number = add_bytes(bytes);
+  } else {
+    const std::vector<std::byte> small = packed(bytes, stride, target, filter);
+    number = add_bytes(small);
+    nlohmann::json extension = views_.back();
+    extension["byteStride"] = stride;
+    extension["count"] = bytes.size() / stride;
+    extension["mode"] = target == GlbTarget::kIndices ? "TRIANGLES" : "ATTRIBUTES";
+    if (filter == GlbFilter::kExponential) extension["filter"] = "EXPONENTIAL";
+    views_.back() = {{"buffer", 1},
+                     {"byteOffset", unpacked_},
+                     {"byteLength", bytes.size()},
+                     {"extensions", {{"EXT_meshopt_compression", std::move(extension)}}}};
+    unpacked_ += (bytes.size() + kAlignment - 1) / kAlignment * kAlignment;
+  }
+  if (target != GlbTarget::kNone) views_.back()["target"] = static_cast<int>(target);
+  if (target == GlbTarget::kVertices) views_.back()["byteStride"] = stride;
+  return number;
+}
+
+int GlbBuffer::add_unstored_accessor(std::size_t count, const GlbElements& elements) {
+  nlohmann::json accessor = {{"componentType", elements.component_type}, {"count", count}, {"type", elements.type}};
   if (elements.normalized) accessor["normalized"] = true;
-  views_.push_back(std::move(view));
   accessors_.push_back(std::move(accessor));
   return static_cast<int>(accessors_.size()) - 1;
 }
 
-void GlbBuffer::add_range(std::span<const float> values, int components) {
-  const auto width = static_cast<std::size_t>(components);
-  std::vector<float> low(values.begin(), values.begin() + components);
-  std::vector<float> high = low;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    low[i % width] = std::min(low[i % width], values[i]);
-    high[i % width] = std::max(high[i % width], values[i]);
-  }
-  accessors_.back()["min"] = low;
-  accessors_.back()["max"] = high;
+int GlbBuffer::add_accessor(int view, std::size_t offset, std::size_t count, const GlbElements& elements) {
+  const int number = add_unstored_accessor(count, elements);
+  accessors_.back()["bufferView"] = view;
+  if (offset > 0) accessors_.back()["byteOffset"] = offset;
+  return number;
 }
 
 void GlbBuffer::describe(nlohmann::json& gltf) const {
   gltf["buffers"] = {{{"byteLength", bytes_.size()}}};
+  if (unpacked_ > 0) {
+    gltf["buffers"].push_back(
+        {{"byteLength", unpacked_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  }
   gltf["bufferViews"] = views_;
   gltf["accessors"] = accessors_;
 }

@@ -1,8 +1,12 @@
 #include "gltf/glb_writer.h"
 
+#include <cmath>
+
 #include "common/files.h"
+#include "common/jpeg_writer.h"
+#include "common/pictures.h"
 #include "core/error.h"
-#include "gltf/mesh_data.h"
+#include "core/image_codec.h"
 
 namespace kinora::formats {
 namespace {
@@ -12,6 +16,8 @@ using Json = nlohmann::json;
 /// The scene's first node: from x right, y down, z forward to x right, y up, z backward.
 constexpr int kRootNode = 0;
 const std::vector<int> kHalfTurnAboutX = {1, 0, 0, 0};
+
+constexpr int kLinearFilter = 9729, kMipmapFilter = 9987, kClamp = 33071; // OpenGL's numbers
 
 Json joint_node(const std::string& name, const JointTrack& track) {
   const std::vector<float>& q = track.rotations();
@@ -29,10 +35,22 @@ std::vector<float> columns_of(const float* matrices, std::size_t count) {
   return columns;
 }
 
+/// A skinned mesh's own node does not count: what brings stored positions back is in the joints' matrices.
+void unpack_in_joints(const GlbMesh& stored, std::vector<float>& inverse_bind) {
+  for (std::size_t m = 0; m < inverse_bind.size(); m += 16) {
+    float* matrix = inverse_bind.data() + m;
+    for (std::size_t row = 0; row < 3; ++row) {
+      for (std::size_t c = 0; c < 3; ++c) matrix[12 + row] += matrix[4 * c + row] * stored.offset[c];
+      for (std::size_t c = 0; c < 3; ++c) matrix[4 * c + row] *= stored.scale;
+    }
+  }
+}
+
 } // namespace
 
 GlbWriter::GlbWriter(std::filesystem::path path, const GlbSettings& settings)
-    : path_(std::move(path)), settings_(settings) {
+    : path_(std::move(path)), settings_(settings),
+      buffer_(settings.compression == Compression::kMeshopt ? GlbPacking::kMeshopt : GlbPacking::kPlain) {
   write_file(path_, {});
 }
 
@@ -43,11 +61,33 @@ void GlbWriter::add(const KinoraMesh& mesh) {
   if (const std::string fault = fault_of(mesh); !fault.empty())
     refuse(std::string("the mesh ") + (mesh.name != nullptr ? mesh.name : "without a name") +
            " cannot be written: " + fault);
-  MeshInstance instance{mesh.name, static_cast<int>(meshes_.size()), mesh.joint_indices != nullptr, {}, {}, {}};
+  const int material = texture_material(mesh);
+  GlbMesh stored =
+      add_mesh(buffer_, mesh, material, {settings_.quantize, settings_.compression == Compression::kDraco});
+  MeshInstance instance{mesh.name, static_cast<int>(meshes_.size()), mesh.joint_indices != nullptr, {}, {}, {}, {}};
   if (instance.skinned) instance.inverse_bind = columns_of(mesh.inverse_bind, mesh.joint_count);
   instance.tracks.resize(mesh.joint_count);
-  meshes_.push_back(add_mesh(buffer_, mesh));
+  meshes_.push_back(std::move(stored.entry));
+  instance.stored = std::move(stored);
+  if (instance.skinned) unpack_in_joints(instance.stored, instance.inverse_bind);
   instances_.push_back(std::move(instance));
+}
+
+int GlbWriter::texture_material(const KinoraMesh& mesh) {
+  Json material = {{"name", std::string(mesh.name) + " as seen"},
+                   {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                   {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
+  if (mesh.texture.data != nullptr) {
+    const ColorImage picture = color_of(mesh.texture);
+    const bool is_jpeg = settings_.jpeg_quality > 0;
+    const std::vector<std::byte> bytes = is_jpeg ? encode_jpeg(picture, settings_.jpeg_quality) : encode_png(picture);
+    material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", images_.size()}};
+    images_.push_back({{"name", mesh.name},
+                       {"mimeType", is_jpeg ? "image/jpeg" : "image/png"},
+                       {"bufferView", buffer_.add_bytes(bytes)}});
+  }
+  materials_.push_back(std::move(material));
+  return static_cast<int>(materials_.size()) - 1;
 }
 
 void GlbWriter::pose(const KinoraMeshPose& pose) {
@@ -69,22 +109,66 @@ int GlbWriter::times_accessor(const std::vector<float>& times) {
   return entry->second;
 }
 
-void GlbWriter::animate(const MeshInstance& instance, int first_node, Json& animation) {
-  const auto channel = [&](std::size_t joint, const char* path, const std::vector<float>& values,
-                           const GlbElements& elements) {
-    const int output = buffer_.add(std::span<const float>(values), elements, GlbTarget::kNone);
-    animation["channels"].push_back({{"sampler", animation["samplers"].size()},
-                                     {"target", {{"node", first_node + static_cast<int>(joint)}, {"path", path}}}});
+/// The joints' rotations or translations, one joint after another in one view.
+void GlbWriter::animate_joints(const MeshInstance& instance, int first_node, bool rotations, Json& animation) {
+  std::vector<std::size_t> moving;
+  std::vector<float> values;
+  for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
+    const JointTrack& track = instance.tracks[j];
+    if (!(rotations ? track.rotates() : track.moves())) continue;
+    moving.push_back(j);
+    const std::vector<float>& all = rotations ? track.rotations() : track.translations();
+    values.insert(values.end(), all.begin(), all.end());
+  }
+  if (moving.empty()) return;
+  const bool in_shorts = rotations && settings_.quantize;
+  std::vector<std::int16_t> shorts;
+  if (in_shorts) {
+    for (const float v : values) shorts.push_back(static_cast<std::int16_t>(std::lround(32767 * v)));
+  }
+  const GlbElements& elements = in_shorts ? kGlbRotations : rotations ? kGlbQuaternions : kGlbVectors;
+  const std::size_t stride = in_shorts ? 8 : rotations ? 16 : 12;
+  const int view = buffer_.add_view(
+      in_shorts ? std::as_bytes(std::span<const std::int16_t>(shorts)) : std::as_bytes(std::span<const float>(values)),
+      stride, GlbTarget::kNone, rotations || !settings_.quantize ? GlbFilter::kNone : GlbFilter::kExponential);
+  const std::size_t times = instance.times.size();
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const int output = buffer_.add_accessor(view, i * times * stride, times, elements);
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()},
+         {"target",
+          {{"node", first_node + static_cast<int>(moving[i])}, {"path", rotations ? "rotation" : "translation"}}}});
     animation["samplers"].push_back(
         {{"input", times_accessor(instance.times)},
          {"output", output},
          {"interpolation", settings_.interpolation == Interpolation::kStep ? "STEP" : "LINEAR"}});
-  };
-  for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
-    const JointTrack& track = instance.tracks[j];
-    if (track.rotates()) channel(j, "rotation", track.rotations(), kGlbQuaternions);
-    if (track.moves()) channel(j, "translation", track.translations(), kGlbVectors);
   }
+}
+
+void GlbWriter::animate(const MeshInstance& instance, int first_node, Json& animation) {
+  animate_joints(instance, first_node, true, animation);
+  animate_joints(instance, first_node, false, animation);
+}
+
+/// A node that brings stored positions to where they were given.
+Json GlbWriter::mesh_node(const MeshInstance& instance) const {
+  const float s = instance.stored.scale;
+  Json node = {{"name", instance.name}, {"mesh", instance.mesh}};
+  if (s != 1) node["scale"] = {s, s, s};
+  if (instance.stored.offset != std::array<float, 3>{}) node["translation"] = instance.stored.offset;
+  return node;
+}
+
+std::vector<std::string> GlbWriter::extensions(bool required) const {
+  std::vector<std::string> names;
+  if (!required) names.emplace_back("KHR_materials_unlit");
+  if (settings_.compression == Compression::kDraco) {
+    names.emplace_back("KHR_draco_mesh_compression");
+  } else if (settings_.quantize) {
+    names.emplace_back("KHR_mesh_quantization");
+  }
+  if (settings_.compression == Compression::kMeshopt) names.emplace_back("EXT_meshopt_compression");
+  return names;
 }
 
 Json GlbWriter::skin_of(MeshInstance& instance, Json& nodes, Json& root_children) {
@@ -117,22 +201,36 @@ void GlbWriter::finish() {
       nodes.push_back({{"name", instance.name}, {"mesh", instance.mesh}, {"skin", skins.size() - 1}});
     } else {
       root_children.push_back(first_node);
-      nodes.push_back(instance.tracks.empty() ? Json{{"name", instance.name}}
-                                              : joint_node(instance.name, instance.tracks[0]));
-      nodes.back()["mesh"] = instance.mesh;
+      if (instance.tracks.empty()) {
+        nodes.push_back(mesh_node(instance));
+      } else {
+        nodes.push_back(joint_node(instance.name, instance.tracks[0]));
+        Json own = mesh_node(instance);
+        if (!own.contains("scale") && !own.contains("translation")) {
+          nodes.back()["mesh"] = instance.mesh;
+          continue;
+        }
+        own["name"] = instance.name + " mesh";
+        nodes.back()["children"] = {first_node + 1};
+        nodes.push_back(std::move(own));
+      }
     }
   }
   if (!root_children.empty()) nodes[kRootNode]["children"] = root_children;
   Json gltf = {{"asset", {{"version", "2.0"}, {"generator", "Kinora"}}},
-               {"extensionsUsed", {"KHR_materials_unlit"}},
+               {"extensionsUsed", extensions(false)},
                {"scene", 0},
                {"scenes", {{{"name", "clip"}, {"nodes", scene_nodes}}}},
                {"nodes", nodes},
                {"meshes", meshes_},
-               {"materials",
-                {{{"name", "as seen"},
-                  {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 1}}},
-                  {"extensions", {{"KHR_materials_unlit", Json::object()}}}}}}};
+               {"materials", materials_}};
+  if (const auto required = extensions(true); !required.empty()) gltf["extensionsRequired"] = required;
+  if (!images_.empty()) {
+    gltf["images"] = images_;
+    gltf["samplers"] = {
+        {{"magFilter", kLinearFilter}, {"minFilter", kMipmapFilter}, {"wrapS", kClamp}, {"wrapT", kClamp}}};
+    for (std::size_t i = 0; i < images_.size(); ++i) gltf["textures"].push_back({{"source", i}, {"sampler", 0}});
+  }
   if (!skins.empty()) gltf["skins"] = skins;
   if (!animation["channels"].empty()) gltf["animations"] = {animation};
   buffer_.describe(gltf);

@@ -2,12 +2,11 @@
 
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include "gltf/draco_primitive.h"
+#include "gltf/mesh_attributes.h"
 
 namespace kinora::formats {
 namespace {
-
-using RowMajorMatrix = Eigen::Matrix<float, 4, 4, Eigen::RowMajor>;
 
 constexpr std::size_t kMaxJoints = 65536;
 
@@ -29,40 +28,59 @@ std::string fault_of_weights(const KinoraMesh& mesh) {
   return {};
 }
 
-/// Weights in 1/65535 that add up to it; the first of the largest takes what rounding leaves.
-std::vector<std::uint16_t> whole_weights(const KinoraMesh& mesh) {
-  constexpr int kOne = 65535;
-  std::vector<std::uint16_t> weights(4 * mesh.vertex_count);
-  for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-    const float* given = mesh.joint_weights + 4 * v;
-    int left = kOne;
-    for (std::size_t k = 0; k < 4; ++k) {
-      weights[4 * v + k] = static_cast<std::uint16_t>(std::lround(std::min(given[k], 1.0F) * kOne));
-      left -= weights[4 * v + k];
-    }
-    const auto largest = static_cast<std::size_t>(std::max_element(given, given + 4) - given);
-    weights[4 * v + largest] = static_cast<std::uint16_t>(weights[4 * v + largest] + left);
+std::vector<std::int8_t> byte_normals(const std::vector<float>& normals) {
+  std::vector<std::int8_t> bytes;
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    bytes.push_back(static_cast<std::int8_t>(std::lround(127 * std::clamp(normals[i], -1.0F, 1.0F))));
+    if (i % 3 == 2) bytes.push_back(0);
   }
-  return weights;
+  return bytes;
 }
 
-std::vector<std::uint16_t> linear_colors(const KinoraMesh& mesh) {
-  std::vector<std::uint16_t> colors;
-  colors.reserve(4 * mesh.vertex_count);
-  for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-    for (std::size_t c = 0; c < 3; ++c) colors.push_back(linear_color(mesh.colors[3 * v + c]));
-    colors.push_back(65535); // opaque; three numbers alone would not be aligned
+/// Positions in a cube around them; fills in where it is.
+std::vector<std::uint16_t> box_positions(const std::vector<float>& positions, GlbMesh& mesh) {
+  std::array<float, 3> high{};
+  std::copy_n(positions.begin(), 3, mesh.offset.begin());
+  std::copy_n(positions.begin(), 3, high.begin());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    mesh.offset[i % 3] = std::min(mesh.offset[i % 3], positions[i]);
+    high[i % 3] = std::max(high[i % 3], positions[i]);
   }
-  return colors;
+  mesh.scale = 0;
+  for (std::size_t a = 0; a < 3; ++a) mesh.scale = std::max(mesh.scale, high[a] - mesh.offset[a]);
+  if (!(mesh.scale > 0)) mesh.scale = 1;
+  std::vector<std::uint16_t> places;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    places.push_back(whole_share((positions[i] - mesh.offset[i % 3]) / mesh.scale));
+    if (i % 3 == 2) places.push_back(0);
+  }
+  return places;
+}
+
+nlohmann::json plain_primitive(GlbBuffer& buffer, const MeshAttributes& mesh, bool quantize, GlbMesh& added) {
+  const auto add = [&buffer]<class Value>(const std::vector<Value>& values, const GlbElements& elements) {
+    return buffer.add(std::span<const Value>(values), elements, GlbTarget::kVertices);
+  };
+  nlohmann::json attributes = nlohmann::json::object();
+  attributes["POSITION"] =
+      quantize ? add(box_positions(mesh.positions, added), kGlbBoxPositions) : add(mesh.positions, kGlbPositions);
+  if (!mesh.normals.empty())
+    attributes["NORMAL"] = quantize ? add(byte_normals(mesh.normals), kGlbByteNormals) : add(mesh.normals, kGlbVectors);
+  if (!mesh.colors.empty()) attributes["COLOR_0"] = add(mesh.colors, kGlbShares);
+  if (!mesh.texture.empty()) {
+    std::vector<std::uint16_t> shares;
+    for (const float v : mesh.texture) shares.push_back(whole_share(v));
+    attributes["TEXCOORD_0"] = quantize ? add(shares, kGlbTexturePlaces) : add(mesh.texture, kGlbTextureFloats);
+  }
+  if (!mesh.joints.empty()) {
+    attributes["JOINTS_0"] = add(mesh.joints, kGlbNumbers);
+    attributes["WEIGHTS_0"] = add(mesh.weights, kGlbShares);
+  }
+  const int faces = buffer.add(std::span<const std::uint32_t>(mesh.faces), kGlbIndices, GlbTarget::kIndices);
+  return {{"attributes", std::move(attributes)}, {"indices", faces}};
 }
 
 } // namespace
-
-std::uint16_t linear_color(std::uint8_t srgb) {
-  const double value = srgb / 255.0;
-  const double linear = value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-  return static_cast<std::uint16_t>(std::lround(linear * 65535));
-}
 
 std::string fault_of(const KinoraMesh& mesh) {
   if (mesh.name == nullptr || mesh.vertex_count == 0 || mesh.face_count == 0 || mesh.positions == nullptr ||
@@ -74,6 +92,12 @@ std::string fault_of(const KinoraMesh& mesh) {
     return "a vertex is not at finite numbers";
   for (std::size_t i = 0; i < 3 * mesh.face_count; ++i)
     if (mesh.faces[i] >= mesh.vertex_count) return "a face names a vertex that is not there";
+  if (mesh.texture.data != nullptr) {
+    if (mesh.texture_coordinates == nullptr || !all_finite(mesh.texture_coordinates, 2 * mesh.vertex_count))
+      return "it has a texture and no finite texture coordinates";
+    if (mesh.texture.pixel_type != KINORA_PIXEL_U8 || mesh.texture.channels != 3)
+      return "its texture is not of 8 bits and 3 channels";
+  }
   if (mesh.joint_count == 0) return {};
   if (mesh.joint_count > kMaxJoints || mesh.inverse_bind == nullptr ||
       !all_finite(mesh.inverse_bind, 16 * mesh.joint_count))
@@ -84,39 +108,14 @@ std::string fault_of(const KinoraMesh& mesh) {
   return mesh.joint_indices != nullptr ? fault_of_weights(mesh) : "";
 }
 
-nlohmann::json add_mesh(GlbBuffer& buffer, const KinoraMesh& mesh) {
-  const bool is_rigid = mesh.joint_count == 1 && mesh.joint_indices == nullptr;
-  const Eigen::Affine3f bind(is_rigid ? RowMajorMatrix(Eigen::Map<const RowMajorMatrix>(mesh.inverse_bind))
-                                      : RowMajorMatrix::Identity());
-  std::vector<float> positions(3 * mesh.vertex_count);
-  std::vector<float> normals;
-  for (std::size_t v = 0; v < mesh.vertex_count; ++v)
-    Eigen::Map<Eigen::Vector3f>(positions.data() + 3 * v) =
-        bind * Eigen::Map<const Eigen::Vector3f>(mesh.positions + 3 * v);
-  nlohmann::json attributes = {
-      {"POSITION", buffer.add(std::span<const float>(positions), kGlbPositions, GlbTarget::kVertices)}};
-  if (mesh.normals != nullptr) {
-    normals.resize(3 * mesh.vertex_count);
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v)
-      Eigen::Map<Eigen::Vector3f>(normals.data() + 3 * v) =
-          (bind.linear() * Eigen::Map<const Eigen::Vector3f>(mesh.normals + 3 * v)).normalized();
-    attributes["NORMAL"] = buffer.add(std::span<const float>(normals), kGlbVectors, GlbTarget::kVertices);
-  }
-  if (mesh.colors != nullptr) {
-    const std::vector<std::uint16_t> colors = linear_colors(mesh);
-    attributes["COLOR_0"] = buffer.add(std::span<const std::uint16_t>(colors), kGlbShares, GlbTarget::kVertices);
-  }
-  if (mesh.joint_indices != nullptr) {
-    const std::vector<std::uint16_t> weights = whole_weights(mesh);
-    std::vector<std::uint16_t> joints(mesh.joint_indices, mesh.joint_indices + 4 * mesh.vertex_count);
-    for (std::size_t i = 0; i < joints.size(); ++i)
-      if (weights[i] == 0) joints[i] = 0; // rounding may have made it an unused one
-    attributes["JOINTS_0"] = buffer.add(std::span<const std::uint16_t>(joints), kGlbNumbers, GlbTarget::kVertices);
-    attributes["WEIGHTS_0"] = buffer.add(std::span<const std::uint16_t>(weights), kGlbShares, GlbTarget::kVertices);
-  }
-  const int faces = buffer.add(std::span(mesh.faces, 3 * mesh.face_count), kGlbIndices, GlbTarget::kIndices);
-  nlohmann::json primitive = {{"attributes", std::move(attributes)}, {"indices", faces}, {"material", 0}};
-  return {{"name", mesh.name}, {"primitives", {std::move(primitive)}}};
+GlbMesh add_mesh(GlbBuffer& buffer, const KinoraMesh& mesh, int material, const GlbMeshSettings& settings) {
+  const MeshAttributes attributes(mesh, settings.quantize ? VertexOrder::kDrawing : VertexOrder::kGiven);
+  GlbMesh added;
+  nlohmann::json primitive = settings.draco ? draco_primitive(buffer, attributes)
+                                            : plain_primitive(buffer, attributes, settings.quantize, added);
+  primitive["material"] = material;
+  added.entry = {{"name", mesh.name}, {"primitives", {std::move(primitive)}}};
+  return added;
 }
 
 } // namespace kinora::formats

@@ -1,6 +1,7 @@
 // The geometry of a mesh in the form that glTF stores.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -13,11 +14,21 @@ namespace kinora::formats {
 /// What is wrong with a mesh; empty if nothing.
 std::string fault_of(const KinoraMesh& mesh);
 
-/// Appends the mesh and returns its "meshes" entry; material 0. Vertices of a mesh that has joints but no weights are
-/// given in the space of its joint. The mesh must be without fault.
-nlohmann::json add_mesh(GlbBuffer& buffer, const KinoraMesh& mesh);
+/// How a mesh is stored.
+struct GlbMeshSettings {
+  bool quantize = true; ///< KHR_mesh_quantization: 16 bits for positions and texture coordinates, 8 for normals
+  bool draco = false;   ///< KHR_draco_mesh_compression, which quantizes by itself
+};
 
-/// sRGB byte to linear light in 0…65535 (IEC 61966-2-1), which is what COLOR_0 holds.
-std::uint16_t linear_color(std::uint8_t srgb);
+struct GlbMesh {
+  nlohmann::json entry; ///< of "meshes"
+  /// What carries positions as they are stored to those that were given: p · scale + offset, along each axis alike.
+  float scale = 1;
+  std::array<float, 3> offset{};
+};
+
+/// Appends the mesh, which must be without fault. Vertices of a mesh that has joints but no weights are given in the
+/// space of its joint.
+GlbMesh add_mesh(GlbBuffer& buffer, const KinoraMesh& mesh, int material, const GlbMeshSettings& settings);
 
 } // namespace kinora::formats

@@ -133,6 +133,10 @@ typedef struct KinoraPicture {
   KinoraImage normal;     /* F32, 3 channels: unit vectors out of the surface along the camera's axes, 0 = nothing;
                              may be absent */
   KinoraImage confidence; /* U8, 1 channel: how well the surface was seen, 0 = never; may be absent */
+
+  /* Formats that were made before these members existed end here. */
+
+  KinoraImage metric_depth; /* F32, 1 channel, metres along the optical axis, 0 = nothing; may be absent */
 } KinoraPicture;
 
 /* A surface, given to a writer once. A point p of the mesh (homogeneous) is in the world at
@@ -151,6 +155,12 @@ typedef struct KinoraMesh {
   const float* inverse_bind;     /* a 4x4 matrix per joint */
   const uint16_t* joint_indices; /* 4 per vertex, different where the weight is not 0; NULL: all follow joint 0 */
   const float* joint_weights;    /* 4 per vertex, not negative, sum 1; those unused are 0; NULL as joint_indices */
+
+  /* Formats that were made before these members existed end here. */
+
+  const float* texture_coordinates; /* 2 per vertex: shares of the texture's width and height from its upper left
+                                       corner; NULL if there is none */
+  KinoraImage texture;              /* U8, 3 channels, sRGB, as the camera saw it; then colors is NULL */
 } KinoraMesh;
 
 /* Where a joint is. Embedded. */
@@ -206,8 +216,12 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_SKINS = 1u << 21,   /* else meshes stay as they are in their own space */
        KINORA_WRITES_VOLUMES = 1u << 22, /* one in each output: the host numbers the files */
        KINORA_WRITES_NORMALS = 1u << 23, /* of pictures */
-       KINORA_WRITES_CONFIDENCE = 1u << 24
-       /* All other bits are reserved and 0. */
+       KINORA_WRITES_CONFIDENCE = 1u << 24,
+       KINORA_WRITES_TEXTURES = 1u << 25,    /* of meshes; else the host gives them colours in their vertices */
+       KINORA_WRITES_MESH_FRAME = 1u << 26,  /* the meshes of one time in each output, where they are in the world: the
+                                                host numbers the files */
+       KINORA_WRITES_METRIC_DEPTH = 1u << 27 /* of pictures: KinoraPicture.metric_depth */
+                                             /* All other bits are reserved and 0. */
 };
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */

@@ -18,6 +18,9 @@ using Json = nlohmann::json;
 
 constexpr std::uint64_t kWritable = KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES;
 
+constexpr int kTexturePixels = 2048;      ///< per side and layer, at most
+constexpr double kSimplification = 0.002; ///< metres that a textured surface may be off
+
 struct Options {
   std::filesystem::path input;
   std::filesystem::path output;
@@ -92,6 +95,13 @@ Conversion conversion_of(const Options& options, const clip::Clip& clip, const K
   if (host::supports(format, KINORA_WRITES_MESHES)) {
     take_number(given, "triangles", conversion.surface.triangles);
     take_number(given, "resolution", conversion.surface.resolution);
+    if (host::supports(format, KINORA_WRITES_TEXTURES)) {
+      conversion.surface.texture = kTexturePixels;
+      conversion.surface.simplification = kSimplification;
+      take_number(given, "texture", conversion.surface.texture);
+      if (conversion.surface.texture == 0) conversion.surface.simplification = 0; // colours need the vertices
+    }
+    take_number(given, "error", conversion.surface.simplification);
   } else {
     take_number(given, "voxel", conversion.volume.voxel);
   }

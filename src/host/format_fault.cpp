@@ -30,6 +30,9 @@ constexpr Capability kCapabilities[] = {
     {KINORA_WRITES_VOLUMES, "write-volumes"},
     {KINORA_WRITES_NORMALS, "write-normals"},
     {KINORA_WRITES_CONFIDENCE, "write-confidence"},
+    {KINORA_WRITES_TEXTURES, "write-textures"},
+    {KINORA_WRITES_MESH_FRAME, "write-mesh-frame"},
+    {KINORA_WRITES_METRIC_DEPTH, "write-metric-depth"},
 };
 
 /// Every format has the members before this one; see plugin.h.

@@ -1,5 +1,6 @@
 #include "host/mesh_writer.h"
 
+#include "host/image_view.h"
 #include "host/interface_struct.h"
 #include "host/plugin_table.h"
 
@@ -17,6 +18,10 @@ std::size_t MeshWriter::add(const Mesh& mesh) {
   given.colors = numbers_of(mesh.colors);
   given.face_count = mesh.faces.size();
   given.faces = numbers_of(mesh.faces);
+  if (supports(*format_, KINORA_WRITES_TEXTURES) && !mesh.texture.empty()) {
+    given.texture_coordinates = numbers_of(mesh.texture_coordinates);
+    given.texture = view_of(mesh.texture, KINORA_PIXEL_U8);
+  }
   std::vector<float> inverse_bind;
   if (supports(*format_, KINORA_WRITES_SKINS)) {
     for (const SE3& transform : mesh.skin.inverse_bind) {

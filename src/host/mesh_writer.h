@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "core/image.h"
 #include "core/se3.h"
 #include "host/open_writer.h"
 
@@ -25,10 +26,12 @@ struct Skin {
 struct Mesh {
   std::string name; ///< unique within one output
   std::vector<Eigen::Vector3f> positions;
-  std::vector<Eigen::Vector3f> normals;            ///< unit length, outwards; one per vertex
-  std::vector<std::array<std::uint8_t, 3>> colors; ///< sRGB; one per vertex
-  std::vector<std::array<std::uint32_t, 3>> faces; ///< counterclockwise seen from outside
-  Skin skin;                                       ///< without joints: the mesh is still, and its space is the world
+  std::vector<Eigen::Vector3f> normals;                  ///< unit length, outwards; one per vertex
+  std::vector<std::array<std::uint8_t, 3>> colors;       ///< sRGB; one per vertex
+  std::vector<std::array<std::uint32_t, 3>> faces;       ///< counterclockwise seen from outside
+  std::vector<Eigen::Vector2f> texture_coordinates = {}; ///< one per vertex, or none; see KinoraMesh
+  ColorImage texture = {};                               ///< 3 channels sRGB; then there are no colours
+  Skin skin; ///< without joints: the mesh is still, and its space is the world
 };
 
 /// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.

@@ -1,22 +1,11 @@
 #include "host/picture_writer.h"
 
+#include "host/image_view.h"
 #include "host/interface_struct.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
 namespace {
-
-template <class T> KinoraImage view_of(const Image<T>& image, KinoraPixelType type) {
-  KinoraImage view{};
-  if (image.empty()) return view;
-  view.width = image.width();
-  view.height = image.height();
-  view.channels = image.channels();
-  view.pixel_type = type;
-  view.row_bytes = sizeof(T) * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.channels());
-  view.data = image.data();
-  return view;
-}
 
 ColorImage on_black(const ColorImage& rgba) {
   ColorImage rgb(rgba.width(), rgba.height(), 3);
@@ -43,6 +32,8 @@ void PictureWriter::write(const Picture& picture) {
   if (supports(*format_, KINORA_WRITES_DEPTH)) given.depth = view_of(picture.depth, KINORA_PIXEL_U16);
   if (supports(*format_, KINORA_WRITES_NORMALS)) given.normal = view_of(picture.normal, KINORA_PIXEL_F32);
   if (supports(*format_, KINORA_WRITES_CONFIDENCE)) given.confidence = view_of(picture.confidence, KINORA_PIXEL_U8);
+  if (supports(*format_, KINORA_WRITES_METRIC_DEPTH))
+    given.metric_depth = view_of(picture.metric_depth, KINORA_PIXEL_F32);
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->writer_write(writer_.get(), &given, &message);
   if (status != KINORA_OK) throw error_of(status, message, format_->name);

@@ -18,6 +18,7 @@ struct Picture {
   DepthImage16 depth;                  ///< millimetres, 0 = nothing; may be empty
   Image<float> normal = {};            ///< 3 channels: unit vectors along the camera's axes, 0 = nothing; may be empty
   Image<std::uint8_t> confidence = {}; ///< may be empty
+  DepthImage metric_depth = {};        ///< metres along the optical axis, 0 = nothing; may be empty
 };
 
 /// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.

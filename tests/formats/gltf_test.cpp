@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/image_codec.h"
 #include "formats/sample_capture.h"
 #include "host/mesh_writer.h"
 #include "host/plugin_table.h"
@@ -100,7 +101,7 @@ protected:
   }
 
   /// Still, carried and skinned, over three frames.
-  fs::path write_scene(const std::string& name = "scene.glb", const host::Options& options = {}) {
+  fs::path write_scene(const std::string& name = "scene.glb", const host::Options& options = {{"quantize", "false"}}) {
     host::MeshWriter writer = open(name, options);
     writer.add(tetrahedron("background"));
     writer.add(carried("object"));
@@ -202,7 +203,7 @@ TEST_F(GlbWriterTest, WeightsAddUpExactlyAndBindMatricesAreColumns) {
 }
 
 TEST_F(GlbWriterTest, StepsHoldAPose) {
-  const Glb glb = read_glb(write_scene("steps.glb", {{"interpolation", "step"}}));
+  const Glb glb = read_glb(write_scene("steps.glb", {{"interpolation", "step"}, {"quantize", "false"}}));
   EXPECT_EQ(glb.json["animations"][0]["samplers"][0]["interpolation"], "STEP");
 }
 
@@ -214,6 +215,63 @@ TEST_F(GlbWriterTest, SingleFramesAreNotAnimated) {
   const Glb glb = read_glb(path());
   EXPECT_FALSE(glb.json.contains("animations"));
   EXPECT_EQ(glb.node("object")["translation"], Json({1.0, 2.0, 3.0}));
+}
+
+host::Mesh textured(const std::string& name) {
+  host::Mesh mesh = tetrahedron(name);
+  mesh.colors.clear();
+  mesh.texture = ColorImage(8, 4, 3, 200);
+  mesh.texture_coordinates = {{0, 0}, {1, 0}, {0, 1}, {0.5F, 0.5F}};
+  return mesh;
+}
+
+TEST_F(GlbWriterTest, QuantizedPositionsAreBroughtBackByTheNodeThatHasThem) {
+  const Glb glb = read_glb(write_scene("small.glb", {}));
+  const Json& node = glb.node("background");
+  const auto scale = node.value("scale", std::vector<double>{1, 1, 1});
+  const auto offset = node.value("translation", std::vector<double>(3));
+  const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+  const auto stored = glb.values<std::uint16_t>(attributes["POSITION"].get<int>(), 4); // with two bytes of padding
+  std::set<std::array<int, 3>> places;
+  for (std::size_t v = 0; v < stored.size(); v += 4) {
+    std::array<int, 3> place{};
+    for (std::size_t c = 0; c < 3; ++c)
+      place[c] = static_cast<int>(std::lround(1000 * (offset[c] + scale[c] * stored[v + c] / 65535)));
+    places.insert(place);
+  }
+  const std::set<std::array<int, 3>> expected{{0, 0, 2000}, {1000, 0, 2000}, {0, 1000, 2000}, {0, 0, 3000}};
+  EXPECT_EQ(places, expected);
+  EXPECT_EQ(glb.json["extensionsRequired"], Json({"KHR_mesh_quantization"}));
+}
+
+TEST_F(GlbWriterTest, TexturesAreJpegOrPngInsideTheFile) {
+  for (const auto& [quality, type] : {std::pair("88", "image/jpeg"), std::pair("0", "image/png")}) {
+    host::MeshWriter writer = open("textured.glb", {{"jpeg", quality}});
+    writer.add(textured("background"));
+    writer.finish();
+    const Glb glb = read_glb(path("textured.glb"));
+    EXPECT_EQ(glb.json["images"][0]["mimeType"], type);
+    const Json& view = glb.json["bufferViews"][glb.json["images"][0]["bufferView"].get<std::size_t>()];
+    const std::string bytes =
+        glb.binary.substr(view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>());
+    const ColorImage picture = decode_color(std::as_bytes(std::span(bytes)), "texture");
+    EXPECT_EQ(picture.width(), 8);
+    EXPECT_NEAR(picture.at(3, 2, 1), 200, 2);
+    EXPECT_EQ(glb.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+  }
+  expect_refusal(ErrorCode::kUsage, "1 to 100", [&] { open("textured.glb", {{"jpeg", "101"}}); });
+}
+
+TEST_F(GlbWriterTest, CompressedFilesSayWhatTheyNeedAndKeepTheirCounts) {
+  for (const auto& [compression, extension] :
+       {std::pair("meshopt", "EXT_meshopt_compression"), std::pair("draco", "KHR_draco_mesh_compression")}) {
+    const Glb glb = read_glb(write_scene("packed.glb", {{"compression", compression}}));
+    const auto required = glb.json["extensionsRequired"].get<std::set<std::string>>();
+    EXPECT_TRUE(required.contains(extension)) << compression;
+    const Json& primitive = glb.json["meshes"][2]["primitives"][0];
+    EXPECT_EQ(glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"], 12);
+    EXPECT_EQ(glb.json["accessors"][primitive["attributes"]["JOINTS_0"].get<std::size_t>()]["count"], 4);
+  }
 }
 
 TEST_F(GlbWriterTest, SameMeshesGiveTheSameBytes) {
@@ -264,7 +322,12 @@ TEST_F(GlbWriterTest, KhronosValidatorFindsNothing) {
   host::MeshWriter still = open("still.glb");
   still.add(tetrahedron("Ärger \"quoted\""));
   still.finish();
-  EXPECT_TRUE(test::is_valid_gltf({path("linear.glb"), path("steps.glb"), path("still.glb")}));
+  write_scene("small.glb", {});
+  host::MeshWriter picture = open("picture.glb");
+  picture.add(textured("background"));
+  picture.finish();
+  EXPECT_TRUE(test::is_valid_gltf(
+      {path("linear.glb"), path("steps.glb"), path("still.glb"), path("small.glb"), path("picture.glb")}));
 }
 
 } // namespace
