@@ -6,11 +6,12 @@
 #include <map>
 #include <vector>
 
+#include <shader_sources.h>
+
 #include "core/error.h"
 #include "fields/network/field_batch.h"
 #include "fields/rendering/projected_layer.h"
 #include "fields/rendering/ray_marching.h"
-#include "shader_sources.h"
 
 namespace kinora::player::gl {
 namespace {
