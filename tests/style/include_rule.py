@@ -21,6 +21,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "clip/payloads": ["clip/coding", "container", "fields/network", "motion"],
     "clip": ["clip/payloads"],
     "player": ["clip", "fields/rendering", "include/kinora"],
+    "player/gl": ["fields/rendering"],
 }
 MAKE = {  # from a capture to a clip
     "host": ["core", "include/kinora"],

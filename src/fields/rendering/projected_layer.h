@@ -38,6 +38,13 @@ public:
   const std::vector<Eigen::Vector3f>& corners() const { return corners_; }          ///< in the camera's frame, metres
   const std::vector<ProxyFace>& faces() const { return *faces_; }
   bool contains_camera() const { return contains_camera_; }
+  const std::vector<Eigen::Vector3f>& positions() const { return *positions_; } ///< of the corners, lattice steps
+  /// From the camera to the corners, turned into canonical space, lattice steps.
+  const std::vector<Eigen::Vector3f>& view_vectors() const { return view_vectors_; }
+  const PosedProxyMesh* posed() const { return posed_; }                      ///< null unless the layer deforms
+  const Eigen::Vector3f& camera_position() const { return camera_position_; } ///< lattice steps
+  const Eigen::Matrix3f& camera_rotation() const { return camera_rotation_; } ///< camera's frame to lattice steps
+  const Rotation& rotation() const { return rotation_; } ///< of a layer that does not deform, or at the camera
 
   /// Where a ray of the camera, (x, y, 1) in its frame, is at an entry's depth, and its way from the camera to there.
   struct EntryPoint {
