@@ -14,5 +14,6 @@ void add_convert(CLI::App& app, Context& context);
 void add_track(CLI::App& app, Context& context);
 void add_motion(CLI::App& app, Context& context);
 void add_eval(CLI::App& app, Context& context);
+void add_serve(CLI::App& app, Context& context);
 
 } // namespace kinora::cli
