@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "clip/clip.h"
 #include "core/progress.h"
@@ -31,5 +33,13 @@ void write_clip(const Clip& clip, const std::filesystem::path& path);
 /// Reads and checks everything: sizes, ranges, checksums. The file is not trusted.
 /// Throws Error: kNotRecognised (not Matroska, or no clip of ours), kCorruptInput (naming file and place).
 Clip read_clip(const std::filesystem::path& path, ByteAccount* account = nullptr);
+
+/// The same of a file that may be cut or damaged: what is whole. `missing` gets one sentence for each thing that is not
+/// there; it is empty if nothing is missing. Nothing comes from a payload without its checksum. Layers without a field
+/// are left out; frames behind the last that a cut file has are, too; a frame without its pose or deformation gets that
+/// of the nearest one before it that has one (else after it) and is lost (motion::Health). Throws as above if there is
+/// nothing to show: no timeline, no camera or no layer.
+Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing,
+                      ByteAccount* account = nullptr);
 
 } // namespace kinora::clip
