@@ -287,6 +287,7 @@ private:
       const auto last = std::find(destination.seen.rbegin(), destination.seen.rend(), true);
       frames = std::max(frames, static_cast<std::size_t>(destination.seen.rend() - last));
     }
+    if (anything_moves && frames == 0) corrupt("nothing of what moves is whole; fetch the file again");
     if (!anything_moves || frames == clip_.times.size()) return;
     missing_->push_back(
         fmt::format("{}: frames {} to {} of {}", reader_.name(), frames, clip_.times.size() - 1, clip_.times.size()));
