@@ -19,7 +19,8 @@ namespace kinora::clip {
 /// Attachment names.
 inline constexpr const char* kClipFile = "clip.json";
 inline constexpr const char* kCalibrationFile = "calibration.json";
-inline constexpr const char* kMetadataFile = "metadata.json";
+inline constexpr const char* kMetadataFile = "metadata.json"; ///< of files made before it was compressed
+inline constexpr const char* kCompressedMetadataFile = "metadata.json.zst";
 
 struct LayerDescription {
   std::string name;

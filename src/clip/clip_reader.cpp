@@ -2,6 +2,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,7 @@ using container::StoredTrack;
 struct Destination {
   std::size_t layer = 0; // of a field or motion track
   std::string_view codec;
+  std::string name;  // for people
   bool moves = true; // one payload for each frame; else a single one
   std::vector<bool> seen;
   std::vector<motion::Motion::Pose> poses;               // of a camera or a rigid layer
@@ -36,21 +38,38 @@ struct Destination {
   Bytes confidence;                                      // not decoded before the layer's field is known
   std::optional<DeformationDecoder> decoder;
   std::vector<motion::Motion::Deformation> deformations;
+  std::size_t next_frame = 0; // that a deformation without the key flag may be of
 };
+
+// Frames that have nothing of their own get what the nearest one before them has, else after them.
+template <class PerFrame, class MarkLost>
+void fill_gaps(std::vector<PerFrame>& frames, const std::vector<bool>& seen, const MarkLost& mark_lost) {
+  std::size_t source = static_cast<std::size_t>(std::find(seen.begin(), seen.end(), true) - seen.begin());
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (seen[f]) {
+      source = f;
+      continue;
+    }
+    frames[f] = frames[source];
+    mark_lost(frames[f]);
+  }
+}
 
 class ClipReader {
 public:
-  explicit ClipReader(std::unique_ptr<container::ByteSource> source)
-      : reader_(std::move(source)), budget_(reader_.file_bytes()) {}
+  /// `missing`: null if everything must be there.
+  ClipReader(std::unique_ptr<container::ByteSource> source, std::vector<std::string>* missing)
+      : reader_(std::move(source), missing == nullptr ? container::Reading::kStrict : container::Reading::kSalvage),
+        budget_(reader_.file_bytes()), missing_(missing) {}
 
   Clip read() {
     check_kind();
-    if (reader_.truncated()) {
+    if (reader_.truncated() && missing_ == nullptr) {
       corrupt(fmt::format("byte {}: the file is cut short here; fetch it again", reader_.file_bytes()));
     }
     description_ = parse_clip_description(attachment(kClipFile), place_of(kClipFile));
     clip_.intrinsics = parse_intrinsics(attachment(kCalibrationFile), place_of(kCalibrationFile));
-    clip_.metadata = parse_json(attachment(kMetadataFile), place_of(kMetadataFile));
+    allow_missing([this] { clip_.metadata = parse_json(metadata(), place_of(kMetadataFile)); });
     constexpr double kNanoseconds = 1e9;
     for (const std::int64_t time : description_.times_ns)
       clip_.times.push_back(static_cast<double>(time) / kNanoseconds);
@@ -59,7 +78,10 @@ public:
     clip_.layers.resize(description_.layers.size());
     prepare_destinations();
     Payload payload;
-    while (reader_.next(payload)) take(payload);
+    while (reader_.next(payload)) {
+      allow_missing([&] { take(payload); });
+    }
+    report_damage();
     assemble();
     return std::move(clip_);
   }
@@ -86,8 +108,28 @@ private:
   static std::string account_name(const std::string& file) {
     if (file == kClipFile) return "timeline";
     if (file == kCalibrationFile) return "calibration";
-    if (file == kMetadataFile) return "metadata";
+    if (file == kMetadataFile || file == kCompressedMetadataFile) return "metadata";
     return "attachment " + file;
+  }
+
+  /// Of what need not be there if parts may be missing.
+  template <class Work> void allow_missing(const Work& work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      if (missing_ == nullptr || error.code() != ErrorCode::kCorruptInput) throw;
+      missing_->emplace_back(error.what());
+    }
+  }
+
+  void report_damage() {
+    if (missing_ == nullptr) return;
+    for (const container::Damage& damage : reader_.damage().entries()) {
+      missing_->push_back(fmt::format("bytes {} to {} are damaged: {}", damage.offset, damage.end, damage.why));
+    }
+    if (reader_.truncated()) {
+      missing_->push_back(fmt::format("{}: byte {}: the file is cut short here", reader_.name(), reader_.file_bytes()));
+    }
   }
 
   [[noreturn]] void corrupt(const std::string& why) const {
@@ -120,6 +162,19 @@ private:
     return reader_.read_attachment(*stored);
   }
 
+  Bytes metadata() {
+    if (reader_.find_attachment(kMetadataFile) != nullptr) return attachment(kMetadataFile);
+    return decompress_attachment(attachment(kCompressedMetadataFile), place_of(kCompressedMetadataFile));
+  }
+
+  Bytes decompress_attachment(const Bytes& frame, const std::string& location) {
+    constexpr std::uint64_t kMaxBytes = std::uint64_t{16} << 20;
+    const std::uint64_t size = decompressed_size(frame, location);
+    if (size > kMaxBytes) throw Error(ErrorCode::kCorruptInput, fmt::format("{}: it is too large", location));
+    budget_.take(size, location);
+    return decompress(frame, static_cast<std::size_t>(size), location);
+  }
+
   void prepare_destinations() {
     add_destination(description_.camera_track, kCameraCodec, 0, description_.camera_moves);
     for (std::size_t l = 0; l < description_.layers.size(); ++l) {
@@ -140,12 +195,14 @@ private:
     Destination destination;
     destination.layer = layer;
     destination.codec = codec;
+    destination.name = track->track.name;
     destination.moves = moves;
     destination.seen.assign(moves ? description_.times_ns.size() : 1, false);
     if (codec == kMotionCodec && description_.layers[layer].kind == motion::MotionKind::kDeforming) {
       destination.graph = decode_graph(track->track.private_data, fmt::format("{}: track {}", reader_.name(), id));
       budget_.take(decoding_memory(*destination.graph, destination.seen.size()), reader_.name());
       destination.decoder.emplace(*destination.graph);
+      destination.deformations.resize(destination.seen.size());
     } else if (codec == kCameraCodec || codec == kMotionCodec) {
       budget_.take(destination.seen.size() * 2 * sizeof(motion::Motion::Pose), reader_.name());
       destination.poses.resize(destination.seen.size());
@@ -168,7 +225,11 @@ private:
     if (destination.seen[frame]) {
       throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes twice", location, frame));
     }
+    decode(destination, payload, frame, location);
     destination.seen[frame] = true;
+  }
+
+  void decode(Destination& destination, const Payload& payload, std::size_t frame, const std::string& location) {
     if (destination.codec == kFieldCodec) {
       clip_.layers[destination.layer].field = decode_field(payload.bytes, location, budget_);
     } else if (destination.codec == kConfidenceCodec) {
@@ -176,24 +237,30 @@ private:
     } else if (destination.codec == kJointsCodec) {
       clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), location, budget_);
     } else if (destination.decoder) {
-      if (frame != destination.deformations.size()) {
-        throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes before frame {}", location, frame,
-                                                          destination.deformations.size()));
+      const bool follows = payload.key ? frame >= destination.next_frame : frame == destination.next_frame;
+      if (!follows || (missing_ == nullptr && frame != destination.next_frame)) {
+        throw Error(ErrorCode::kCorruptInput,
+                    fmt::format("{}: frame {} comes before frame {}", location, frame, destination.next_frame));
       }
-      destination.deformations.push_back(destination.decoder->decode(payload.bytes, payload.key, location));
+      destination.deformations[frame] = destination.decoder->decode(payload.bytes, payload.key, location);
+      destination.next_frame = frame + 1; // not after an error: then nothing but a key payload follows
     } else {
       destination.poses[frame] = decode_pose(payload.bytes, location);
     }
   }
 
   void assemble() {
+    if (missing_ != nullptr) {
+      leave_out_unseen_frames();
+      for (auto& [id, destination] : destinations_) fill(destination);
+    }
     for (auto& [id, destination] : destinations_) {
       const auto missing = std::find(destination.seen.begin(), destination.seen.end(), false);
-      if (missing != destination.seen.end()) {
+      if (missing != destination.seen.end() && missing_ == nullptr) {
         corrupt(fmt::format("track {} has no payload for frame {}; fetch the file again", id,
                             missing - destination.seen.begin()));
       }
-      if (destination.codec == kMotionCodec) {
+      if (destination.codec == kMotionCodec && !unusable_layers_.contains(destination.layer)) {
         clip_.layers[destination.layer].motion =
             destination.graph ? motion::Motion::deforming(destination.graph, std::move(destination.deformations))
                               : motion::Motion::rigid(std::move(destination.poses));
@@ -207,14 +274,73 @@ private:
       clip_.layers[l].name = description_.layers[l].name;
       clip_.layers[l].label = description_.layers[l].label;
     }
+    leave_out_unusable_layers();
+  }
+
+  // A cut file ends with the last frame of which something that moves is there.
+  void leave_out_unseen_frames() {
+    std::size_t frames = 0;
+    bool anything_moves = false;
+    for (const auto& [id, destination] : destinations_) {
+      if (!destination.moves) continue;
+      anything_moves = true;
+      const auto last = std::find(destination.seen.rbegin(), destination.seen.rend(), true);
+      frames = std::max(frames, static_cast<std::size_t>(destination.seen.rend() - last));
+    }
+    if (anything_moves && frames == 0) corrupt("nothing of what moves is whole; fetch the file again");
+    if (!anything_moves || frames == clip_.times.size()) return;
+    missing_->push_back(
+        fmt::format("{}: frames {} to {} of {}", reader_.name(), frames, clip_.times.size() - 1, clip_.times.size()));
+    clip_.times.resize(frames);
+    clip_.capture_frames.resize(frames);
+    clip_.held_out.resize(frames);
+    for (auto& [id, destination] : destinations_) {
+      if (!destination.moves) continue;
+      destination.seen.resize(frames);
+      if (!destination.poses.empty()) destination.poses.resize(frames);
+      if (!destination.deformations.empty()) destination.deformations.resize(frames);
+    }
+    for (Layer& layer : clip_.layers) {
+      if (layer.joints) layer.joints->positions.resize(frames);
+    }
+  }
+
+  // What is missing of a track, and what stands in its place.
+  void fill(Destination& destination) {
+    const auto gaps = static_cast<std::size_t>(std::count(destination.seen.begin(), destination.seen.end(), false));
+    if (gaps == 0 && !destination.seen.empty()) return;
+    missing_->push_back(fmt::format("{}: {} of {} payloads of the track {}", reader_.name(), gaps,
+                                    destination.seen.size(), destination.name));
+    const bool is_needed = destination.codec == kFieldCodec || destination.codec == kMotionCodec;
+    if (gaps < destination.seen.size()) {
+      fill_gaps(destination.poses, destination.seen,
+                [](motion::Motion::Pose& pose) { pose.health = motion::Health::kLost; });
+      fill_gaps(destination.deformations, destination.seen,
+                [](motion::Motion::Deformation& d) { d.health = motion::Health::kLost; });
+    } else if (destination.codec == kCameraCodec) {
+      corrupt("nothing says where the camera was; fetch the file again");
+    } else if (is_needed) {
+      unusable_layers_.insert(destination.layer);
+    }
+  }
+
+  // Those without a field, or of which it is not known where they are.
+  void leave_out_unusable_layers() {
+    for (auto layer = unusable_layers_.rbegin(); layer != unusable_layers_.rend(); ++layer) {
+      clip_.layers.erase(clip_.layers.begin() + static_cast<std::ptrdiff_t>(*layer));
+    }
+    if (clip_.layers.empty() && !unusable_layers_.empty()) corrupt("no layer of it is whole; fetch the file again");
   }
 
   void decode_confidences() {
     for (const auto& [id, destination] : destinations_) {
-      if (destination.codec != kConfidenceCodec) continue;
+      if (destination.codec != kConfidenceCodec || !destination.seen.front()) continue;
+      if (unusable_layers_.contains(destination.layer)) continue;
       Layer& layer = clip_.layers[destination.layer];
-      layer.confidence = decode_confidence(destination.confidence, layer.field.occupancy,
-                                           fmt::format("{}: track {}", reader_.name(), id), budget_);
+      allow_missing([&, track = id] {
+        layer.confidence = decode_confidence(destinations_.at(track).confidence, layer.field.occupancy,
+                                             fmt::format("{}: track {}", reader_.name(), track), budget_);
+      });
     }
   }
 
@@ -224,7 +350,15 @@ private:
   Clip clip_;
   std::map<std::uint16_t, Destination> destinations_;
   std::map<std::uint16_t, std::size_t> bytes_;
+  std::vector<std::string>* missing_;
+  std::set<std::size_t> unusable_layers_;
 };
+
+Clip read(ClipReader& reader, ByteAccount* account) {
+  Clip clip = reader.read();
+  if (account != nullptr) *account = reader.account();
+  return clip;
+}
 
 } // namespace
 
@@ -233,10 +367,14 @@ Clip read_clip(const std::filesystem::path& path, ByteAccount* account) {
 }
 
 Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* account) {
-  ClipReader reader(std::move(source));
-  Clip clip = reader.read();
-  if (account != nullptr) *account = reader.account();
-  return clip;
+  ClipReader reader(std::move(source), nullptr);
+  return read(reader, account);
+}
+
+Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing, ByteAccount* account) {
+  missing.clear();
+  ClipReader reader(std::make_unique<container::FileSource>(path), &missing);
+  return read(reader, account);
 }
 
 } // namespace kinora::clip

@@ -124,9 +124,10 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
     }
   }
   constexpr const char* kJson = "application/json";
-  head.attachments = {{kClipFile, kJson, "Timeline and layers", to_json(description)},
-                      {kCalibrationFile, kJson, "Intrinsics of the capture camera", to_json(clip.intrinsics)},
-                      {kMetadataFile, kJson, "How the clip was made", to_json(clip.metadata)}};
+  head.attachments = {
+      {kClipFile, kJson, "Timeline and layers", to_json(description)},
+      {kCalibrationFile, kJson, "Intrinsics of the capture camera", to_json(clip.intrinsics)},
+      {kCompressedMetadataFile, "application/zstd", "How the clip was made", compress(to_json(clip.metadata))}};
   check_readable(head.attachments[0].bytes, head.attachments[1].bytes);
   head.duration_ns = description.times_ns.back();
   return head;

@@ -314,5 +314,17 @@ TEST(Clip, MovesTheCaptureCameraAlongItsPath) {
   EXPECT_EQ(still.capture_camera(2.5).intrinsics, still.intrinsics);
 }
 
+TEST(ClipFile, GivesWhatIsWholeOfACutOneAndSaysWhatIsMissing) {
+  const TemporaryFolder folder;
+  write_clip(testing::bending_clip(1, 4, true), folder / "a.mkv");
+  std::vector<std::string> missing;
+  expect_equal(read_whole_parts(folder / "a.mkv", missing), read_clip(folder / "a.mkv"));
+  EXPECT_TRUE(missing.empty());
+  std::filesystem::resize_file(folder / "a.mkv", std::filesystem::file_size(folder / "a.mkv") - 1);
+  EXPECT_THROW(read_clip(folder / "a.mkv"), Error);
+  EXPECT_EQ(read_whole_parts(folder / "a.mkv", missing).layers.size(), 3U);
+  EXPECT_FALSE(missing.empty());
+}
+
 } // namespace
 } // namespace kinora::clip

@@ -35,4 +35,12 @@ Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::
   return bytes;
 }
 
+std::uint64_t decompressed_size(std::span<const std::byte> frame, const std::string& location) {
+  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{}: compressed data does not say how large it is", location));
+  }
+  return size;
+}
+
 } // namespace kinora::clip

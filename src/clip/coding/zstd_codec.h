@@ -17,4 +17,7 @@ Bytes compress(std::span<const std::byte> bytes);
 /// Throws Error(kCorruptInput) naming `location` if it is anything but one frame of that size. Thread-safe.
 Bytes decompress(std::span<const std::byte> frame, std::size_t size, const std::string& location);
 
+/// What the frame says of itself, not believed yet. Throws Error(kCorruptInput) if it does not say.
+std::uint64_t decompressed_size(std::span<const std::byte> frame, const std::string& location);
+
 } // namespace kinora::clip
