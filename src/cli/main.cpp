@@ -16,8 +16,9 @@ namespace kinora::cli {
 namespace {
 
 using AddCommand = void (*)(CLI::App&, Context&);
-constexpr std::array<AddCommand, 9> kCommands{add_info,    add_formats, add_probe,  add_encode, add_render,
-                                              add_convert, add_track,   add_motion, add_eval};
+constexpr std::array<AddCommand, 12> kCommands{add_info,   add_formats, add_probe,   add_encode,
+                                               add_render, add_convert, add_track,   add_motion,
+                                               add_eval,   add_record,  add_recover, add_validate};
 
 int fail(Context& context, int code, const std::string& sentence) {
   context.progress.finish();
