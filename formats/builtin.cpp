@@ -3,6 +3,7 @@
 
 #include "gltf/format.h"
 #include "kinora/plugin.h"
+#include "kinora_recording/format.h"
 #include "mp4/format.h"
 #include "openvdb/format.h"
 #include "png/format.h"
@@ -10,9 +11,9 @@
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
-  static const KinoraFormat* const formats[] = {&kTumFormat,   &kNumberedFormat,   &kThreeDMatchFormat,
-                                                &kM3tFormat,   &kTransformsFormat, &kPngFormat,
-                                                &mp4_format(), &kGltfFormat,       &openvdb_format()};
+  static const KinoraFormat* const formats[] = {
+      &kTumFormat,       &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,  &kTransformsFormat,
+      &kRecordingFormat, &kPngFormat,      &mp4_format(),       &kGltfFormat, &openvdb_format()};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

@@ -5,6 +5,7 @@
 #include "common/files.h"
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "core/jpeg_decoder.h"
 #include "rgbd_folder/trajectory.h"
 
 namespace kinora::formats {
@@ -164,7 +165,8 @@ void FolderReader::read_images(const FrameFiles& files) {
                                                 std::to_string(expected.width) + "x" + std::to_string(expected.height) +
                                                 " as the others");
   };
-  color_ = read_color(files.color);
+  color_bytes_ = read_file(files.color);
+  color_ = decode_color(color_bytes_, files.color.string());
   check_size(color_, color, files.color);
   depth_ = read_depth(files.depth);
   check_size(depth_, listing_.depth_camera ? listing_.depth_camera->intrinsics : color, files.depth);
@@ -204,6 +206,10 @@ KinoraStatus FolderReader::next(KinoraFrame& frame) {
     set_pose(frame, *files.camera_to_world);
   read_images(files);
   frame.color = view_of(color_, KINORA_PIXEL_U8);
+  if (frame.struct_size >= sizeof(KinoraFrame) && is_jpeg(color_bytes_)) {
+    frame.color_jpeg = color_bytes_.data();
+    frame.color_jpeg_bytes = color_bytes_.size();
+  }
   frame.depth = view_of(depth_, KINORA_PIXEL_U16);
   frame.depth_unit = listing_.calibration.depth_unit.value_or(0.001);
   frame.labels = view_of(mask_, KINORA_PIXEL_U8);

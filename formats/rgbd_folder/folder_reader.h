@@ -43,6 +43,7 @@ private:
   std::vector<const char*> warning_table_;
   std::size_t next_ = 0;
   ColorImage color_;
+  std::vector<std::byte> color_bytes_; ///< the file that colour was decoded from
   DepthImage16 depth_;
   LabelImage mask_;
 };

@@ -121,6 +121,8 @@ typedef struct KinoraFrame {
   KinoraImage labels;     /* U8, 1 channel: 0 background, 1 person, 2 object, 3... further objects; may be absent */
   int32_t has_pose;
   double camera_to_world[16];
+  const void* color_jpeg; /* the JPEG file that colour was decoded from, or NULL: a recording keeps these bytes */
+  size_t color_jpeg_bytes;
 } KinoraFrame;
 
 /* One picture for a writer. */

@@ -15,5 +15,8 @@ void add_track(CLI::App& app, Context& context);
 void add_motion(CLI::App& app, Context& context);
 void add_eval(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
+void add_record(CLI::App& app, Context& context);
+void add_recover(CLI::App& app, Context& context);
+void add_validate(CLI::App& app, Context& context);
 
 } // namespace kinora::cli

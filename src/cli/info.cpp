@@ -62,6 +62,7 @@ Json clip_json(const fs::path& path) {
 Json parts_of_folder(const fs::path& path, std::size_t& total) {
   std::map<std::string, std::pair<std::size_t, std::size_t>> parts; // files, bytes
   std::error_code error;
+  if (fs::is_regular_file(path)) total = fs::file_size(path, error);
   for (fs::recursive_directory_iterator it(path, fs::directory_options::skip_permission_denied, error), end;
        !error && it != end; it.increment(error)) {
     if (!it->is_regular_file(error)) continue;
@@ -93,7 +94,7 @@ Json capture_json(const fs::path& path, Context& context) {
   if (host::supports(context.plugins().find(info.format), KINORA_READS_INFRARED)) unused.push_back("infrared");
   return {{"schema", "kinora.info/1"},
           {"path", path.string()},
-          {"kind", "capture"},
+          {"kind", info.format == "kinora-recording" ? "recording" : "capture"},
           {"format", info.format},
           {"bytes", total},
           {"frames", info.frame_count},
@@ -143,11 +144,11 @@ std::string clip_text(const Json& info) {
 }
 
 std::string capture_text(const Json& info) {
-  return fmt::format("{}: a capture (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n{}",
-                     info["path"].get<std::string>(), info["format"].get<std::string>(),
-                     format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
-                     info["frames_per_second"].get<double>(), size_text(info), info["camera"].get<std::string>(),
-                     info["has_masks"].get<bool>() ? "with masks" : "without masks",
+  return fmt::format("{}: a {} (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n{}",
+                     info["path"].get<std::string>(), info["kind"].get<std::string>(),
+                     info["format"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()),
+                     info["frames"].get<int>(), info["frames_per_second"].get<double>(), size_text(info),
+                     info["camera"].get<std::string>(), info["has_masks"].get<bool>() ? "with masks" : "without masks",
                      info["unused"].empty() ? "" : "Infrared images, which this format can bring, are not used.\n") +
          parts_text(info);
 }

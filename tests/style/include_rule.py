@@ -25,12 +25,14 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "player/http": ["core"],
 }
 MAKE = {  # from a capture to a clip
+    "recording": ["container", "include/kinora"],  # what its file holds, and reading it
     "host": ["core", "include/kinora"],
     "ingest/frame": ["core"],
     "ingest/onnx": ["core"],
     "ingest/files": ["core"],
     "ingest/depth": ["ingest/frame"],
     "ingest/capture": ["ingest/depth", "host"],
+    "record": ["recording", "core"],
     "ingest/opencv": ["core"],
     "ingest/images": ["ingest/frame", "ingest/opencv"],
     "ingest/calibration": ["ingest/capture", "ingest/images"],
@@ -53,13 +55,14 @@ MAKE = {  # from a capture to a clip
 LOOK = {  # at what was made
     "evaluate": ["player", "ingest/joints"],
     "bake": ["clip", "fields/network", "motion/skinning", "host"],
-    "cli": ["encode", "evaluate", "bake", "player/http"],
+    "cli": ["encode", "evaluate", "bake", "record", "player/http"],
 }
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
     "formats/common": ["core", "include/kinora"],
+    "formats/kinora_recording": ["formats/common", "recording"],
     "formats/*": ["formats/common"],  # one folder per format; none sees another
-    "formats": ["formats/*"],  # the table of the formats that come with Kinora
+    "formats": ["formats/*", "formats/kinora_recording"],  # the table of the formats that come with Kinora
 }
 RULES = PLAY | MAKE | LOOK | FORMATS
 
@@ -68,7 +71,7 @@ ONE_USER = {
     "tbb/": re.compile(r"src/core/parallel\w*\.cpp"),
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
     "httplib.h": re.compile(r"src/player/http/.*"),
-    "libav": re.compile(r"formats/mp4/.*"),
+    "libav": re.compile(r"(formats/mp4/.*|src/recording/ffv1_module\.cpp)"),
     "opencv2/": re.compile(r"src/ingest/(onnx/onnx|opencv/opencv|segmentation/network|joints/network)_\w+\.(cpp|h)"),
     "hwy/": re.compile(r"(src|tests|bench)/.*_simd\w*\.(cpp|h)"),
 }

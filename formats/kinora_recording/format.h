@@ -1,0 +1,10 @@
+// Kinora's recordings as captures, for the table of built-in formats.
+#pragma once
+
+#include "kinora/plugin.h"
+
+namespace kinora::formats {
+
+extern const KinoraFormat kRecordingFormat; ///< kinora-recording
+
+} // namespace kinora::formats

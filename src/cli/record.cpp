@@ -1,0 +1,163 @@
+// kinora record: a capture becomes one file, without loss.
+#include <limits>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cli/clip_input.h"
+#include "cli/commands.h"
+#include "cli/output_file.h"
+#include "cli/text.h"
+#include "core/error.h"
+#include "host/frame_reader.h"
+#include "record/recorder.h"
+
+namespace kinora::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path capture;
+  std::filesystem::path output;
+  std::string format;
+  double duration = std::numeric_limits<double>::infinity();
+};
+
+struct Outcome {
+  std::size_t frames = 0;
+  std::vector<std::string> problems; ///< of frames that could not be recorded
+  double first_time = 0, last_time = 0;
+  bool interrupted = false;
+};
+
+/// The file is written under its own name, so that it can be followed; there is nothing to rename.
+void check_output(const Options& options, bool overwrite) {
+  std::error_code ignored;
+  if (same_file(options.capture, options.output))
+    throw Error(ErrorCode::kUnwritableOutput,
+                fmt::format("{} cannot be written: it is also the input; give another name", options.output.string()));
+  if (std::filesystem::is_regular_file(options.output, ignored) && !overwrite)
+    throw Error(ErrorCode::kUnwritableOutput,
+                fmt::format("{} cannot be written: it exists already; add --overwrite to replace it, or give another "
+                            "name",
+                            options.output.string()));
+}
+
+void note_problem(Outcome& outcome, const std::string& sentence, Context& context) {
+  context.progress.warn(sentence);
+  outcome.problems.push_back(sentence);
+}
+
+/// The room that is left, as time at the rate so far.
+std::string forecast(const std::filesystem::path& output, const Outcome& outcome) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(output, error);
+  const auto space = error ? std::filesystem::space_info{} : std::filesystem::space(output, error);
+  const double seconds = outcome.last_time - outcome.first_time;
+  if (error || bytes == 0 || seconds <= 0) return {};
+  const double left = static_cast<double>(space.available) / (static_cast<double>(bytes) / seconds);
+  return fmt::format("room for {:.0f} more minutes", left / 60);
+}
+
+void record_frames(host::FrameReader& reader, const Options& options, std::optional<record::Recorder>& recorder,
+                   Outcome& outcome, Context& context) {
+  const recording::Description description = recording::description_of(reader.info(), reader.format().name);
+  while (auto read = reader.next()) {
+    outcome.interrupted = context.progress.cancelled();
+    if (outcome.interrupted) return;
+    const KinoraFrame& frame = read->frame;
+    if (!read->problem.empty()) {
+      note_problem(outcome, read->problem, context);
+      if (recorder) recorder->write_problem(frame.index, outcome.last_time, read->problem);
+      continue;
+    }
+    if (!recorder) {
+      outcome.first_time = frame.time;
+      recorder.emplace(options.output, description, frame);
+    }
+    if (frame.time - outcome.first_time >= options.duration) return;
+    outcome.last_time = frame.time;
+    if (recorder->write(frame)) {
+      ++outcome.frames;
+    } else {
+      note_problem(outcome, fmt::format("frame {} does not fit the first one and is not recorded", frame.index),
+                   context);
+    }
+    context.progress.advance(static_cast<std::size_t>(frame.index) + 1, forecast(options.output, outcome));
+  }
+}
+
+/// A full disk: completes the file as far as it goes, and says so.
+[[noreturn]] void complete_and_tell(record::Recorder& recorder, const Error& error) {
+  recorder.finish_at_last_cluster();
+  throw Error(ErrorCode::kUnwritableOutput,
+              fmt::format("{}; the recording is complete up to there and can be read", error.what()));
+}
+
+Outcome record_capture(const Options& options, Context& context) {
+  const KinoraFormat& format =
+      options.format.empty() ? context.plugins().recognise(options.capture) : context.plugins().find(options.format);
+  host::FrameReader reader(format, options.capture, {});
+  for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
+  context.progress.stage("recording", static_cast<std::size_t>(reader.info().frame_count));
+  std::optional<record::Recorder> recorder;
+  Outcome outcome;
+  try {
+    record_frames(reader, options, recorder, outcome, context);
+    if (!recorder)
+      throw Error(outcome.interrupted ? ErrorCode::kInterrupted : ErrorCode::kCorruptInput,
+                  fmt::format("{}: no frame was recorded, and no file was made", options.capture.string()));
+    recorder->finish();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kUnwritableOutput && recorder) complete_and_tell(*recorder, error);
+    throw;
+  }
+  return outcome;
+}
+
+void run(const Options& options, Context& context) {
+  require_input(options.capture);
+  check_output(options, context.shared.overwrite);
+  const Outcome outcome = record_capture(options, context);
+  std::error_code ignored;
+  const std::uintmax_t bytes = std::filesystem::file_size(options.output, ignored);
+  const double seconds = outcome.last_time - outcome.first_time;
+  if (context.shared.json) {
+    context.print_json({{"schema", "kinora.record/1"},
+                        {"output", options.output.string()},
+                        {"frames", outcome.frames},
+                        {"problems", outcome.problems},
+                        {"duration_s", seconds},
+                        {"bytes", bytes},
+                        {"interrupted", outcome.interrupted}});
+  } else {
+    context.print(fmt::format("{}: {} frames, {:.2f} s, {}; {} could not be recorded\n", options.output.string(),
+                              outcome.frames, seconds, format_bytes(bytes), outcome.problems.size()));
+  }
+  if (!outcome.interrupted) return;
+  context.flush();
+  throw Error(ErrorCode::kInterrupted, fmt::format("stopped; {} is complete up to there", options.output.string()));
+}
+
+} // namespace
+
+void add_record(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<Options>();
+  CLI::App& command = context.add_command(app, "record", "Record a capture in one file, without loss",
+                                          "  kinora record capture/ recording.mkv\n"
+                                          "  kinora record capture/ start.mkv --duration 5",
+                                          [options, &context] { run(*options, context); });
+  command.add_option("CAPTURE", options->capture, "The capture to record")->required()->type_name("PATH");
+  command.add_option("OUTPUT", options->output, "The recording to write, a Matroska file")
+      ->required()
+      ->type_name("FILE");
+  command.add_option("--duration", options->duration, "Stop after this many seconds of the capture")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
+      ->type_name("NAME");
+  context.add_overwrite(command);
+}
+
+} // namespace kinora::cli

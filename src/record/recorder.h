@@ -1,0 +1,52 @@
+// Frames of a capture into a recording, without loss.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "container/writer.h"
+#include "kinora/plugin.h"
+#include "recording/layout.h"
+#include "recording/lossless_video.h"
+
+namespace kinora::record {
+
+/// Colour keeps its own bytes if the first frame's was decoded from JPEG, else it is FFV1, as all other pictures. The
+/// same frames give the same bytes. Not thread-safe. Throws Error: kUnwritableOutput (then finish_at_last_cluster
+/// completes the file), kFailure, kMissingComponent.
+class Recorder {
+public:
+  /// Creates or replaces the file. `first` is a frame without a problem: it says which pictures there are (labels: the
+  /// description does).
+  Recorder(const std::filesystem::path& path, const recording::Description& description, const KinoraFrame& first);
+
+  /// Writes a frame. False, and nothing is written but why, if it does not fit the recording: its colour is not JPEG
+  /// though the first one's was, or a picture has another size.
+  bool write(const KinoraFrame& frame);
+  /// Writes that the source could not give a frame.
+  void write_problem(std::int64_t index, double time, const std::string& problem);
+  void finish() { writer_->finish(); }
+  void finish_at_last_cluster() { writer_->finish_at_last_cluster(); }
+
+private:
+  struct Picture {
+    recording::Stream stream;
+    const KinoraImage* image;
+    container::Bytes bytes;
+  };
+
+  container::Track track_of(recording::Stream stream, bool jpeg);
+  std::string misfit(const KinoraFrame& frame) const;
+  void encode(Picture& picture, const KinoraFrame& frame);
+  std::int64_t block_time(double time);
+
+  recording::Description description_;
+  bool jpeg_;
+  std::map<recording::Stream, std::unique_ptr<recording::LosslessEncoder>> encoders_;
+  std::unique_ptr<container::Writer> writer_;
+  std::int64_t last_time_ns_ = 0;
+};
+
+} // namespace kinora::record
