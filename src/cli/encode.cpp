@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Frames of each group (trained, held out) that the report compares: enough for a mean, few enough to be quick.
+/// Trained frames that the report compares: enough for a mean, few enough to be quick. Held-out ones all are.
 constexpr int kComparedFrames = 10;
 
 struct Options {
@@ -36,6 +36,7 @@ struct Options {
   std::filesystem::path detector;
   std::filesystem::path body;
   int holdout = 0;
+  int holdout_tracked = 0;
   std::optional<std::uint64_t> seed;
   std::vector<std::string> changes; ///< of settings: "path=value"
   std::filesystem::path report;
@@ -70,6 +71,7 @@ encode::PreparedCapture prepare(const Options& options, const encode::Settings& 
   request.camera = settings.tracking.camera;
   request.network = options.segmenter;
   request.detector = options.detector;
+  request.holdout = options.holdout;
   return encode::prepare_capture(request, context.progress);
 }
 
@@ -78,7 +80,11 @@ encode::EncodeOptions encode_options(const Options& options) {
   if (options.holdout == 1) {
     throw Error(ErrorCode::kUsage, "--holdout 1 would leave no frame to train on; use 2 or more, such as 10");
   }
+  if (options.holdout_tracked == 1) {
+    throw Error(ErrorCode::kUsage, "--holdout-tracked 1 would leave no frame to train on; use 2 or more, such as 10");
+  }
   out.holdout = options.holdout;
+  out.holdout_tracked = options.holdout_tracked;
   if (options.seed) out.settings.fields.trainer.seed = *options.seed;
   for (const std::string& change : options.changes) encode::list_settings(out.settings).change(change);
   encode::check(out.settings);
@@ -221,9 +227,18 @@ void add_encode(CLI::App& app, Context& context) {
       .add_option("--body", options->body,
                   "Take the person's measures from this mesh, an .npz file with SMPL's arrays, at first")
       ->type_name("NPZ");
-  command.add_option("--holdout", options->holdout, "Keep frames N-1, 2N-1, ... out of the training, to judge by them")
+  auto* holdout = command
+                      .add_option("--holdout", options->holdout,
+                                  "Let nothing see frames N-1, 2N-1, ... and judge by them: their poses are found "
+                                  "afterwards, by depth alone")
+                      ->check(CLI::Range(0, 1'000'000))
+                      ->type_name("N");
+  command
+      .add_option("--holdout-tracked", options->holdout_tracked,
+                  "Track and fuse frames N-1, 2N-1, ... but never train on them, to judge by them")
       ->check(CLI::Range(0, 1'000'000))
-      ->type_name("N");
+      ->type_name("N")
+      ->excludes(holdout);
   command.add_option("--seed", options->seed, "Begin the training's random numbers here")->type_name("N");
   command
       .add_option("--set", options->changes,

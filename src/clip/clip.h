@@ -27,7 +27,7 @@ struct Layer {
 struct Clip {
   std::vector<double> times;        ///< seconds from the start, one per frame, increasing
   std::vector<int> capture_frames;  ///< number of each frame in the capture
-  std::vector<bool> held_out;       ///< frames that were tracked but never trained on
+  std::vector<bool> held_out;       ///< frames that nothing was trained on
   Intrinsics intrinsics;            ///< of the capture camera
   std::vector<SE3> camera_to_world; ///< path of the capture camera: one pose per frame, or one for all if it is still
   std::vector<Layer> layers;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "encode/held_out_frames.h"
 #include "ingest/calibration/pose_consistency.h"
 #include "ingest/joints/joint_detector.h"
 #include "ingest/segmentation/mask_completion.h"
@@ -100,12 +101,23 @@ public:
     return ingest::search_registration(*open(candidate), progress_);
   }
 
+  /// What the candidate leaves out.
+  std::unique_ptr<ingest::Capture> held_out(const Candidate& candidate) const {
+    ingest::CaptureOptions how = candidate.options;
+    how.use_masks = false;
+    const HeldOutFrames frames{request_.holdout, request_.options.frames};
+    return frames_where(request_.open(how, progress_), [frames](int index) { return frames.contains(index); });
+  }
+
 private:
   ingest::CaptureFactory opener(const Candidate& candidate, Progress& progress) const {
     return [this, candidate, &progress](const FrameRange& range) {
       ingest::CaptureOptions how = candidate.options;
       how.frames = range;
-      return posed_capture(request_.open(how, progress), candidate.camera);
+      const HeldOutFrames held_out{request_.holdout, request_.options.frames};
+      return posed_capture(
+          frames_where(request_.open(how, progress), [held_out](int index) { return !held_out.contains(index); }),
+          candidate.camera);
     };
   }
 
@@ -222,6 +234,7 @@ PreparedCapture prepare_capture(const CaptureRequest& request, Progress& progres
 
   PreparedCapture prepared;
   prepared.capture = preparation.labelled(best, labelling.make_segmenter(), progress);
+  if (request.holdout > 0) prepared.held_out = preparation.held_out(best);
   prepared.camera = best.camera;
   prepared.registration = registration;
   prepared.labels_from = labelling.from;

@@ -20,10 +20,13 @@ struct CaptureRequest {
   tracking::CameraTrackerConfig camera; ///< how the camera of a capture without poses is followed
   std::filesystem::path network;        ///< labels the frames, instead of masks; empty: none
   std::filesystem::path detector;       ///< finds joints of people; empty: none
+  int holdout = 0;                      ///< every such frame of the range is read by nothing (HeldOutFrames); 0: none
 };
 
 struct PreparedCapture {
-  std::unique_ptr<ingest::Capture> capture;
+  std::unique_ptr<ingest::Capture> capture; ///< without frames that are held out
+  /// The frames that are held out, without labels and as the capture has them; null: there are none.
+  std::unique_ptr<ingest::Capture> held_out;
   std::shared_ptr<const CameraPath> camera = std::make_shared<CameraPath>(); ///< where the capture has no poses
   ingest::FoundRegistration registration;
   std::string labels_from; ///< in words: "masks", "motion", or the network

@@ -54,6 +54,9 @@ Json capture_json(const PreparedCapture& prepared, const FramePass& pass) {
           {"frames_in_source", info.frame_count},
           {"frames_used", pass.clip.times.size()},
           {"frames_held_out", held_out},
+          {"held_out_frames_are", prepared.held_out ? "unseen"
+                                  : held_out > 0    ? "tracked"
+                                                    : "none"},
           {"frames_without_mask", pass.unlabelled},
           {"frames_per_second", info.frames_per_second},
           {"has_poses", info.has_poses && !prepared.camera->moves()},

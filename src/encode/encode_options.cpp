@@ -18,6 +18,7 @@ std::size_t EncodeOptions::expected_frames(int frame_count) const {
 nlohmann::json EncodeOptions::json() const {
   return {{"preset", name_of(preset)},
           {"holdout", holdout},
+          {"holdout_tracked", holdout_tracked},
           {"body_from", body_from},
           {"frames", {{"begin", frames.begin}, {"end", frames.end.value_or(-1)}, {"step", frames.step}}}};
 }

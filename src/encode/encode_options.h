@@ -14,8 +14,10 @@ namespace kinora::encode {
 
 struct EncodeOptions {
   Preset preset = Preset::kBalanced;
-  int holdout = 0;       ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
-  std::string body_from; ///< in words, for the record: whose measures `body` holds
+  /// Frames N−1, 2N−1, … of the range are seen by nothing (HeldOutFrames); their poses are found afterwards; 0: none.
+  int holdout = 0;
+  int holdout_tracked = 0; ///< frames N−1, 2N−1, … of those used are tracked but never trained on; 0: none
+  std::string body_from;   ///< in words, for the record: whose measures `body` holds
   std::optional<tracking::BodyPrior> body; ///< what is known of the measures of everybody in the capture
   FrameRange frames; ///< the range that the capture was opened with: how many frames are to be expected
   Settings settings;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "encode/held_out_frames.h"
 #include "encode/scene_tracker.h"
 #include "ingest/depth/depth_unit.h"
 
@@ -35,7 +36,8 @@ TrackingSettings tracking_settings(const EncodeOptions& options) {
 FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, StageTimes& times,
                            Progress& progress) {
   const ingest::CaptureInfo& info = capture.info();
-  const std::size_t expected = options.expected_frames(info.frame_count);
+  const auto expected = static_cast<std::size_t>(
+      HeldOutFrames{options.holdout}.kept_of(static_cast<int>(options.expected_frames(info.frame_count))));
   FramePass pass{{}, fields::PixelStore(options.settings.budget.max_stored_pixels, expected), {}, {}, 0};
   SceneTracker scene(info, tracking_settings(options), progress);
   ingest::StreamEstimates streams;
@@ -45,7 +47,7 @@ FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& option
     const auto frame = times.measure("read", [&] { return capture.next(); });
     if (!frame) break;
     if (i == 0) warn_of_unit(*frame, progress);
-    const bool held_out = is_held_out(i, options.holdout);
+    const bool held_out = is_held_out(i, options.holdout_tracked);
     add_to_timeline(*frame, held_out, pass.clip);
     if (i == 0 || info.has_poses) pass.clip.camera_to_world.push_back(frame->camera.camera_to_world);
     const bool labelled = !info.has_masks || frame->has_labels();

@@ -18,14 +18,14 @@ namespace kinora::encode {
 /// What the pass leaves behind.
 struct FramePass {
   clip::Clip clip;           ///< timeline, camera and its path; no layer yet
-  fields::PixelStore pixels; ///< of all frames but those that are held out and those without mask
+  fields::PixelStore pixels; ///< of all frames but those that are only tracked and those without mask
   std::map<int, TrackedLabel> labels;
   ingest::StreamReport streams;
   std::size_t unlabelled = 0; ///< frames without mask in a capture with masks: tracked nowhere, trained on nowhere
 };
 
-/// Reads the capture to its end. The same bits for any number of threads. Throws what the capture throws,
-/// Error(kCorruptInput) if no frame is usable, Error(kInterrupted).
+/// Reads the capture to its end, which leaves out what nothing may see. The same bits for any number of threads. Throws
+/// what the capture throws, Error(kCorruptInput) if no frame is usable, Error(kInterrupted).
 FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& options, StageTimes& times,
                            Progress& progress);
 

@@ -55,7 +55,7 @@ std::vector<Groups> groups_of(const player::Player& player, bool masks, bool mov
 }
 
 // Capture frame number -> clip frame, of those that are to be compared.
-std::map<int, std::size_t> chosen_frames(const clip::Clip& clip, int max_per_group) {
+std::map<int, std::size_t> chosen_frames(const clip::Clip& clip, int max_trained) {
   std::map<int, std::size_t> chosen;
   for (const bool held_out : {false, true}) {
     std::vector<std::size_t> group;
@@ -63,7 +63,7 @@ std::map<int, std::size_t> chosen_frames(const clip::Clip& clip, int max_per_gro
       if (clip.held_out[i] == held_out) group.push_back(i);
     }
     const std::size_t count =
-        max_per_group > 0 ? std::min(group.size(), static_cast<std::size_t>(max_per_group)) : group.size();
+        max_trained > 0 && !held_out ? std::min(group.size(), static_cast<std::size_t>(max_trained)) : group.size();
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = group[(2 * k + 1) * group.size() / (2 * count)];
       chosen[clip.capture_frames[i]] = i;
@@ -88,7 +88,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
   const clip::Clip& clip = player.clip();
   require_same_source(clip, capture.info());
   std::vector<Groups> groups = groups_of(player, capture.info().has_masks, moving != nullptr);
-  const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_frames_per_group);
+  const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_trained_frames);
   progress.stage("comparing", chosen.size());
   std::size_t done = 0;
   while (done < chosen.size()) {

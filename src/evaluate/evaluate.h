@@ -12,8 +12,8 @@
 namespace kinora::evaluate {
 
 struct EvaluateOptions {
-  /// At most this many trained and as many held-out frames, evenly spread over the clip; 0: all.
-  int max_frames_per_group = 0;
+  int max_trained_frames =
+      0; ///< at most this many, evenly spread over the clip; 0: all. Held-out ones all are compared.
   bool ground_truth =
       false; ///< also compare with what stands beside the capture (ground_truth_comparison.h), under `ground_truth`
   std::string format; ///< name of the format to read the capture with; empty: whoever recognises it

@@ -1,4 +1,6 @@
 // A generated capture through the whole encoder: what comes out must look like what went in.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "clip/clip_io.h"
@@ -36,19 +38,20 @@ encode::EncodeOptions quick_options() {
 }
 
 encode::PreparedCapture prepare_folder(const TemporaryFolder& folder, const ingest::CaptureOptions& options,
-                                       Progress& progress) {
+                                       Progress& progress, int holdout = 0) {
   static const auto kTable = host::PluginTable::builtin();
   encode::CaptureRequest request;
   request.open = [&](const ingest::CaptureOptions& how, Progress& to) {
     return ingest::Capture::open(kTable, folder.path(), how, to);
   };
   request.options = options;
+  request.holdout = holdout;
   return encode::prepare_capture(request, progress);
 }
 
 encode::EncodeResult encode_folder(const TemporaryFolder& folder, const encode::EncodeOptions& options,
                                    Progress& progress) {
-  return encode::encode_capture(prepare_folder(folder, {}, progress), options, progress);
+  return encode::encode_capture(prepare_folder(folder, {}, progress, options.holdout), options, progress);
 }
 
 Json layer_named(const Json& report, const std::string& name) {
@@ -167,6 +170,61 @@ TEST(Encoder, MovingBoxAndWallLookAlikeInHeldOutFrames) {
   const Json pose = quality.at("ground_truth").at("object_pose");
   EXPECT_LT(pose.at("error_m_mean").get<double>(), 0.006);
   EXPECT_LT(pose.at("error_degrees_mean").get<double>(), 2);
+}
+
+/// Fields, and motion in all frames but the held-out ones, as bits.
+void expect_same_but_held_out(const clip::Clip& a, const clip::Clip& b) {
+  ASSERT_EQ(a.layers.size(), b.layers.size());
+  EXPECT_EQ(a.held_out, b.held_out);
+  for (std::size_t i = 0; i < a.layers.size(); ++i) {
+    SCOPED_TRACE(a.layers[i].name);
+    EXPECT_TRUE(std::ranges::equal(a.layers[i].field.table, b.layers[i].field.table));
+    EXPECT_TRUE(a.layers[i].field.density_net == b.layers[i].field.density_net);
+    EXPECT_TRUE(a.layers[i].field.color_net == b.layers[i].field.color_net);
+    ASSERT_EQ(a.layers[i].motion.poses().size(), b.layers[i].motion.poses().size());
+    for (std::size_t f = 0; f < a.layers[i].motion.poses().size(); ++f) {
+      if (a.held_out[f]) continue;
+      EXPECT_TRUE(a.layers[i].motion.poses()[f].canonical_to_world.matrix() ==
+                  b.layers[i].motion.poses()[f].canonical_to_world.matrix())
+          << f;
+    }
+  }
+}
+
+TEST(Encoder, NothingOfHeldOutFramesIsLearntOfTheirColoursMasksOrDepth) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.frames = 8;
+  write_box_capture(folder, scene);
+  Listener listener;
+  auto options = quick_options();
+  options.settings.budget.rays_per_pixel = 1;
+  options.holdout = 4;
+  const encode::EncodeResult as_seen = encode_folder(folder, options, listener);
+  EXPECT_EQ(as_seen.report.at("capture").at("held_out_frames_are"), "unseen");
+  for (const int frame : {3, 7}) {
+    const std::string name = six_digits(frame) + ".png";
+    folder.write("color/" + name, encode_png(ColorImage(128, 96, 3, 200)));
+    folder.write("mask/" + name, encode_png(ColorImage(128, 96, 1, 1)));
+  }
+  const encode::EncodeResult recoloured = encode_folder(folder, options, listener);
+  expect_same_but_held_out(as_seen.clip, recoloured.clip);
+  for (std::size_t i = 0; i < as_seen.clip.layers.size(); ++i) {
+    const auto& a = as_seen.clip.layers[i].motion;
+    const auto& b = recoloured.clip.layers[i].motion;
+    if (a.kind() != motion::MotionKind::kRigid) continue;
+    EXPECT_TRUE(a.poses()[3].canonical_to_world.matrix() == b.poses()[3].canonical_to_world.matrix())
+        << "poses are found by depth alone";
+    EXPECT_EQ(a.poses()[3].health, motion::Health::kTracked);
+  }
+  for (const int frame : {3, 7}) { // and with another depth only their own poses change
+    folder.write("depth/" + six_digits(frame) + ".png", encode_png16(DepthImage16(128, 96, 1, 1500)));
+  }
+  expect_same_but_held_out(as_seen.clip, encode_folder(folder, options, listener).clip);
+
+  options.holdout = 0;
+  options.holdout_tracked = 4;
+  EXPECT_EQ(encode_folder(folder, options, listener).report.at("capture").at("held_out_frames_are"), "tracked");
 }
 
 TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {

@@ -1,6 +1,8 @@
 // The main job on a piece of the sample, as a user runs it: a capture becomes a clip, which is drawn, compared with the
 // truth and converted. The bounds lie below what the chain reaches and above what it reaches when the person's tracker
 // stands still (18 dB held out, 17 dB from novel cameras) or the trainer stops after a twentieth (15 dB and 15 dB).
+// They are those of frames that are tracked: of frames that nothing sees 21.3 dB are reached here, 3 dB below trained
+// ones.
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
@@ -23,7 +25,7 @@ TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
   const std::string sample = (source_folder() / "samples/carry_box").string();
   const std::string clip = (folder.path() / "clip.mkv").string();
   const Said encoded =
-      run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout", "5"});
+      run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout-tracked", "5"});
   ASSERT_EQ(encoded.code, 0) << encoded.err;
 
   const Said evaluated = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
