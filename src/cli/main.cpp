@@ -1,5 +1,4 @@
 // kinora: volumetric video from one RGB-D camera.
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <new>
