@@ -1,5 +1,6 @@
 /* The C interface of Kinora's player: a volumetric video (a clip that `kinora encode` made) seen by any camera at any
- * of its times. Library: kinora_player (CMake: find_package(Kinora COMPONENTS player), target Kinora::player; pkg-config: kinora-player).
+ * of its times. Library: kinora_player (CMake: find_package(Kinora COMPONENTS player), target Kinora::player;
+ * pkg-config: kinora-player).
  *
  * Units: metres, seconds. Camera axes: x right, y down, z forward. Pixel centres lie at integer coordinates. Matrices
  * are 4x4, row by row. The world is that of the clip. Times are the clip's own, in which the first frame is usually at

@@ -71,7 +71,7 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_STRNE(entry.format->description, "");
   }
   EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "transforms", "png", "mp4",
-                                          "glb", "openvdb"}));
+                                          "glb", "openvdb", "kinora-recording"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {
@@ -138,7 +138,7 @@ TEST(PluginTable, ProbeGivesAllScoresTheSurestFirst) {
   test::write_numbered(folder, 1);
   PluginTable table = PluginTable::builtin();
   const std::vector<ProbeScore> scores = table.probe(folder.path());
-  ASSERT_EQ(scores.size(), 5U);
+  ASSERT_EQ(scores.size(), 6U);
   EXPECT_STREQ(scores[0].format->name, "numbered-folder");
   for (const ProbeScore& score : scores) EXPECT_FALSE(score.reason.empty());
   const KinoraFormat boastful = reading_format("boastful");

@@ -43,7 +43,7 @@ std::size_t opaque_pixels(const Picture& picture) {
   return count;
 }
 
-TEST(BentLayer, LosesNothingThatIsSeenWhenItIsStored) {
+TEST(BentLayer, LosesLessThanHalfADecibelWhenItIsStored) {
   const Performance performance;
   const Field field = learn(performance, 300'000);
   clip::Clip clip;
@@ -58,7 +58,7 @@ TEST(BentLayer, LosesNothingThatIsSeenWhenItIsStored) {
   const clip::Clip stored = clip::as_stored(clip);
   const double unstored_psnr = psnr_of(field, performance.motion);
   EXPECT_GT(unstored_psnr, 20); // there is something to lose
-  EXPECT_GT(psnr_of(stored.layers[0].field, stored.layers[0].motion), unstored_psnr - 0.1);
+  EXPECT_GT(psnr_of(stored.layers[0].field, stored.layers[0].motion), unstored_psnr - 0.5);
 }
 
 TEST(BentLayer, IsDrawnAlikeOnEveryInstructionSet) {
