@@ -16,8 +16,8 @@ namespace kinora::cli {
 namespace {
 
 using AddCommand = void (*)(CLI::App&, Context&);
-constexpr std::array<AddCommand, 10> kCommands{add_info,    add_formats, add_probe,  add_encode, add_render,
-                                               add_convert, add_track,   add_motion, add_eval,   add_serve};
+constexpr std::array<AddCommand, 11> kCommands{add_info,  add_formats, add_probe, add_encode, add_render, add_convert,
+                                               add_track, add_motion,  add_eval,  add_play,   add_serve};
 
 int fail(Context& context, int code, const std::string& sentence) {
   context.progress.finish();

@@ -22,6 +22,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "clip": ["clip/payloads"],
     "player": ["clip", "fields/rendering", "include/kinora"],
     "player/http": ["core"],
+    "player/window": ["player"],
 }
 MAKE = {  # from a capture to a clip
     "host": ["core", "include/kinora"],
@@ -52,7 +53,7 @@ MAKE = {  # from a capture to a clip
 LOOK = {  # at what was made
     "evaluate": ["player", "ingest/joints"],
     "bake": ["clip", "fields/network", "motion/skinning", "host"],
-    "cli": ["encode", "evaluate", "bake", "player/http"],
+    "cli": ["encode", "evaluate", "bake", "player/http", "player/window"],
 }
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
@@ -67,6 +68,8 @@ ONE_USER = {
     "tbb/": re.compile(r"src/core/parallel\w*\.cpp"),
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
     "httplib.h": re.compile(r"src/player/http/.*"),
+    "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
+    "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"formats/mp4/.*"),
     "opencv2/": re.compile(r"src/ingest/(onnx/onnx|opencv/opencv|segmentation/network|joints/network)_\w+\.(cpp|h)"),
     "hwy/": re.compile(r"(src|tests|bench)/.*_simd\w*\.(cpp|h)"),
