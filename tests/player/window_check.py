@@ -90,12 +90,13 @@ class Player:
 
 
 def check_playing(player, kinora, clip, look):
-    player.do("key", "space")  # it played
+    player.do("key", "comma")  # it played, or has played to its end: now it pauses
     player.do("key", "Left", "Left", "Left")  # more than the clip has: its start
     first = player.screenshot()
     expect(first.name == "clip-000000.png", f"the first frame's picture is {first.name}")
     wanted = player.folder.parent / "wanted.png"
-    subprocess.run([kinora, "render", clip, wanted, "--size", "960x720", "--frames", "0", "--quiet"], check=True)
+    subprocess.run([kinora, "render", clip, wanted, "--size", "960x720", "--frames", "0", "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
     expect(pixels(first) == pixels(wanted), "a screenshot is not what kinora render draws")
     again = player.screenshot()
     expect(again.name == "clip-000000-2.png" and pixels(again) == pixels(first), f"{again.name} is not the same again")
@@ -125,7 +126,8 @@ def check_camera(player, home, kinora, clip):
     expect(len(cameras) >= 3, f"{len(cameras)} cameras were recorded")
     wanted = player.folder.parent / "turned.png"
     last = len(cameras) - 1
-    subprocess.run([kinora, "render", clip, wanted, "--cameras", path, "--frames", str(last), "--quiet"], check=True)
+    subprocess.run([kinora, "render", clip, wanted, "--cameras", path, "--frames", str(last), "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
     expect(pixels(turned) == pixels(wanted), "from the recorded camera kinora render draws another picture")
     player.drag((500, 350), (560, 350), "2")
     panned = pixels(player.screenshot())
@@ -146,10 +148,11 @@ def check_camera(player, home, kinora, clip):
 def main():
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
-    kinora, sample = sys.argv[1:3]
+    kinora, sample = map(os.path.abspath, sys.argv[1:3])
     with tempfile.TemporaryDirectory() as name:
         clip = pathlib.Path(name) / "clip.mkv"
-        subprocess.run([kinora, "encode", sample, clip, "--preset", "fast", "--frames", f"0:{FRAMES}", "--quiet"], check=True)
+        subprocess.run([kinora, "encode", sample, clip, "--preset", "fast", "--frames", f"0:{FRAMES}", "--quiet"], check=True,
+                   stdout=subprocess.DEVNULL)
         none = subprocess.run([kinora, "play", clip], capture_output=True, text=True, check=False,
                               env={k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
         expect(none.returncode == 6 and "no display" in none.stderr and none.stderr.count("\n") == 1, none.stderr)
