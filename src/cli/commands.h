@@ -14,6 +14,7 @@ void add_convert(CLI::App& app, Context& context);
 void add_track(CLI::App& app, Context& context);
 void add_motion(CLI::App& app, Context& context);
 void add_eval(CLI::App& app, Context& context);
+void add_play(CLI::App& app, Context& context);
 void add_serve(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
 void add_recover(CLI::App& app, Context& context);

@@ -66,6 +66,12 @@ std::vector<View> capture_views(const clip::Clip& clip, const std::vector<int>& 
   return views;
 }
 
+Eigen::Vector3d subject_of(const Player& player, int frame) {
+  if (const auto moving = first_moving_layer(player)) return player.centre_of(*moving, frame).value();
+  const Camera camera = player.clip().capture_camera(frame);
+  return camera.camera_to_world * Eigen::Vector3d(0, 0, distance_of_subject(player, camera, frame));
+}
+
 Camera orbited(const Camera& camera, const Eigen::Vector3d& pivot, double radians) {
   const Eigen::Vector3d down = camera.camera_to_world.linear().col(1);
   // Seen along y (down) from above, a turn by −angle carries a camera that looks along +z to its right (+x).

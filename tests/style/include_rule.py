@@ -23,6 +23,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "player": ["clip", "fields/rendering", "include/kinora"],
     "player/gl": ["fields/rendering"],
     "player/http": ["core"],
+    "player/window": ["player"],
 }
 MAKE = {  # from a capture to a clip
     "recording": ["container", "include/kinora"],  # what its file holds, and reading it
@@ -55,7 +56,7 @@ MAKE = {  # from a capture to a clip
 LOOK = {  # at what was made
     "evaluate": ["player", "ingest/joints"],
     "bake": ["clip", "fields/network", "motion/skinning", "host"],
-    "cli": ["encode", "evaluate", "bake", "record", "player/http"],
+    "cli": ["encode", "evaluate", "bake", "record", "player/http", "player/window"],
 }
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
@@ -71,6 +72,9 @@ ONE_USER = {
     "tbb/": re.compile(r"src/core/parallel\w*\.cpp"),
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
     "httplib.h": re.compile(r"src/player/http/.*"),
+    "httplib.h": re.compile(r"src/player/http/.*"),
+    "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
+    "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/mp4/.*|src/recording/ffv1_module\.cpp)"),
     "opencv2/": re.compile(r"src/ingest/(onnx/onnx|opencv/opencv|segmentation/network|joints/network)_\w+\.(cpp|h)"),
     "hwy/": re.compile(r"(src|tests|bench)/.*_simd\w*\.(cpp|h)"),

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "clip/coding/field_syntax.h"
 #include "clip/coding/level_quantiser.h"
+#include "clip/payloads/field_syntax.h"
 #include "clip/payloads/touched_entries.h"
 #include "container/little_endian.h"
 #include "core/error.h"

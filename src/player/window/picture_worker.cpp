@@ -1,0 +1,119 @@
+#include "player/window/picture_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/image_codec.h"
+#include "player/window/new_file.h"
+
+namespace kinora::player::window {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kWantedMilliseconds = 30; // of a picture while something moves
+constexpr double kSmallest = 1.0 / 8, kLargest = 1;
+
+ColorImage drawn(const PictureRequest& request) {
+  const fields::DrawOptions options = draw_options_for(request.view);
+  return painted(request.moving ? request.player->preview(request.camera, request.frame, request.layers, options)
+                                : request.player->draw(request.camera, request.frame, request.layers, options),
+                 request.view);
+}
+
+} // namespace
+
+PictureWorker::PictureWorker() : thread_([this](const std::stop_token& stop) { work(stop); }) {}
+
+void PictureWorker::request(PictureRequest request) {
+  const std::lock_guard lock(mutex_);
+  next_ = std::move(request);
+  changed_.notify_all();
+}
+
+void PictureWorker::save(PictureRequest request, const std::filesystem::path& folder, const std::string& name) {
+  request.moving = false;
+  const std::lock_guard lock(mutex_);
+  saving_.push_back({std::move(request), folder, name});
+  changed_.notify_all();
+}
+
+DrawnPicture PictureWorker::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+std::size_t PictureWorker::drawn() const {
+  const std::lock_guard lock(mutex_);
+  return drawn_;
+}
+
+std::string PictureWorker::take_message() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(message_, {});
+}
+
+void PictureWorker::finish_saving() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return saving_.empty(); });
+}
+
+void PictureWorker::work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (changed_.wait(lock, stop, [this] { return next_ || !saving_.empty(); })) {
+    if (!saving_.empty()) {
+      const Saving saving = saving_.front();
+      lock.unlock();
+      write(saving);
+      lock.lock();
+      saving_.erase(saving_.begin());
+      changed_.notify_all();
+    } else {
+      const PictureRequest request = *std::exchange(next_, std::nullopt);
+      lock.unlock();
+      try {
+        draw(request);
+      } catch (const std::exception& error) {
+        const std::lock_guard again(mutex_);
+        message_ = error.what();
+      }
+      lock.lock();
+    }
+  }
+}
+
+void PictureWorker::draw(const PictureRequest& request) {
+  PictureRequest smaller = request;
+  const Intrinsics& full = request.camera.intrinsics;
+  if (request.moving) {
+    smaller.camera.intrinsics = full.resized(std::max(1, static_cast<int>(std::lrint(scale_ * full.width))),
+                                             std::max(1, static_cast<int>(std::lrint(scale_ * full.height))));
+  }
+  const auto start = Clock::now();
+  auto image = std::make_shared<const ColorImage>(window::drawn(smaller));
+  const double milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  if (request.moving) { // towards the size that takes as long as is wanted, half of the way
+    const double fitting = scale_ * std::sqrt(kWantedMilliseconds / std::max(milliseconds, 1.0));
+    scale_ = std::clamp(std::sqrt(scale_ * fitting), kSmallest, kLargest);
+  }
+  const std::lock_guard lock(mutex_);
+  newest_ = {std::move(image), milliseconds, !request.moving};
+  ++drawn_;
+}
+
+void PictureWorker::write(const Saving& saving) {
+  std::string message;
+  try {
+    const Bytes png = encode_png(window::drawn(saving.request));
+    message = fmt::format("{} written", write_new_file(saving.folder, saving.name, ".png", png).filename().string());
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  const std::lock_guard lock(mutex_);
+  message_ = message;
+}
+
+} // namespace kinora::player::window

@@ -1,0 +1,228 @@
+#include "player/window/viewer.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "player/view_path.h"
+#include "player/window/new_file.h"
+
+namespace kinora::player::window {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kRest = 200ms;          // without a movement, until the whole picture is drawn
+constexpr auto kBetweenCameras = 33ms; // of a recording
+
+} // namespace
+
+Viewer::Viewer(const std::filesystem::path& clip, Open open, std::filesystem::path folder,
+               std::function<bool()> stopped, MasterClock seconds)
+    : open_(std::move(open)), folder_(std::move(folder)), stopped_(std::move(stopped)), seconds_(std::move(seconds)) {
+  take(open_(clip), clip);
+  clock_->play();
+}
+
+void Viewer::take(std::shared_ptr<const Player> player, const std::filesystem::path& clip) {
+  const clip::Clip& content = player->clip();
+  if (content.times.empty()) {
+    throw Error(ErrorCode::kCorruptInput, fmt::format("{} has no frames to play; make it again", clip.string()));
+  }
+  clock_.emplace(content.times, seconds_);
+  camera_.emplace(content.capture_camera(0), subject_of(*player, 0));
+  panel_.title = clip.filename().string();
+  panel_.layers.clear();
+  for (const clip::Layer& layer : content.layers) panel_.layers.emplace_back(layer.name, true);
+  panel_.first_seconds = content.times.front();
+  panel_.last_seconds = content.times.back();
+  panel_.frame_count = content.times.size();
+  panel_.frame = 0;
+  panel_.view = 0;
+  name_ = clip.stem().string();
+  player_ = std::move(player);
+  changed_ = true;
+}
+
+std::pair<int, int> Viewer::wanted_size() const {
+  const Intrinsics& capture = player_->clip().intrinsics;
+  const double scale = std::min(960.0 / capture.width, 720.0 / capture.height);
+  return {std::max(1, static_cast<int>(scale * capture.width + 0.5)),
+          std::max(1, static_cast<int>(scale * capture.height + 0.5))};
+}
+
+void Viewer::act(const Action& action) {
+  using enum Action::Kind;
+  switch (action.kind) {
+  case kPlayPause:
+    clock_->playing() ? clock_->pause() : clock_->play();
+    break;
+  case kStep:
+    clock_->step(static_cast<int>(action.value));
+    break;
+  case kSeek:
+    clock_->seek(action.value);
+    break;
+  case kSeekBy:
+    clock_->seek(clock_->seconds() + action.value);
+    break;
+  case kLoop:
+    clock_->set_loop(!clock_->loop());
+    break;
+  case kSpeed:
+    clock_->set_speed(std::clamp(clock_->speed() * action.value, PlaybackClock::kMinSpeed, PlaybackClock::kMaxSpeed));
+    break;
+  case kHome:
+    camera_->reset();
+    changed_ = true;
+    break;
+  case kLayer:
+    if (const auto i = static_cast<std::size_t>(action.value); i < panel_.layers.size()) {
+      panel_.layers[i].second = !panel_.layers[i].second;
+      changed_ = true;
+    }
+    break;
+  case kView:
+    set_view(static_cast<int>(action.value));
+    break;
+  case kScreenshot:
+    panel(width_, height_); // of the frame that is due now
+    worker_.save(wanted(false), folder_, fmt::format("{}-{:06d}", name_, panel_.frame));
+    break;
+  case kRecord:
+    recording_ ? end_recording() : void(recording_.emplace());
+    break;
+  case kPanel:
+    panel_.shown = !panel_.shown;
+    break;
+  case kQuit:
+    ended_ = true;
+    break;
+  }
+}
+
+void Viewer::set_view(int view) {
+  const auto& clip_layers = player_->clip().layers;
+  if (static_cast<PictureView>(view) == PictureView::kConfidence &&
+      std::any_of(clip_layers.begin(), clip_layers.end(), [](const clip::Layer& layer) { return !layer.confidence; })) {
+    panel_.message = "this clip does not say how well it was seen: an earlier Kinora made it";
+    return;
+  }
+  panel_.view = view;
+  changed_ = true;
+}
+
+void Viewer::orbit(double right, double down) {
+  camera_->orbit(right, down);
+  changed_ = true;
+}
+
+void Viewer::pan(double right, double down) {
+  camera_->pan(right, down);
+  changed_ = true;
+}
+
+void Viewer::zoom(double steps) {
+  camera_->zoom(steps);
+  changed_ = true;
+}
+
+void Viewer::open(const std::filesystem::path& clip) {
+  try {
+    take(open_(clip), clip);
+    clock_->play();
+    panel_.message = "";
+  } catch (const std::exception& error) {
+    panel_.message = error.what();
+  }
+}
+
+LayerChoice Viewer::layers() const {
+  LayerChoice chosen;
+  for (std::size_t i = 0; i < panel_.layers.size(); ++i) {
+    if (panel_.layers[i].second) chosen.push_back(i);
+  }
+  return chosen;
+}
+
+PictureRequest Viewer::wanted(bool moving) const {
+  return {player_,  camera_->camera(width_, height_),      static_cast<double>(panel_.frame),
+          layers(), static_cast<PictureView>(panel_.view), moving};
+}
+
+const Panel& Viewer::panel(int width, int height) {
+  const std::size_t frame = clock_->frame();
+  if (width != width_ || height != height_ || frame != panel_.frame) changed_ = true;
+  width_ = std::clamp(width, 1, 8192);
+  height_ = std::clamp(height, 1, 8192);
+  panel_.frame = frame;
+  camera_->set_home(player_->clip().capture_camera(static_cast<double>(frame)));
+  panel_.seconds = clock_->seconds();
+  panel_.playing = clock_->playing();
+  panel_.loop = clock_->loop();
+  panel_.speed = clock_->speed();
+  panel_.recording = recording_.has_value();
+  if (std::string message = worker_.take_message(); !message.empty()) panel_.message = std::move(message);
+  draw_what_changed();
+  record();
+  count_pictures();
+  return panel_;
+}
+
+void Viewer::draw_what_changed() {
+  const auto now = Clock::now();
+  if (changed_) {
+    changed_ = false;
+    full_wanted_ = true;
+    moved_ = now;
+    worker_.request(wanted(true));
+  } else if (full_wanted_ && !panel_.playing && now - moved_ >= kRest) {
+    full_wanted_ = false;
+    worker_.request(wanted(false));
+  }
+}
+
+void Viewer::count_pictures() {
+  const auto now = Clock::now();
+  const double passed = std::chrono::duration<double>(now - counted_).count();
+  if (passed >= 0.5) {
+    const std::size_t count = worker_.drawn();
+    rate_ = static_cast<double>(count - count_) / passed;
+    count_ = count;
+    counted_ = now;
+  }
+  const DrawnPicture newest = worker_.newest();
+  if (!newest.image) return;
+  panel_.statistics = fmt::format("{}x{}{}  {:.0f} ms  {:.0f} pictures/s", newest.image->width(),
+                                  newest.image->height(), newest.full ? " full" : "", newest.milliseconds, rate_);
+}
+
+void Viewer::record() {
+  const auto now = Clock::now();
+  if (!recording_ || now - recorded_ < kBetweenCameras) return;
+  recorded_ = now;
+  recording_->add(camera_->camera(width_, height_), panel_.seconds);
+}
+
+void Viewer::end_recording() {
+  const std::size_t count = recording_->size();
+  const std::string text = recording_->text();
+  recording_.reset();
+  if (count == 0) return;
+  try {
+    const auto path = write_new_file(folder_, "transforms", ".json", std::as_bytes(std::span(text)));
+    panel_.message = fmt::format("{} written, {} cameras", path.filename().string(), count);
+  } catch (const std::exception& error) {
+    panel_.message = error.what();
+  }
+}
+
+std::string Viewer::finish() {
+  if (recording_) end_recording();
+  worker_.finish_saving();
+  if (std::string message = worker_.take_message(); !message.empty()) panel_.message = std::move(message);
+  return panel_.message;
+}
+
+} // namespace kinora::player::window

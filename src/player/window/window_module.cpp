@@ -1,0 +1,7 @@
+// The module window: what it exports.
+#include "player/window/window_functions.h"
+
+extern "C" const kinora::player::window::WindowFunctions* kinora_functions() {
+  static constexpr kinora::player::window::WindowFunctions functions = {.show_window = kinora::player::window::show};
+  return &functions;
+}
