@@ -70,8 +70,8 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_FALSE(capability_names(*entry.format).empty());
     EXPECT_STRNE(entry.format->description, "");
   }
-  EXPECT_EQ(names,
-            (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "png", "mp4", "glb", "openvdb"}));
+  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "png", "mp4", "glb",
+                                          "openvdb", "ply"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {
