@@ -6,14 +6,15 @@
 #include "kinora_recording/format.h"
 #include "mp4/format.h"
 #include "openvdb/format.h"
+#include "ply/format.h"
 #include "png/format.h"
 #include "rgbd_folder/formats.h"
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat,       &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,  &kTransformsFormat,
-      &kRecordingFormat, &kPngFormat,      &mp4_format(),       &kGltfFormat, &openvdb_format()};
+      &kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat, &kTransformsFormat, &kRecordingFormat,
+      &kPngFormat, &mp4_format(),    &kGltfFormat,        &kPlyFormat, &openvdb_format()};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

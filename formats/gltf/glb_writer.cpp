@@ -4,6 +4,7 @@
 
 #include "common/files.h"
 #include "common/jpeg_writer.h"
+#include "common/mesh_fault.h"
 #include "common/pictures.h"
 #include "core/error.h"
 #include "core/image_codec.h"

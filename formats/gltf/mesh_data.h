@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -10,9 +9,6 @@
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
-
-/// What is wrong with a mesh; empty if nothing.
-std::string fault_of(const KinoraMesh& mesh);
 
 /// How a mesh is stored.
 struct GlbMeshSettings {

@@ -30,11 +30,23 @@ struct Conversion {
 /// Tells of something that the output does not carry as the clip has it: a warning, or Error(kFailure) if strict.
 void report_loss(const Conversion& conversion, const std::string& sentence, Context& context);
 
+/// Tells of frames in which a layer was lost.
+void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context);
+
+/// Tells of a layer that has no surface.
+void report_no_surface(const Conversion& conversion, const clip::Layer& layer, Context& context);
+
 /// All layers in one file, with their motion. Returns what was written, for --json: "layers", "files", "bytes".
 nlohmann::json convert_to_meshes(const Conversion& conversion, Context& context);
 
 /// One file for each frame: OUT/name_0001.vdb, … Returns the same, with "voxels" of the files.
 nlohmann::json convert_to_volumes(const Conversion& conversion, Context& context);
+
+/// One file for each frame with all layers as they are then: OUT/name_0001.ply, … Returns the same as the first.
+nlohmann::json convert_to_mesh_sequence(const Conversion& conversion, Context& context);
+
+/// Makes the folder of numbered files, and throws Error(kUnwritableOutput) if one of them is there and must stay.
+void check_numbered_outputs(const Conversion& conversion, bool overwrite);
 
 /// "a/b.vdb", 0 → "a/b_0001.vdb".
 std::filesystem::path numbered_path(const std::filesystem::path& path, std::size_t index);

@@ -110,18 +110,24 @@ Conversion conversion_of(const Options& options, const clip::Clip& clip, const K
   return conversion;
 }
 
+/// Else a file for each frame.
+bool is_one_file(const KinoraFormat& format) {
+  return host::supports(format, KINORA_WRITES_MESHES) && !host::supports(format, KINORA_WRITES_MESH_FRAME);
+}
+
 Json plan_json(const Conversion& conversion) {
   Json layers = Json::array();
   for (const std::size_t i : conversion.layers) {
     const clip::Layer& layer = conversion.clip->layers[i];
     layers.push_back({{"name", layer.name}, {"motion", motion::name_of(layer.motion.kind())}});
   }
-  const bool one_file = host::supports(*conversion.format, KINORA_WRITES_MESHES);
-  return {{"layers", std::move(layers)}, {"files", one_file ? 1 : conversion.frames.size()}, {"bytes", nullptr}};
+  return {{"layers", std::move(layers)},
+          {"files", is_one_file(*conversion.format) ? 1 : conversion.frames.size()},
+          {"bytes", nullptr}};
 }
 
 std::string files_of(const Conversion& conversion) {
-  if (host::supports(*conversion.format, KINORA_WRITES_MESHES)) return conversion.output.string();
+  if (is_one_file(*conversion.format)) return conversion.output.string();
   std::string first = numbered_path(conversion.output, 0).string();
   if (conversion.frames.size() == 1) return first;
   return fmt::format("{} to {}", first, numbered_path(conversion.output, conversion.frames.size() - 1).string());
@@ -152,9 +158,10 @@ void run(const Options& options, Context& context) {
   const KinoraFormat& format = target_of(options, context.plugins());
   const clip::Clip clip = open_clip(options.input);
   const Conversion conversion = conversion_of(options, clip, format, context);
-  Json result = options.dry_run                                ? plan_json(conversion)
-                : host::supports(format, KINORA_WRITES_MESHES) ? convert_to_meshes(conversion, context)
-                                                               : convert_to_volumes(conversion, context);
+  Json result = options.dry_run                                    ? plan_json(conversion)
+                : is_one_file(format)                              ? convert_to_meshes(conversion, context)
+                : host::supports(format, KINORA_WRITES_MESH_FRAME) ? convert_to_mesh_sequence(conversion, context)
+                                                                   : convert_to_volumes(conversion, context);
   if (context.shared.json) {
     result["schema"] = "kinora.convert/1";
     result["output"] = options.output.string();
@@ -179,12 +186,14 @@ void add_convert(CLI::App& app, Context& context) {
   CLI::App& command = context.add_command(app, "convert", "Turn a clip into meshes or volumes for other tools",
                                           "  kinora convert clip.mkv clip.glb\n"
                                           "  kinora convert clip.mkv person.glb -O layers=person -O triangles=50000\n"
+                                          "  kinora convert clip.mkv points/clip.ply -O content=points\n"
                                           "  kinora convert clip.mkv volumes/clip.vdb --frames 0:30 -O voxel=0.02",
                                           [options, &context] { run(*options, context); });
   command.add_option("INPUT", options->input, "The clip to convert")->required()->type_name("FILE");
   command
       .add_option("OUTPUT", options->output,
-                  "NAME.glb: all frames in one animated file; NAME.vdb: NAME_0001.vdb and so on, one per frame")
+                  "NAME.glb: all frames in one animated file; NAME.ply or .vdb: NAME_0001.ply and so on, one per "
+                  "frame")
       ->required()
       ->type_name("FILE");
   command.add_option("--from", options->from, "What the input is: clip")->type_name("FORMAT");

@@ -39,14 +39,7 @@ void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& 
                   context);
     }
   }
-  std::size_t lost = 0;
-  for (const int frame : conversion.frames) {
-    lost += baked.layer->motion.health(static_cast<std::size_t>(frame)) == motion::Health::kLost ? 1U : 0U;
-  }
-  if (lost > 0) {
-    report_loss(conversion, fmt::format("{}: lost in {} frames, where it is shown at its last known place", name, lost),
-                context);
-  }
+  report_lost_frames(conversion, *baked.layer, context);
 }
 
 std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descriptions, Context& context) {
@@ -57,7 +50,7 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
     auto mesh = bake::extract_mesh(layer, conversion.surface, context.progress);
     context.progress.advance(i + 1, layer.name);
     if (!mesh) {
-      report_loss(conversion, layer.name + ": it has no surface and is left out", context);
+      report_no_surface(conversion, layer, context);
       continue;
     }
     bake::Skinning skinning(layer.motion, *mesh);
@@ -78,6 +71,22 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
 }
 
 } // namespace
+
+void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context) {
+  std::size_t lost = 0;
+  for (const int frame : conversion.frames) {
+    lost += layer.motion.health(static_cast<std::size_t>(frame)) == motion::Health::kLost ? 1U : 0U;
+  }
+  if (lost > 0) {
+    report_loss(conversion,
+                fmt::format("{}: lost in {} frames, where it is shown at its last known place", layer.name, lost),
+                context);
+  }
+}
+
+void report_no_surface(const Conversion& conversion, const clip::Layer& layer, Context& context) {
+  report_loss(conversion, layer.name + ": it has no surface and is left out", context);
+}
 
 Json convert_to_meshes(const Conversion& conversion, Context& context) {
   OutputFile out(conversion.output, context.shared.overwrite, {conversion.input});

@@ -69,6 +69,31 @@ TEST_F(ConvertTest, ClipBecomesNumberedVolumesInANewFolder) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path("volumes")), {}), 2);
 }
 
+TEST_F(ConvertTest, ClipBecomesNumberedMeshesThatMove) {
+  const Said said = convert("meshes/clip.ply", {"--frames", "1:4:2", "--json"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json told = Json::parse(said.out);
+  EXPECT_EQ(told["files"], 2);
+  ASSERT_EQ(told["layers"].size(), 3U);
+  const std::string first = contents_of(path("meshes/clip_0001.ply"));
+  const std::string second = contents_of(path("meshes/clip_0002.ply"));
+  EXPECT_EQ(told["bytes"], first.size() + second.size());
+  std::size_t vertices = 0;
+  for (const Json& layer : told["layers"]) vertices += layer["vertices"].get<std::size_t>();
+  EXPECT_NE(first.find("element vertex " + std::to_string(vertices) + "\n"), std::string::npos);
+  EXPECT_EQ(first.size(), second.size());
+  EXPECT_NE(first, second);
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("meshes")), {}), 2);
+}
+
+TEST_F(ConvertTest, NumberedMeshesAreReplacedOnlyWhenAsked) {
+  folder_.write("clip_0003.ply", "precious");
+  expect_error(convert("clip.ply"), 5, "clip_0003.ply");
+  EXPECT_FALSE(fs::exists(path("clip_0001.ply"))); // found out before the work
+  EXPECT_EQ(convert("clip.ply", {"--overwrite"}).code, 0);
+  EXPECT_EQ(contents_of(path("clip_0003.ply")).substr(0, 4), "ply\n");
+}
+
 TEST_F(ConvertTest, DryRunSaysWhatWouldBeWrittenAndWritesNothing) {
   const Said said = convert("volumes/clip.vdb", {"--dry-run", "--json"});
   ASSERT_EQ(said.code, 0) << said.err;

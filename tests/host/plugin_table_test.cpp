@@ -71,7 +71,7 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_STRNE(entry.format->description, "");
   }
   EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "transforms", "png", "mp4",
-                                          "glb", "openvdb", "kinora-recording"}));
+                                          "glb", "ply", "openvdb", "kinora-recording"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {

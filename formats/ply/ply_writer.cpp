@@ -1,0 +1,77 @@
+#include "ply/ply_writer.h"
+
+#include <bit>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "common/files.h"
+#include "common/mesh_fault.h"
+#include "core/error.h"
+
+namespace kinora::formats {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+
+template <class Value> void append(std::vector<std::byte>& bytes, const Value& value) {
+  const auto raw = std::as_bytes(std::span(&value, 1));
+  bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
+/// From Kinora's axes to those of glTF.
+void append_turned(std::vector<std::byte>& bytes, const float* vector) {
+  append(bytes, vector[0]);
+  append(bytes, -vector[1]);
+  append(bytes, -vector[2]);
+}
+
+} // namespace
+
+PlyWriter::PlyWriter(std::filesystem::path path, PlyContent content) : path_(std::move(path)), content_(content) {
+  write_file(path_, {});
+}
+
+void PlyWriter::add(const KinoraMesh& mesh) {
+  const auto refuse = [&](const std::string& why) {
+    throw Error(ErrorCode::kUsage, path_.string() + ": a mesh cannot be written: " + why);
+  };
+  if (const std::string fault = fault_of(mesh); !fault.empty()) refuse(fault);
+  if (mesh.joint_count > 0) refuse("it has joints, which a file of one time does not hold");
+  if (mesh.colors == nullptr || mesh.normals == nullptr) refuse("its vertices have no colours or no normals");
+  if (mesh.vertex_count > std::numeric_limits<std::int32_t>::max() - vertex_count_)
+    refuse("the file would have more vertices than it can number");
+  for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+    append_turned(vertices_, mesh.positions + 3 * v);
+    append_turned(vertices_, mesh.normals + 3 * v);
+    for (std::size_t c = 0; c < 3; ++c) append(vertices_, mesh.colors[3 * v + c]);
+  }
+  if (content_ == PlyContent::kMesh) {
+    for (std::size_t f = 0; f < mesh.face_count; ++f) {
+      append(faces_, std::uint8_t{3});
+      for (std::size_t k = 0; k < 3; ++k) append(faces_, mesh.faces[3 * f + k] + vertex_count_);
+    }
+    face_count_ += mesh.face_count;
+  }
+  vertex_count_ += static_cast<std::uint32_t>(mesh.vertex_count);
+}
+
+void PlyWriter::finish() const {
+  if (vertex_count_ == 0) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
+  std::string head = "ply\nformat binary_little_endian 1.0\n"
+                     "comment Kinora: metres, x right, y up, z backward\n"
+                     "element vertex " +
+                     std::to_string(vertex_count_) + "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) head += std::string("property float ") + name + "\n";
+  for (const char* name : {"red", "green", "blue"}) head += std::string("property uchar ") + name + "\n";
+  if (content_ == PlyContent::kMesh)
+    head += "element face " + std::to_string(face_count_) + "\nproperty list uchar int vertex_indices\n";
+  head += "end_header\n";
+  const auto raw = std::as_bytes(std::span(head));
+  std::vector<std::byte> bytes(raw.begin(), raw.end());
+  bytes.insert(bytes.end(), vertices_.begin(), vertices_.end());
+  bytes.insert(bytes.end(), faces_.begin(), faces_.end());
+  write_file(path_, bytes);
+}
+
+} // namespace kinora::formats

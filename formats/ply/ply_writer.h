@@ -1,0 +1,40 @@
+// Meshes of one time as a PLY file.
+// Source: Turk, "The PLY Polygon File Format", 1994.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "kinora/plugin.h"
+
+namespace kinora::formats {
+
+enum class PlyContent {
+  kMesh,   ///< vertices with normals and colours, and triangles
+  kPoints, ///< the vertices alone
+};
+
+/// Binary, little endian. All meshes become one list of vertices: x y z nx ny nz red green blue. Axes are those of
+/// glTF: x right, y up, z backward, metres. The same meshes give the same bytes.
+class PlyWriter {
+public:
+  /// Checks that the file can be written. Throws Error(kUnwritableOutput).
+  PlyWriter(std::filesystem::path path, PlyContent content);
+
+  /// A mesh where it is in the world. Throws Error(kUsage) for one that has a fault or joints, or without colours.
+  void add(const KinoraMesh& mesh);
+  /// Writes the file. Throws Error: kFailure if there was no mesh; kUnwritableOutput.
+  void finish() const;
+
+private:
+  std::filesystem::path path_;
+  PlyContent content_;
+  std::vector<std::byte> vertices_;
+  std::vector<std::byte> faces_;
+  std::uint32_t vertex_count_ = 0;
+  std::size_t face_count_ = 0;
+};
+
+} // namespace kinora::formats

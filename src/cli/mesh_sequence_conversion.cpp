@@ -1,0 +1,75 @@
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "bake/posed_mesh.h"
+#include "cli/conversion.h"
+#include "cli/output_file.h"
+#include "core/error.h"
+
+namespace kinora::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+struct Surface {
+  const clip::Layer* layer;
+  host::Mesh mesh; ///< canonical
+};
+
+std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& context) {
+  std::vector<Surface> surfaces;
+  context.progress.stage("surfaces", conversion.layers.size());
+  for (std::size_t i = 0; i < conversion.layers.size(); ++i) {
+    const clip::Layer& layer = conversion.clip->layers[conversion.layers[i]];
+    auto mesh = bake::extract_mesh(layer, conversion.surface, context.progress);
+    context.progress.advance(i + 1, layer.name);
+    if (!mesh) {
+      report_no_surface(conversion, layer, context);
+      continue;
+    }
+    report_lost_frames(conversion, layer, context);
+    surfaces.push_back({&layer, std::move(*mesh)});
+  }
+  if (surfaces.empty()) {
+    throw Error(ErrorCode::kFailure, fmt::format("{}: no layer has a surface", conversion.input.string()));
+  }
+  return surfaces;
+}
+
+void write_frame(const Conversion& conversion, const std::vector<Surface>& surfaces, int frame, const fs::path& path) {
+  host::MeshWriter writer(*conversion.format, path, conversion.format_options);
+  for (const Surface& surface : surfaces) {
+    writer.add(bake::posed_mesh(surface.mesh, surface.layer->motion.warp(frame)));
+  }
+  writer.finish();
+}
+
+} // namespace
+
+Json convert_to_mesh_sequence(const Conversion& conversion, Context& context) {
+  check_numbered_outputs(conversion, context.shared.overwrite);
+  const std::vector<Surface> surfaces = extract_surfaces(conversion, context);
+  std::uintmax_t bytes = 0;
+  context.progress.stage("writing", conversion.frames.size());
+  for (std::size_t i = 0; i < conversion.frames.size(); ++i) {
+    context.progress.check();
+    OutputFile out(numbered_path(conversion.output, i), context.shared.overwrite, {conversion.input});
+    write_frame(conversion, surfaces, conversion.frames[i], out.writing_path());
+    std::error_code ignored;
+    if (out.can_be_read_back()) bytes += fs::file_size(out.writing_path(), ignored);
+    out.commit();
+    context.progress.advance(i + 1, "");
+  }
+  Json layers = Json::array();
+  for (const Surface& surface : surfaces) {
+    layers.push_back({{"name", surface.layer->name},
+                      {"motion", motion::name_of(surface.layer->motion.kind())},
+                      {"vertices", surface.mesh.positions.size()},
+                      {"triangles", surface.mesh.faces.size()}});
+  }
+  return {{"layers", std::move(layers)}, {"files", conversion.frames.size()}, {"bytes", bytes}};
+}
+
+} // namespace kinora::cli

@@ -1,0 +1,86 @@
+// PLY files, read back by the letter of the format.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/error.h"
+#include "formats/sample_capture.h"
+#include "formats/sample_triangle.h"
+
+namespace kinora::formats {
+namespace {
+
+using namespace kinora::test;
+
+class PlyTest : public testing::Test {
+protected:
+  /// The file's head, and what follows it.
+  std::pair<std::string, std::string> write(const std::vector<host::Mesh>& meshes, const host::Options& options = {}) {
+    write_meshes(table_.find("ply"), folder_.path() / "a.ply", options, meshes);
+    std::ifstream stream(folder_.path() / "a.ply", std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+    const std::string end = "end_header\n";
+    const std::size_t body = bytes.find(end) + end.size();
+    return {bytes.substr(0, body), bytes.substr(body)};
+  }
+  template <class Value> static Value value_at(const std::string& body, std::size_t offset) {
+    Value value{};
+    std::memcpy(&value, body.data() + offset, sizeof value);
+    return value;
+  }
+
+  static constexpr std::size_t kVertexBytes = 6 * 4 + 3;
+  static constexpr std::size_t kFaceBytes = 1 + 3 * 4;
+  TemporaryFolder folder_;
+  host::PluginTable table_ = host::PluginTable::builtin();
+};
+
+TEST_F(PlyTest, AllMeshesBecomeOneListOfVerticesAndOneOfFaces) {
+  const auto [head, body] = write({triangle("a", 0), triangle("b", 1)});
+  EXPECT_TRUE(head.starts_with("ply\nformat binary_little_endian 1.0\n")) << head;
+  EXPECT_NE(head.find("element vertex 6\nproperty float x\n"), std::string::npos) << head;
+  EXPECT_NE(head.find("element face 2\nproperty list uchar int vertex_indices\n"), std::string::npos) << head;
+  ASSERT_EQ(body.size(), 6 * kVertexBytes + 2 * kFaceBytes);
+  const std::size_t second = 6 * kVertexBytes + kFaceBytes;
+  EXPECT_EQ(body[second], 3);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_EQ(value_at<std::int32_t>(body, second + 1 + 4 * static_cast<std::size_t>(k)), 3 + k);
+}
+
+TEST_F(PlyTest, VerticesLieWithYUpInTheirColours) {
+  const std::string body = write({triangle("a", 1)}).second;
+  const std::size_t last = 2 * kVertexBytes; // the vertex (1, 0.5, 2) with the normal (0, 0.6, -0.8)
+  const float expected[] = {1, -0.5F, -2, 0, -0.6F, 0.8F};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_FLOAT_EQ(value_at<float>(body, last + 4 * i), expected[i]) << i;
+  EXPECT_EQ(value_at<std::uint8_t>(body, last + 24), 200);
+  EXPECT_EQ(value_at<std::uint8_t>(body, last + 25), 100);
+  EXPECT_EQ(value_at<std::uint8_t>(body, last + 26), 50);
+}
+
+TEST_F(PlyTest, PointsAreTheVerticesAlone) {
+  const auto [head, body] = write({triangle("a", 0)}, {{"content", "points"}});
+  EXPECT_EQ(head.find("element face"), std::string::npos) << head;
+  EXPECT_EQ(body.size(), 3 * kVertexBytes);
+  EXPECT_EQ(body, write({triangle("a", 0)}).second.substr(0, 3 * kVertexBytes));
+}
+
+TEST_F(PlyTest, FaultyMeshesAndUnwritablePlacesAreErrors) {
+  const auto code_of = [&](const host::Mesh& mesh, const std::string& name) {
+    try {
+      write_meshes(table_.find("ply"), folder_.path() / name, {}, {mesh});
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode{};
+  };
+  host::Mesh mesh = triangle("a", 0);
+  EXPECT_EQ(code_of(mesh, "absent/a.ply"), ErrorCode::kUnwritableOutput);
+  mesh.faces[0][2] = 3;
+  EXPECT_EQ(code_of(mesh, "a.ply"), ErrorCode::kUsage);
+  mesh = triangle("a", 0);
+  mesh.colors.clear();
+  EXPECT_EQ(code_of(mesh, "a.ply"), ErrorCode::kUsage);
+}
+
+} // namespace
+} // namespace kinora::formats
