@@ -8,7 +8,9 @@
 #include <limits>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "clip/clip_io.h"
 #include "clip/sample_clip.h"
@@ -26,7 +28,7 @@ constexpr int kHeight = 30;
 class PlayerApi : public ::testing::Test {
 protected:
   static void SetUpTestSuite() {
-    path() = fs::path(::testing::TempDir()) / "player_api.mkv";
+    path() = fs::path(::testing::TempDir()) / fmt::format("player_api_{}.mkv", getpid());
     clip::write_clip(two_balls(), path());
   }
   /// One that stands, and one beside it that moves away.
