@@ -1,7 +1,9 @@
 #include "common/jpeg_writer.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 
 #include <jpeglib.h>
 

@@ -37,7 +37,7 @@ fields::Rotation rotation_at(const motion::Warp& warp, const Eigen::Vector3d& ca
 /// Features composited along a short ray through the surface, as the renderer does.
 std::vector<Features> composited(const FieldSampler& sampler, std::span<const SurfacePoint> points, int before) {
   const double step = sampler.field().config.cell_size();
-  const auto count = static_cast<std::size_t>(before + kBehind);
+  const auto count = static_cast<std::size_t>(before) + static_cast<std::size_t>(kBehind);
   std::vector<Eigen::Vector3d> places;
   places.reserve(points.size() * count);
   for (const SurfacePoint& point : points) {

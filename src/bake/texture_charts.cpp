@@ -8,6 +8,8 @@
 #include <numeric>
 #include <unordered_map>
 
+#include <Eigen/Geometry>
+
 namespace kinora::bake {
 namespace {
 

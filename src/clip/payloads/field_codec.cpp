@@ -24,7 +24,6 @@ namespace {
 
 // 1 and 2 had no vectors among the features; 3 and 4 are still read.
 constexpr std::uint8_t kZstdDensityVersion = 3;
-constexpr std::uint8_t kZstdSignedDistanceVersion = 4;
 constexpr std::uint8_t kVersion = 5;
 constexpr std::size_t kFixedHeaderBytes = 56;
 constexpr std::size_t kZstdSizesAt = 48; // versions 3 and 4
