@@ -52,7 +52,7 @@ void PluginTable::add(const KinoraPlugin& plugin, const std::string& origin) {
   formats_ = std::move(grown.formats_);
 }
 
-void PluginTable::add(std::shared_ptr<const ExternalPlugin> plugin) {
+void PluginTable::add(const std::shared_ptr<const ExternalPlugin>& plugin) {
   const std::string origin = plugin->manifest().path.string();
   PluginTable grown = *this;
   for (const ManifestFormat& format : plugin->manifest().formats) {

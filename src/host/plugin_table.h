@@ -50,7 +50,7 @@ public:
   void add(const KinoraPlugin& plugin, const std::string& origin);
 
   /// Adds what a plugin.json describes, or nothing. Throws Error(kFailure) for a name that is taken.
-  void add(std::shared_ptr<const ExternalPlugin> plugin);
+  void add(const std::shared_ptr<const ExternalPlugin>& plugin);
 
   const std::vector<FormatEntry>& formats() const { return formats_; }
 

@@ -85,6 +85,7 @@ player::Player ball_that_goes_right() {
       fields::testing::painted_field({{-0.5, -0.5, 0.7}, 1}, fields::testing::PaintedBall{{0, 0, 1.2}});
   clip.layers[0].confidence.reset();
   std::vector<motion::Motion::Pose> poses;
+  poses.reserve(3);
   for (int i = 0; i < 3; ++i) poses.push_back({SE3(Eigen::Translation3d(0.15 * i, 0, 0)), motion::Health::kTracked});
   clip.layers[0].motion = motion::Motion::rigid(std::move(poses));
   return player::Player(std::move(clip));

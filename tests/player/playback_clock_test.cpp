@@ -34,6 +34,7 @@ TEST_F(Playback, ShowsTheLastFrameWhoseTimeHasCome) {
 
 TEST_F(Playback, EveryFrameOfALongClipIsShownAtItsOwnTime) {
   std::vector<double> times;
+  times.reserve(3000);
   for (int i = 0; i < 3000; ++i) times.push_back(i / 30.0);
   PlaybackClock clock(times, [this] { return now_; });
   clock.play();

@@ -41,6 +41,7 @@ protected:
     clip.layers[1].field =
         fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{{0.2, 0, 0}, 0.2});
     std::vector<motion::Motion::Pose> poses;
+    poses.reserve(4);
     for (int i = 0; i < 4; ++i) poses.push_back({SE3(Eigen::Translation3d(0.1 * i, 0, 0))});
     clip.layers[1].motion = motion::Motion::rigid(std::move(poses));
     return clip;
@@ -171,7 +172,7 @@ TEST_F(PlayerApi, CoarsePicturesComeFirstAndTheLastIsTheFullOne) {
     for (std::size_t i = 3; i < picture.color.size(); i += 4) count += picture.color[i] > 127 ? 1 : 0;
     return count;
   };
-  for (const ClipPicture& coarse : seen) EXPECT_NEAR(opaque(coarse), opaque(full), kWidth * kHeight / 8);
+  for (const ClipPicture& coarse : seen) EXPECT_NEAR(opaque(coarse), opaque(full), kWidth * kHeight / 8.0);
 }
 
 TEST_F(PlayerApi, StopsWhereTheCallbackSaysSoAndKeepsThatPicture) {

@@ -101,6 +101,7 @@ Player ball_on_its_way(bool deforms) {
   const auto graph = std::make_shared<const motion::DeformationGraph>(
       std::vector<Eigen::Vector3d>{{-0.1, 0, 0}, {0.1, 0, 0}}, 0.5, 1.0);
   std::vector<motion::Motion::Deformation> deformations;
+  deformations.reserve(poses.size());
   for (const SE3& pose : poses) deformations.push_back({{DualQuaternion::from(pose), DualQuaternion::from(pose)}});
   clip.layers[0].motion = motion::Motion::deforming(graph, std::move(deformations));
   return Player(std::move(clip));

@@ -55,7 +55,7 @@ std::vector<float> net_texels(const fields::DrawableField::Derived& layer) {
 /// All bricks side by side in a cube, nine samples along each side of one.
 std::vector<std::uint8_t> atlas_of(const DensityBricks& bricks, int per_side) {
   constexpr int kLevels = DensityBricks::kLevels;
-  const auto side = static_cast<std::size_t>(per_side * kLevels);
+  const auto side = static_cast<std::size_t>(per_side) * std::size_t{kLevels};
   std::vector<std::uint8_t> atlas(side * side * side, 0);
   for (std::size_t b = 0; b < bricks.count(); ++b) {
     const auto n = static_cast<std::size_t>(per_side);
@@ -147,7 +147,9 @@ public:
         if (!(texel[3] > 0)) continue;
         const float alpha = texel[3] > 1 - 2 * fields::kOpaque ? 1 : texel[3];
         std::uint8_t* out = image.pixel(u, v);
-        const auto byte = [](float x) { return static_cast<std::uint8_t>(255 * std::clamp(x, 0.0F, 1.0F) + 0.5F); };
+        const auto byte = [](float x) {
+          return static_cast<std::uint8_t>(std::lround(255 * std::clamp(x, 0.0F, 1.0F)));
+        };
         for (int c = 0; c < 3; ++c) out[c] = byte(texel[c] / texel[3]);
         out[3] = byte(alpha);
       }

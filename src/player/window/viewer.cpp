@@ -1,6 +1,7 @@
 #include "player/window/viewer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -48,8 +49,8 @@ void Viewer::take(std::shared_ptr<const Player> player, const std::filesystem::p
 std::pair<int, int> Viewer::wanted_size() const {
   const Intrinsics& capture = player_->clip().intrinsics;
   const double scale = std::min(960.0 / capture.width, 720.0 / capture.height);
-  return {std::max(1, static_cast<int>(scale * capture.width + 0.5)),
-          std::max(1, static_cast<int>(scale * capture.height + 0.5))};
+  const auto scaled = [&](int size) { return std::max(1, static_cast<int>(std::lround(scale * size))); };
+  return {scaled(capture.width), scaled(capture.height)};
 }
 
 void Viewer::act(const Action& action) {

@@ -77,8 +77,8 @@ TEST(RangeCoder, NoticesACodeThatEndsTooEarlyOrTooLate) {
 
 // What files hold that exist: a model that learns otherwise reads none of them.
 TEST(RangeCoder, WritesTheBytesOfFilesThatExist) {
-  std::vector<std::int32_t> values;
-  for (int i = 0; i < 96; ++i) values.push_back((i * i) % 23 - 11 + (i % 7 == 0 ? 40 : 0));
+  std::vector<std::int32_t> values(96);
+  for (int i = 0; i < 96; ++i) values[static_cast<std::size_t>(i)] = (i * i) % 23 - 11 + (i % 7 == 0 ? 40 : 0);
   EXPECT_EQ(hex(encode(values)),
             "c24a53046c4bd1703a980089796690355ebf78a699acadeca54a7c1023939bd88878c01825aac9822b0003a30ee83d0d"
             "44c7f59e7fb891eceef9733b8170c3640e");
