@@ -1,4 +1,5 @@
 // kinora record: a capture becomes one file, without loss.
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "core/error.h"
 #include "host/frame_reader.h"
 #include "record/recorder.h"
+#include "recording/recording_file.h"
 
 namespace kinora::cli {
 namespace {
@@ -29,6 +31,7 @@ struct Outcome {
   std::vector<std::string> problems; ///< of frames that could not be recorded
   double first_time = 0, last_time = 0;
   bool interrupted = false;
+  bool opened = false; ///< what stands under the output's name is ours
 };
 
 /// The file is written under its own name, so that it can be followed; there is nothing to rename.
@@ -74,6 +77,7 @@ void record_frames(host::FrameReader& reader, const Options& options, std::optio
     }
     if (!recorder) {
       outcome.first_time = frame.time;
+      outcome.opened = std::ofstream(options.output, std::ios::app).is_open();
       recorder.emplace(options.output, description, frame);
     }
     if (frame.time - outcome.first_time >= options.duration) return;
@@ -88,11 +92,27 @@ void record_frames(host::FrameReader& reader, const Options& options, std::optio
   }
 }
 
-/// A full disk: completes the file as far as it goes, and says so.
-[[noreturn]] void complete_and_tell(record::Recorder& recorder, const Error& error) {
-  recorder.finish_at_last_cluster();
+bool holds_a_frame(const std::filesystem::path& path) {
+  try {
+    return recording::RecordingFile(path).frame_count() > 0;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// A full disk: completes the file as far as it goes, and says so. Removes it if no frame is in it.
+[[noreturn]] void complete_and_tell(const std::filesystem::path& path, std::optional<record::Recorder>& recorder,
+                                    const Error& error) {
+  if (recorder) recorder->finish_at_last_cluster();
+  recorder.reset();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) throw error; // a device
+  if (holds_a_frame(path))
+    throw Error(ErrorCode::kUnwritableOutput,
+                fmt::format("{}; the recording is complete up to there and can be read", error.what()));
+  std::filesystem::remove(path, ignored);
   throw Error(ErrorCode::kUnwritableOutput,
-              fmt::format("{}; the recording is complete up to there and can be read", error.what()));
+              fmt::format("{}; the recording holds no frame yet and is removed", error.what()));
 }
 
 Outcome record_capture(const Options& options, Context& context) {
@@ -110,7 +130,8 @@ Outcome record_capture(const Options& options, Context& context) {
                   fmt::format("{}: no frame was recorded, and no file was made", options.capture.string()));
     recorder->finish();
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::kUnwritableOutput && recorder) complete_and_tell(*recorder, error);
+    if (error.code() == ErrorCode::kUnwritableOutput && outcome.opened)
+      complete_and_tell(options.output, recorder, error);
     throw;
   }
   return outcome;

@@ -1,9 +1,13 @@
 // kinora record, recover and validate, as a user runs them.
 #include <algorithm>
 
+#include <sys/resource.h>
+
 #include "cli/run_kinora.h"
+#include "container/recovery.h"
 #include "host/frame_reader.h"
 #include "host/plugin_table.h"
+#include "recording/recording_file.h"
 
 namespace kinora::test {
 namespace {
@@ -43,6 +47,8 @@ int expect_same_frames(const std::string& recording, const std::string& capture)
     EXPECT_EQ(bytes_of(a->frame.color), bytes_of(b->frame.color));
     EXPECT_EQ(bytes_of(a->frame.depth), bytes_of(b->frame.depth));
     EXPECT_EQ(bytes_of(a->frame.labels), bytes_of(b->frame.labels));
+    EXPECT_EQ(a->frame.has_pose, b->frame.has_pose);
+    EXPECT_TRUE(std::ranges::equal(a->frame.camera_to_world, b->frame.camera_to_world));
     ++count;
   }
   return count;
@@ -83,6 +89,107 @@ TEST_F(Record, ExistingFileIsNotReplaced) {
   folder_.write("r.mkv", "precious");
   expect_error(run({"record", capture_, path("r.mkv")}), 5, "--overwrite");
   EXPECT_EQ(contents_of(path("r.mkv")), "precious");
+}
+
+/// Files of programs that are started meanwhile end at this size, as on a disk that is full then.
+class SmallDisk {
+public:
+  explicit SmallDisk(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &old_limit_);
+    const rlimit limit{bytes, old_limit_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &old_limit_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+
+private:
+  void (*old_handler_)(int);
+  rlimit old_limit_{};
+};
+
+TEST_F(Record, FullDiskLeavesACompleteRecordingOfWhatFitted) {
+  ASSERT_EQ(run({"record", capture_, path("whole.mkv"), "--duration", "1.2"}).code, 0);
+  Said said;
+  {
+    const SmallDisk disk(fs::file_size(path("whole.mkv")) * 3 / 4);
+    said = run({"record", capture_, path("r.mkv"), "--duration", "1.2"});
+  }
+  expect_error(said, 5, "is complete up to there");
+  EXPECT_EQ(run({"validate", path("r.mkv")}).code, 0);
+  EXPECT_GE(expect_same_frames(path("r.mkv"), capture_), 10);
+}
+
+TEST_F(Record, FullDiskWithoutRoomForAFrameLeavesNoFileAndSaysSo) {
+  for (const rlim_t bytes : {500U, 10'000U}) { // not even the head; not one segment
+    const SmallDisk disk(bytes);
+    expect_error(run({"record", capture_, path("r.mkv"), "--duration", "0.3"}), 5, "holds no frame");
+    EXPECT_FALSE(fs::exists(path("r.mkv"))) << bytes;
+  }
+}
+
+TEST_F(Record, PngColorAndPosesReadBackBitByBit) {
+  write_3dmatch(folder_, 4);
+  ASSERT_EQ(run({"record", folder_.path().string(), path("r.mkv")}).code, 0);
+  EXPECT_EQ(expect_same_frames(path("r.mkv"), folder_.path().string()), 4);
+}
+
+/// Where the segments of a finished file end, and how many frames there are up to each.
+std::vector<std::pair<std::uint64_t, int>> segment_ends(const std::string& path) {
+  container::Reader reader(path);
+  container::StoredBlock block;
+  std::vector<std::pair<std::uint64_t, int>> ends;
+  int frames = 0;
+  std::uint64_t end = 0;
+  while (reader.next_block(block)) {
+    if (end != 0 && block.offset != end) ends.emplace_back(end, frames); // a segment's head lies between
+    frames += reader.tracks()[block.track].ours ? 1 : 0;
+    end = block.offset + block.stored_bytes;
+  }
+  ends.emplace_back(end, frames);
+  return ends;
+}
+
+TEST_F(Record, KilledAtAnyMomentLosesTheUnfinishedSegmentAtMost) {
+  constexpr int kFrames = 150, kMoments = 50;
+  const TemporaryFolder capture;
+  write_numbered(capture, kFrames);
+  const std::string whole = path("whole.mkv");
+  ASSERT_EQ(run({"record", capture.path().string(), whole}).code, 0);
+  const auto ends = segment_ends(whole);
+  ASSERT_GE(ends.size(), 8U);
+  ASSERT_EQ(ends.back().second, kFrames);
+  const std::uint64_t whole_bytes = fs::file_size(whole);
+  const std::string file = path("r.mkv");
+  Progress quiet;
+  Random random(32);
+  int killed_in_between = 0;
+  for (int moment = 0; moment < kMoments; ++moment) {
+    SCOPED_TRACE(moment);
+    fs::remove(file);
+    const std::uint64_t at = random.below(static_cast<std::uint32_t>(whole_bytes));
+    const std::uint32_t later = random.below(2000);
+    Running running(folder_.path(), {"record", capture.path().string(), file});
+    std::error_code ignored;
+    for (std::uintmax_t size = 0; size < at || size == static_cast<std::uintmax_t>(-1);)
+      size = running.ended() ? at : fs::file_size(file, ignored);
+    usleep(later); // of the moment, which the seed chooses; nothing depends on it
+    running.kill_at_once();
+    running.finish();
+    const std::uint64_t bytes = fs::file_size(file, ignored);
+    int promised = 0;
+    for (const auto& [end, frames] : ends)
+      if (end <= bytes) promised = frames;
+    killed_in_between += promised > 0 && promised < kFrames ? 1 : 0;
+    if (promised == 0) continue; // the first segment was not finished
+    EXPECT_GE(expect_same_frames(file, capture.path().string()), promised);
+    container::recover(file, path("saved.mkv"), quiet);
+    EXPECT_GE(expect_same_frames(path("saved.mkv"), capture.path().string()), promised);
+  }
+  EXPECT_GE(killed_in_between, kMoments / 2);
 }
 
 } // namespace

@@ -63,6 +63,12 @@ public:
     return true;
   }
   void interrupt() const { kill(pid_, SIGINT); }
+  void kill_at_once() const { kill(pid_, SIGKILL); }
+  /// Whether it has ended by itself; finish() is still due.
+  bool ended() const {
+    siginfo_t info{};
+    return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid_;
+  }
   Said finish() {
     while (read_some()) {
     }
