@@ -10,6 +10,7 @@
 
 #include "container/crc32c.h"
 #include "container/envelope.h"
+#include "container/valid_utf8.h"
 #include "core/random.h"
 
 namespace kinora::container {
@@ -32,7 +33,7 @@ template <class Child> void set_text(EbmlMaster& parent, const std::string& valu
   static_cast<EbmlString&>(GetChild<Child>(parent)).SetValue(value);
 }
 template <class Child> void set_utf8(EbmlMaster& parent, const std::string& value) {
-  static_cast<EbmlUnicodeString&>(GetChild<Child>(parent)).SetValueUTF8(value);
+  static_cast<EbmlUnicodeString&>(GetChild<Child>(parent)).SetValueUTF8(valid_utf8(value));
 }
 template <class Child> void set_bytes(EbmlMaster& parent, std::span<const std::byte> bytes) {
   GetChild<Child>(parent).CopyBuffer(reinterpret_cast<const binary*>(bytes.data()),
