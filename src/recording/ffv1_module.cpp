@@ -109,8 +109,11 @@ public:
   Ffv1Decoder(const PictureShape& shape, std::span<const std::byte> private_data)
       : shape_(shape), context_(context_of(avcodec_find_decoder(AV_CODEC_ID_FFV1), shape)), frame_(av_frame_alloc()),
         packet_(av_packet_alloc()) {
+    if (private_data.empty()) throw Error(ErrorCode::kCorruptInput, "an FFV1 track has no description");
     context_->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
     context_->extradata = static_cast<std::uint8_t*>(av_mallocz(private_data.size() + AV_INPUT_BUFFER_PADDING_SIZE));
+    if (context_->extradata == nullptr)
+      throw Error(ErrorCode::kFailure, "the description of an FFV1 track has no room");
     std::memcpy(context_->extradata, private_data.data(), private_data.size());
     context_->extradata_size = static_cast<int>(private_data.size());
     check(avcodec_open2(context_.get(), context_->codec, nullptr), ErrorCode::kCorruptInput,
@@ -118,6 +121,8 @@ public:
   }
 
   std::vector<std::byte> decode(std::span<const std::byte> bytes) override {
+    if (bytes.empty())
+      throw Error(ErrorCode::kCorruptInput, "an FFV1 picture has no bytes"); // else it would end the track
     check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), ErrorCode::kFailure, "a picture has no room");
     std::memcpy(packet_->data, bytes.data(), bytes.size());
     int result = avcodec_send_packet(context_.get(), packet_.get());
