@@ -19,14 +19,10 @@ struct View {
 /// The capture camera at each of `frames` (numbers into the clip's timeline). Names are six-digit frame numbers.
 std::vector<View> capture_views(const clip::Clip& clip, const std::vector<int>& frames);
 
-/// What the scene is about at a frame, in world coordinates: the first moving layer's centre, or, if nothing moves, the
-/// point on the capture camera's optical axis at the median depth of the middle of its picture.
-Eigen::Vector3d subject_of(const Player& player, int frame);
-
-/// The capture camera carried about the vertical through what the scene is about: the first moving layer's centre, or,
-/// if nothing moves, the point on the optical axis at the median depth of the middle of the picture. Vertical is the
-/// capture camera's −y axis. `degrees` > 0 goes to the camera's right. A single frame is seen from `degrees`; several
-/// swing from 0 to +degrees, to −degrees and back to 0, once (angle = degrees · sin(2π i / n)).
+/// The capture camera carried about the vertical through what the scene is about: the first moving layer's centre, its
+/// mean over `frames`, or, if nothing moves, still_subject (player/subject.h). Vertical is the capture camera's −y
+/// axis. `degrees` > 0 goes to the camera's right. A single frame is seen from `degrees`; several swing from 0 to
+/// +degrees, to −degrees and back to 0, once (angle = degrees · sin(2π i / n)).
 std::vector<View> orbit_views(const Player& player, const std::vector<int>& frames, double degrees);
 
 /// `camera` turned by `radians` about the line through `pivot` along its own −y axis; positive goes to its right.

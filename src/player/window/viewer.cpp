@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "player/view_path.h"
+#include "player/subject.h"
 #include "player/window/new_file.h"
 
 namespace kinora::player::window {
