@@ -6,6 +6,7 @@
 #include "encode/held_out_poses.h"
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
+#include "encode/lost_labels.h"
 #include "encode/training_plan.h"
 #include "ingest/depth/registration_json.h"
 
@@ -48,7 +49,9 @@ void add_held_out(const TrainingPlan& plan, PreparedCapture& prepared, StageTime
 EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& options, Progress& progress) {
   StageTimes times = std::move(prepared.times);
   FramePass pass = pass_over_frames(*prepared.capture, options, times, progress);
-  const TrainingPlan plan = plan_training(pass, options);
+  const std::vector<NotModelled> lost = drop_lost_labels(pass, prepared.capture->info());
+  TrainingPlan plan = plan_training(pass, options);
+  plan.not_modelled.insert(plan.not_modelled.begin(), lost.begin(), lost.end());
   if (plan.layers.empty()) {
     throw Error(ErrorCode::kFailure,
                 "nothing in this capture can be modelled: no still or rigid layer has a pixel with "

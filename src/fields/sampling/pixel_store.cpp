@@ -113,6 +113,12 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});
 }
 
+void PixelStore::relabel(int from, int to) {
+  for (StoredPixel& pixel : pixels_) {
+    if (pixel.label == from) pixel.label = static_cast<std::uint8_t>(to);
+  }
+}
+
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {
   PixelStore part(max_pixels, frames_.size());
   const double share = static_cast<double>(max_pixels) / static_cast<double>(std::max<std::size_t>(pixels_.size(), 1));

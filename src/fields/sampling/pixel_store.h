@@ -55,6 +55,9 @@ public:
   /// `timeline_index`: the frame's place in the clip's timeline. Throws Error(kFailure) if `max_pixels` are exceeded.
   void add(const ingest::Frame& frame, int timeline_index);
 
+  /// The pixels of a label become those of another, 0 to 255.
+  void relabel(int from, int to);
+
   /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
   /// about `max_pixels`.
   PixelStore thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const;
