@@ -6,9 +6,11 @@
 
 namespace kinora::encode {
 
-/// The share of a label's measured pixels that other frames see at the same place of the world, of those that they do
-/// not see past something else: 1 for what keeps still, lower for what moves further than depth is wide. Looks at up
-/// to eight frames of the store, spread over those that show the label. 0 if no pair of frames tells.
+/// The share of a label's measured pixels whose place and colour other frames show again: their depth agrees within
+/// what a sensor tells, or what they see behind that place has the same colour (far depth is noisy). Of those alone
+/// before which nothing else stands. 1 for what keeps still, lower for what goes away from before something of another
+/// colour. Looks at up to eight frames of the store, spread over those that show the label. 0 if no pair of frames
+/// tells.
 double still_share(const fields::PixelStore& pixels, int label);
 
 /// Takes from `pass` every label that moves, that a segmenter found (LabelInfo::why), not a mask, and that is lost in

@@ -12,7 +12,7 @@ constexpr int kWidth = 80, kHeight = 60;
 
 int left_of(bool moves, int frame) { return moves ? 5 + 6 * frame : 30; } // pixels; the box is 12 wide
 
-ingest::Frame picture(int index, bool moves) {
+ingest::Frame picture(int index, bool moves, bool like_the_wall = false) {
   ingest::Frame frame;
   frame.index = index;
   frame.color = ColorImage(kWidth, kHeight);
@@ -25,6 +25,7 @@ ingest::Frame picture(int index, bool moves) {
       const bool box = u >= left && u < left + 12 && v >= 20 && v < 40;
       frame.depth.at(u, v) = box ? 1.5F : 2.5F;
       frame.labels.at(u, v) = box ? kPerson : 0;
+      frame.color.pixel(u, v)[0] = box && !like_the_wall ? 200 : 100;
     }
   }
   frame.clean_depth = frame.depth;
@@ -68,6 +69,12 @@ TEST(StillShare, IsOneForWhatKeepsStillAndNoneForWhatGoesAside) {
   EXPECT_EQ(still_share(pass_with(false, 0).pixels, kPerson), 1);
   EXPECT_LT(still_share(pass_with(true, 0).pixels, kPerson), 0.2);
   EXPECT_EQ(still_share(pass_with(false, 0).pixels, 7), 0);
+}
+
+TEST(StillShare, CountsWhatIsSeenBehindInTheSameColour) {
+  fields::PixelStore pixels(kFrames * kWidth * kHeight, kFrames);
+  for (int f = 0; f < kFrames; ++f) pixels.add(picture(f, true, true), f);
+  EXPECT_EQ(still_share(pixels, kPerson), 1);
 }
 
 TEST(LostLabels, AreTheRoomsWhereTheyKeepStill) {
