@@ -1,4 +1,5 @@
 // kinora record: a capture becomes one file, without loss.
+#include <chrono>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/text.h"
 #include "core/error.h"
@@ -19,19 +21,24 @@
 namespace kinora::cli {
 namespace {
 
+constexpr double kQueueSeconds = 0.5; // of frames that a camera keeps for us
+
 struct Options {
   std::filesystem::path capture;
   std::filesystem::path output;
   std::string format;
   double duration = std::numeric_limits<double>::infinity();
+  LiveOptions live;
 };
 
 struct Outcome {
   std::size_t frames = 0;
   std::vector<std::string> problems; ///< of frames that could not be recorded
+  std::size_t dropped = 0;           ///< frames that the camera lost
   double first_time = 0, last_time = 0;
   bool interrupted = false;
-  bool opened = false; ///< what stands under the output's name is ours
+  bool disconnected = false; ///< the camera is gone
+  bool opened = false;       ///< what stands under the output's name is ours
 };
 
 /// The file is written under its own name, so that it can be followed; there is nothing to rename.
@@ -63,6 +70,22 @@ std::string forecast(const std::filesystem::path& output, const Outcome& outcome
   return fmt::format("room for {:.0f} more minutes", left / 60);
 }
 
+record::Arrival arrival_of(const host::ReadFrame& read, bool live) {
+  using std::chrono::system_clock;
+  record::Arrival arrival{read.dropped_before, std::nullopt};
+  if (live) {
+    arrival.host_time_ns =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(system_clock::now().time_since_epoch()).count();
+  }
+  return arrival;
+}
+
+std::string progress_detail(const std::filesystem::path& output, const Outcome& outcome) {
+  std::string detail = forecast(output, outcome);
+  if (outcome.dropped > 0) detail += fmt::format("{}{} dropped", detail.empty() ? "" : ", ", outcome.dropped);
+  return detail;
+}
+
 void record_frames(host::FrameReader& reader, const Options& options, std::optional<record::Recorder>& recorder,
                    Outcome& outcome, Context& context) {
   const recording::Description description = recording::description_of(reader.info(), reader.format().name);
@@ -70,9 +93,11 @@ void record_frames(host::FrameReader& reader, const Options& options, std::optio
     outcome.interrupted = context.progress.cancelled();
     if (outcome.interrupted) return;
     const KinoraFrame& frame = read->frame;
+    const record::Arrival arrival = arrival_of(*read, options.live.live);
+    outcome.dropped += arrival.dropped_before;
     if (!read->problem.empty()) {
       note_problem(outcome, read->problem, context);
-      if (recorder) recorder->write_problem(frame.index, outcome.last_time, read->problem);
+      if (recorder) recorder->write_problem(frame.index, outcome.last_time, read->problem, arrival);
       continue;
     }
     if (!recorder) {
@@ -82,14 +107,15 @@ void record_frames(host::FrameReader& reader, const Options& options, std::optio
     }
     if (frame.time - outcome.first_time >= options.duration) return;
     outcome.last_time = frame.time;
-    if (recorder->write(frame)) {
+    if (recorder->write(frame, arrival)) {
       ++outcome.frames;
     } else {
       note_problem(outcome, fmt::format("frame {} does not fit the first one and is not recorded", frame.index),
                    context);
     }
-    context.progress.advance(static_cast<std::size_t>(frame.index) + 1, forecast(options.output, outcome));
+    context.progress.advance(static_cast<std::size_t>(frame.index) + 1, progress_detail(options.output, outcome));
   }
+  outcome.interrupted = context.progress.cancelled();
 }
 
 bool holds_a_frame(const std::filesystem::path& path) {
@@ -119,6 +145,8 @@ Outcome record_capture(const Options& options, Context& context) {
   const KinoraFormat& format =
       options.format.empty() ? context.plugins().recognise(options.capture) : context.plugins().find(options.format);
   host::FrameReader reader(format, options.capture, {});
+  const std::shared_ptr<host::SimulatedDevice> device = make_device(options.live, kQueueSeconds);
+  reader.replay(device);
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
   context.progress.stage("recording", static_cast<std::size_t>(reader.info().frame_count));
   std::optional<record::Recorder> recorder;
@@ -134,6 +162,7 @@ Outcome record_capture(const Options& options, Context& context) {
       complete_and_tell(options.output, recorder, error);
     throw;
   }
+  outcome.disconnected = device && device->was_disconnected();
   return outcome;
 }
 
@@ -148,16 +177,22 @@ void run(const Options& options, Context& context) {
     context.print_json({{"schema", "kinora.record/1"},
                         {"output", options.output.string()},
                         {"frames", outcome.frames},
+                        {"dropped", outcome.dropped},
                         {"problems", outcome.problems},
                         {"duration_s", seconds},
                         {"bytes", bytes},
                         {"interrupted", outcome.interrupted}});
   } else {
-    context.print(fmt::format("{}: {} frames, {:.2f} s, {}; {} could not be recorded\n", options.output.string(),
-                              outcome.frames, seconds, format_bytes(bytes), outcome.problems.size()));
+    context.print(fmt::format("{}: {} frames, {:.2f} s, {}; {} dropped, {} could not be recorded\n",
+                              options.output.string(), outcome.frames, seconds, format_bytes(bytes), outcome.dropped,
+                              outcome.problems.size()));
   }
-  if (!outcome.interrupted) return;
+  if (!outcome.interrupted && !outcome.disconnected) return;
   context.flush();
+  if (outcome.disconnected) {
+    throw Error(ErrorCode::kFailure, fmt::format("{}: the camera was disconnected; {} is complete up to there",
+                                                 options.capture.string(), options.output.string()));
+  }
   throw Error(ErrorCode::kInterrupted, fmt::format("stopped; {} is complete up to there", options.output.string()));
 }
 
@@ -167,7 +202,8 @@ void add_record(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
   CLI::App& command = context.add_command(app, "record", "Record a capture in one file, without loss",
                                           "  kinora record capture/ recording.mkv\n"
-                                          "  kinora record capture/ start.mkv --duration 5",
+                                          "  kinora record capture/ start.mkv --duration 5\n"
+                                          "  kinora record capture/ as_from_a_camera.mkv --live",
                                           [options, &context] { run(*options, context); });
   command.add_option("CAPTURE", options->capture, "The capture to record")->required()->type_name("PATH");
   command.add_option("OUTPUT", options->output, "The recording to write, a Matroska file")
@@ -178,6 +214,7 @@ void add_record(CLI::App& app, Context& context) {
       ->type_name("S");
   command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
       ->type_name("NAME");
+  add_live_options(command, options->live, "Replay the capture at its own pace, and lose what cannot be kept up with");
   context.add_overwrite(command);
 }
 

@@ -68,8 +68,38 @@ FrameReader::FrameReader(const KinoraFormat& format, const std::filesystem::path
 }
 
 std::optional<ReadFrame> FrameReader::next() {
+  if (!device_) return read_next();
+  std::uint32_t dropped = pass_over_lost();
+  while (std::optional<ReadFrame> read = read_next()) {
+    if (read->problem.empty()) {
+      last_time_ = read->frame.time;
+      const SimulatedDevice::Delivery delivery = device_->wait_for(read->frame.time);
+      if (delivery == SimulatedDevice::Delivery::kEnded) return std::nullopt;
+      if (delivery == SimulatedDevice::Delivery::kLost) {
+        dropped += 1 + pass_over_lost();
+        continue;
+      }
+    }
+    read->dropped_before = dropped;
+    return read;
+  }
+  return std::nullopt;
+}
+
+// Frames that are lost, as far as the rate tells, need not be read. Returns how many they are.
+std::uint32_t FrameReader::pass_over_lost() {
+  if (!last_time_) return 0;
+  const double expected = *last_time_ + 1 / info_.frames_per_second;
+  const double lost = std::ceil(device_->overdue(expected) * info_.frames_per_second);
+  const auto left = static_cast<double>(info_.frame_count - position_);
+  const auto count = static_cast<std::int64_t>(std::clamp(lost, 0.0, std::max(left, 0.0)));
+  seek(position_ + count);
+  return static_cast<std::uint32_t>(count);
+}
+
+std::optional<ReadFrame> FrameReader::read_next() {
   auto message = make_struct<KinoraMessage>();
-  ReadFrame read{make_struct<KinoraFrame>(), {}};
+  ReadFrame read{make_struct<KinoraFrame>(), {}, 0};
   read.frame.index = position_;
   const KinoraStatus status = format_->reader_next(reader_.get(), &read.frame, &message);
   if (status == KINORA_END) return std::nullopt;
@@ -92,7 +122,7 @@ void FrameReader::seek(std::int64_t index) {
   }
   if (index < position_)
     throw Error(ErrorCode::kFailure, fmt::format("the format {} cannot go back to frame {}", format_->name, index));
-  while (position_ < index && next()) {
+  while (position_ < index && read_next()) {
   }
 }
 

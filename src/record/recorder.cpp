@@ -112,9 +112,9 @@ std::int64_t Recorder::block_time(double time) {
   return last_time_ns_;
 }
 
-bool Recorder::write(const KinoraFrame& frame) {
+bool Recorder::write(const KinoraFrame& frame, const Arrival& arrival) {
   if (const std::string why = misfit(frame); !why.empty()) {
-    write_problem(frame.index, frame.time, fmt::format("frame {} was not recorded: {}", frame.index, why));
+    write_problem(frame.index, frame.time, fmt::format("frame {} was not recorded: {}", frame.index, why), arrival);
     return false;
   }
   std::vector<Picture> pictures;
@@ -127,6 +127,8 @@ bool Recorder::write(const KinoraFrame& frame) {
   recording::FrameRecord record;
   record.index = frame.index;
   record.time = frame.time;
+  record.dropped_before = arrival.dropped_before;
+  record.host_time_ns = arrival.host_time_ns;
   record.depth_unit = frame.depth_unit;
   if (frame.has_pose != 0) {
     record.camera_to_world.emplace();
@@ -141,8 +143,10 @@ bool Recorder::write(const KinoraFrame& frame) {
   return true;
 }
 
-void Recorder::write_problem(std::int64_t index, double time, const std::string& problem) {
+void Recorder::write_problem(std::int64_t index, double time, const std::string& problem, const Arrival& arrival) {
   recording::FrameRecord record;
+  record.dropped_before = arrival.dropped_before;
+  record.host_time_ns = arrival.host_time_ns;
   record.index = index;
   record.time = std::isfinite(time) ? time : description_.start_time;
   record.problem = problem;

@@ -13,6 +13,12 @@
 
 namespace kinora::record {
 
+/// How a frame came from a device.
+struct Arrival {
+  std::uint32_t dropped_before = 0;         ///< frames that the device lost
+  std::optional<std::int64_t> host_time_ns; ///< since 1970; nothing: it came from a file
+};
+
 /// Colour keeps its own bytes if the first frame's was decoded from JPEG, else it is FFV1, as all other pictures. The
 /// same frames give the same bytes. Not thread-safe. Throws Error: kUnwritableOutput (then finish_at_last_cluster
 /// completes the file), kFailure, kMissingComponent.
@@ -24,9 +30,9 @@ public:
 
   /// Writes a frame. False, and nothing is written but why, if it does not fit the recording: its colour is not JPEG
   /// though the first one's was, or a picture has another size.
-  bool write(const KinoraFrame& frame);
+  bool write(const KinoraFrame& frame, const Arrival& arrival = {});
   /// Writes that the source could not give a frame.
-  void write_problem(std::int64_t index, double time, const std::string& problem);
+  void write_problem(std::int64_t index, double time, const std::string& problem, const Arrival& arrival = {});
   void finish() { writer_->finish(); }
   void finish_at_last_cluster() { writer_->finish_at_last_cluster(); }
 

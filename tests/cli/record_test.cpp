@@ -137,6 +137,23 @@ TEST_F(Record, PngColorAndPosesReadBackBitByBit) {
   EXPECT_EQ(expect_same_frames(path("r.mkv"), folder_.path().string()), 4);
 }
 
+TEST_F(Record, LiveRecordingEndsCompleteWhereTheCameraIsDisconnected) {
+  folder_.write("faults.txt", "# of the camera\ndrop 0.03 0.02\ndisconnect 0.1\n");
+  const Said said = run({"record", capture_, path("r.mkv"), "--live", "--live-script", path("faults.txt")});
+  expect_error(said, 1, "disconnected");
+  EXPECT_EQ(run({"validate", path("r.mkv")}).code, 0);
+  const recording::RecordingFile file(path("r.mkv"));
+  ASSERT_GE(file.frame_count(), 1U);
+  EXPECT_TRUE(file.record(0).host_time_ns.has_value());
+  EXPECT_LE(file.record(file.frame_count() - 1).index, 3);
+}
+
+TEST_F(Record, ScriptThatIsNoneIsRefusedBeforeAnythingIsWritten) {
+  folder_.write("faults.txt", "stall 1 2\nexplode 3\n");
+  expect_error(run({"record", capture_, path("r.mkv"), "--live", "--live-script", path("faults.txt")}), 4, "line 2");
+  EXPECT_FALSE(fs::exists(path("r.mkv")));
+}
+
 /// Where the segments of a finished file end, and how many frames there are up to each.
 std::vector<std::pair<std::uint64_t, int>> segment_ends(const std::string& path) {
   container::Reader reader(path);
