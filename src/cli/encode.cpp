@@ -229,8 +229,8 @@ void add_encode(CLI::App& app, Context& context) {
       ->type_name("NPZ");
   auto* holdout = command
                       .add_option("--holdout", options->holdout,
-                                  "Let nothing see frames N-1, 2N-1, ... and judge by them: their poses are found "
-                                  "afterwards, by depth alone")
+                                  "Let nothing see frames N-1, 2N-1, ... and judge by them: where things are in "
+                                  "them lies on a path through the frames beside")
                       ->check(CLI::Range(0, 1'000'000))
                       ->type_name("N");
   command

@@ -1,24 +1,17 @@
 // Frames that nothing was learnt of take their places in a finished clip.
 #pragma once
 
-#include <map>
-#include <string>
-
 #include "clip/clip.h"
 #include "core/progress.h"
-#include "encode/depth_alignment.h"
 #include "ingest/capture/capture.h"
 
 namespace kinora::encode {
 
-/// Adds the frames of `held_out` to the clip's timeline, marked as such. Where the camera and the layers are in them is
-/// interpolated between the frames beside and then aligned by depth with the fields as they are (align_by_depth), in
-/// which layers are told apart by their depth: a frame's colour, labels and joints are not looked at. The joints of a
-/// skeleton are interpolated. Fields, and all frames that the clip had, stay as they are.
-/// `frames_know_camera`: the poses of the frames are given; else a camera that moves is found like a layer.
-/// `stiffness`: by the name of each layer that deforms. Same bits for any number of threads. Throws what the capture
-/// throws and Error(kInterrupted).
-void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frames_know_camera,
-                         const std::map<std::string, LayerStiffness>& stiffness, Progress& progress);
+/// Adds the frames of `held_out` to the clip's timeline, marked as such. Where layers, joints and the camera are in
+/// them lies on a smooth path through the two frames before and the two after (path_support, pose_on_path): of a
+/// held-out frame only its time is looked at, and its camera where frames know it (`frames_know_camera`). What was lost
+/// in a frame beside is lost; all else counts as held. Fields, and all frames that the clip had, stay as they are.
+/// Throws what the capture throws and Error(kInterrupted).
+void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frames_know_camera, Progress& progress);
 
 } // namespace kinora::encode

@@ -32,16 +32,11 @@ Json metadata_of(const ingest::CaptureInfo& info, const Json& config, const Json
 }
 
 // What was held out joins when nothing can be learnt of it any more.
-void add_held_out(const TrainingPlan& plan, PreparedCapture& prepared, StageTimes& times, clip::Clip& clip,
-                  Progress& progress) {
-  std::map<std::string, LayerStiffness> stiffness;
-  for (const LayerJob& job : plan.layers) {
-    if (job.label->layer) stiffness[job.name] = {job.label->layer->edges, job.label->layer->node_spacing};
-  }
+void add_held_out(PreparedCapture& prepared, StageTimes& times, clip::Clip& clip, Progress& progress) {
   const bool frames_know_camera = prepared.capture->info().has_poses && !prepared.camera->moves();
-  progress.stage("finding the poses of held-out frames", 0);
-  times.measure("find held-out poses",
-                [&] { add_held_out_frames(clip, *prepared.held_out, frames_know_camera, stiffness, progress); });
+  progress.stage("placing held-out frames", 0);
+  times.measure("place held-out frames",
+                [&] { add_held_out_frames(clip, *prepared.held_out, frames_know_camera, progress); });
 }
 
 } // namespace
@@ -70,7 +65,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
     clip.metadata["layers"][outcome.layer.name] = layer_metadata(outcome);
     clip.layers.push_back(std::move(outcome.layer));
   }
-  if (prepared.held_out) add_held_out(plan, prepared, times, clip, progress);
+  if (prepared.held_out) add_held_out(prepared, times, clip, progress);
   Json report = {{"schema", "kinora.encode/1"},
                  {"version", KINORA_VERSION},
                  {"config", config},

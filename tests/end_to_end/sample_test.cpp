@@ -1,8 +1,6 @@
 // The main job on a piece of the sample, as a user runs it: a capture becomes a clip, which is drawn, compared with the
-// truth and converted. The bounds lie below what the chain reaches and above what it reaches when the person's tracker
-// stands still (18 dB held out, 17 dB from novel cameras) or the trainer stops after a twentieth (15 dB and 15 dB).
-// They are those of frames that are tracked: of frames that nothing sees 21.3 dB are reached here, 3 dB below trained
-// ones.
+// truth and converted. On one instruction set the result is the same to the bit, so that bounds lie as far beside what
+// the chain reaches (in comments) as other instruction sets and equal changes spread: 0.3 dB, and a tenth of a length.
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
@@ -25,18 +23,22 @@ TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
   const std::string sample = (source_folder() / "samples/carry_box").string();
   const std::string clip = (folder.path() / "clip.mkv").string();
   const Said encoded =
-      run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout-tracked", "5"});
+      run_kinora(folder, {"encode", sample, clip, "--preset", "fast", "--frames", "0:54:2", "--holdout", "5"});
   ASSERT_EQ(encoded.code, 0) << encoded.err;
 
   const Said evaluated = run_kinora(folder, {"eval", clip, "--against", sample, "--json"});
   ASSERT_EQ(evaluated.code, 0) << evaluated.err;
   const Json report = Json::parse(evaluated.out);
   const Json& held_out = report.at("foreground").at("held_out");
-  EXPECT_GT(held_out.at("psnr_box").get<double>(), 21.5);
-  EXPECT_GT(held_out.at("iou").get<double>(), 0.92);
-  EXPECT_LT(std::abs(report.at("foreground").at("trained_minus_held_out_db").get<double>()), 1);
-  EXPECT_GT(named(report.at("layers"), "background").at("held_out").at("psnr").get<double>(), 33);
-  EXPECT_LT(named(report.at("layers"), "person").at("held_out").at("depth_error_median").get<double>(), 0.012);
+  const Json& trained = report.at("foreground").at("trained");
+  EXPECT_GT(held_out.at("psnr_box").get<double>(), 23.2);                                               // 23.5
+  EXPECT_GT(held_out.at("iou").get<double>(), 0.95);                                                    // 0.959
+  const double flattery = trained.at("psnr_box").get<double>() - held_out.at("psnr_box").get<double>(); // 0.51 dB
+  EXPECT_GT(flattery, 0.1) << "are these frames really held out?";
+  EXPECT_LT(flattery, 0.9);
+  EXPECT_GT(named(report.at("layers"), "background").at("held_out").at("psnr").get<double>(), 37.2); // 37.6
+  EXPECT_LT(named(report.at("layers"), "person").at("held_out").at("depth_error_median").get<double>(),
+            0.0072); // 6.5 mm
 
   const Json& truth = report.at("ground_truth");
   double psnr = 0;
@@ -46,11 +48,11 @@ TEST(Sample, BecomesAClipThatHoldsFromTheSide) {
     psnr += foreground.at("psnr_box").get<double>() / static_cast<double>(truth.at("novel_cameras").size());
     iou += foreground.at("iou").get<double>() / static_cast<double>(truth.at("novel_cameras").size());
   }
-  EXPECT_GT(psnr, 19.3);
-  EXPECT_GT(iou, 0.86);
-  EXPECT_LT(truth.at("object_pose").at("error_m_mean").get<double>(), 0.004);
-  // Without any motion the points are 53 mm off.
-  EXPECT_LT(truth.at("tracks").at("visible").at("error_m_mean").get<double>(), 0.012);
+  EXPECT_GT(psnr, 20.4);                                                       // 20.7
+  EXPECT_GT(iou, 0.89);                                                        // 0.900
+  EXPECT_LT(truth.at("object_pose").at("error_m_mean").get<double>(), 0.0013); // 1.0 mm
+  // 8.7 mm; without any motion they are 53 mm off.
+  EXPECT_LT(truth.at("tracks").at("visible").at("error_m_mean").get<double>(), 0.0095);
   EXPECT_EQ(truth.at("tracks").at("visible").at("missing"), 0);
 
   const std::string mesh = (folder.path() / "clip.glb").string();
