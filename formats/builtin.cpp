@@ -1,20 +1,25 @@
 // The table of the formats that come with Kinora: a new format is one line here.
 #include <iterator>
 
+#include "data_set/format.h"
+#include "exr/format.h"
 #include "gltf/format.h"
 #include "kinora/plugin.h"
 #include "kinora_recording/format.h"
 #include "mp4/format.h"
+#include "obj/format.h"
 #include "openvdb/format.h"
 #include "ply/format.h"
 #include "png/format.h"
 #include "rgbd_folder/formats.h"
+#include "usd/format.h"
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat, &kTransformsFormat, &kRecordingFormat,
-      &kPngFormat, &mp4_format(),    &kGltfFormat,        &kPlyFormat, &openvdb_format()};
+      &kTumFormat,       &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
+      &kRecordingFormat, &kPngFormat,      &exr_format(),       &mp4_format(),     &kGltfFormat,
+      &kUsdFormat,       &kPlyFormat,      &kObjFormat,         &openvdb_format(), &kDataSetFormat};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

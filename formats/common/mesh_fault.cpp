@@ -54,4 +54,11 @@ std::string fault_of(const KinoraMesh& mesh) {
   return mesh.joint_indices != nullptr ? fault_of_weights(mesh) : "";
 }
 
+std::string fault_of_colored(const KinoraMesh& mesh) {
+  if (std::string fault = fault_of(mesh); !fault.empty()) return fault;
+  if (mesh.joint_count > 0) return "it has joints, which a file of one time does not hold";
+  if (mesh.colors == nullptr || mesh.normals == nullptr) return "its vertices have no colours or no normals";
+  return {};
+}
+
 } // namespace kinora::formats

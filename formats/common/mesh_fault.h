@@ -10,4 +10,7 @@ namespace kinora::formats {
 /// What is wrong with a mesh; empty if nothing.
 std::string fault_of(const KinoraMesh& mesh);
 
+/// The same for formats of one time whose vertices have normals and colours.
+std::string fault_of_colored(const KinoraMesh& mesh);
+
 } // namespace kinora::formats

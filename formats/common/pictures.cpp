@@ -38,10 +38,18 @@ Image<float> normal_of(const KinoraImage& image) {
   return copy_of<float>(image);
 }
 
+Image<float> metric_depth_of(const KinoraImage& image) {
+  if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_F32 || image.channels != 1)
+    throw Error(ErrorCode::kUsage, "a picture of depth in metres must have floats and one channel");
+  return copy_of<float>(image);
+}
+
 Image<std::uint8_t> confidence_of(const KinoraImage& image) {
   if (!has_pixels(image) || image.pixel_type != KINORA_PIXEL_U8 || image.channels != 1)
-    throw Error(ErrorCode::kUsage, "a picture of confidence must have 8 bits and one channel");
+    throw Error(ErrorCode::kUsage, "a picture of confidence or labels must have 8 bits and one channel");
   return copy_of<std::uint8_t>(image);
 }
+
+LabelImage labels_of(const KinoraImage& image) { return confidence_of(image); }
 
 } // namespace kinora::formats

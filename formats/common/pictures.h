@@ -15,7 +15,11 @@ DepthImage16 depth_of(const KinoraImage& image);
 /// A copy. Throws Error(kUsage) unless it is of floats with three channels.
 Image<float> normal_of(const KinoraImage& image);
 
+/// A copy. Throws Error(kUsage) unless it is of floats with one channel.
+Image<float> metric_depth_of(const KinoraImage& image);
+
 /// A copy. Throws Error(kUsage) unless it is 8-bit with one channel.
 Image<std::uint8_t> confidence_of(const KinoraImage& image);
+LabelImage labels_of(const KinoraImage& image);
 
 } // namespace kinora::formats

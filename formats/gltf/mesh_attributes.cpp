@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <meshoptimizer.h>
 
+#include "core/linear_light.h"
+
 namespace kinora::formats {
 namespace {
 
@@ -57,9 +59,7 @@ std::vector<std::uint32_t> drawing_order(std::vector<std::uint32_t>& faces, std:
 } // namespace
 
 std::uint16_t linear_color(std::uint8_t srgb) {
-  const double value = srgb / 255.0;
-  const double linear = value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-  return static_cast<std::uint16_t>(std::lround(linear * 65535));
+  return static_cast<std::uint16_t>(std::lround(linear_light(srgb / 255.0) * 65535));
 }
 
 std::uint16_t whole_share(float share) {

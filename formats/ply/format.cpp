@@ -11,13 +11,18 @@ namespace {
 
 PlyWriter* self(KinoraWriter* writer) { return reinterpret_cast<PlyWriter*>(writer); }
 
+PlyContent content_called(const std::string& name) {
+  if (name == "points") return PlyContent::kPoints;
+  return name == "splats" ? PlyContent::kSplats : PlyContent::kMesh;
+}
+
 KinoraStatus open_ply(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
                       KinoraMessage* message) {
   return guarded(message, [&] {
     const auto given = option_map(options, option_count);
     const auto content = given.find("content");
-    const bool points = content != given.end() && content->second == "points";
-    *writer = reinterpret_cast<KinoraWriter*>(new PlyWriter(path, points ? PlyContent::kPoints : PlyContent::kMesh));
+    *writer = reinterpret_cast<KinoraWriter*>(
+        new PlyWriter(path, content == given.end() ? PlyContent::kMesh : content_called(content->second)));
     return KINORA_OK;
   });
 }
@@ -40,12 +45,14 @@ KinoraStatus finish_ply(KinoraWriter* writer, KinoraMessage* message) {
 void abandon_ply(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {
-    {"content", "mesh|points", "mesh", "Triangles with colours in their vertices, or the vertices alone.", nullptr}};
+    {"content", "mesh|points|splats", "mesh",
+     "Triangles with colours in their vertices, the vertices alone, or a Gaussian splat for each.", nullptr}};
 
 constexpr KinoraFormat ply_format() {
   auto format = make_struct<KinoraFormat>();
   format.name = "ply";
-  format.description = "Binary PLY of one time: all layers as triangles with vertex colours, or as points";
+  format.description =
+      "Binary PLY of one time: all layers as triangles with vertex colours, as points, or as Gaussian splats";
   format.extensions = ".ply";
   format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_MESH_FRAME;
   format.options = kOptions;

@@ -8,6 +8,7 @@
 #include "common/files.h"
 #include "common/mesh_fault.h"
 #include "core/error.h"
+#include "ply/splats.h"
 
 namespace kinora::formats {
 namespace {
@@ -36,11 +37,13 @@ void PlyWriter::add(const KinoraMesh& mesh) {
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorCode::kUsage, path_.string() + ": a mesh cannot be written: " + why);
   };
-  if (const std::string fault = fault_of(mesh); !fault.empty()) refuse(fault);
-  if (mesh.joint_count > 0) refuse("it has joints, which a file of one time does not hold");
-  if (mesh.colors == nullptr || mesh.normals == nullptr) refuse("its vertices have no colours or no normals");
+  if (const std::string fault = fault_of_colored(mesh); !fault.empty()) refuse(fault);
   if (mesh.vertex_count > std::numeric_limits<std::int32_t>::max() - vertex_count_)
     refuse("the file would have more vertices than it can number");
+  if (content_ == PlyContent::kSplats) {
+    append_splats(mesh);
+    return;
+  }
   for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
     append_turned(vertices_, mesh.positions + 3 * v);
     append_turned(vertices_, mesh.normals + 3 * v);
@@ -56,14 +59,23 @@ void PlyWriter::add(const KinoraMesh& mesh) {
   vertex_count_ += static_cast<std::uint32_t>(mesh.vertex_count);
 }
 
+void PlyWriter::append_splats(const KinoraMesh& mesh) {
+  for (const Splat& splat : splats_of(mesh)) append(vertices_, splat);
+  vertex_count_ += static_cast<std::uint32_t>(mesh.vertex_count);
+}
+
 void PlyWriter::finish() const {
   if (vertex_count_ == 0) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
-  std::string head = "ply\nformat binary_little_endian 1.0\n"
-                     "comment Kinora: metres, x right, y up, z backward\n"
-                     "element vertex " +
-                     std::to_string(vertex_count_) + "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) head += std::string("property float ") + name + "\n";
-  for (const char* name : {"red", "green", "blue"}) head += std::string("property uchar ") + name + "\n";
+  const bool splats = content_ == PlyContent::kSplats;
+  std::string head = "ply\nformat binary_little_endian 1.0\ncomment Kinora: metres, ";
+  head += splats ? "x right, y down, z forward\n" : "x right, y up, z backward\n";
+  head += "element vertex " + std::to_string(vertex_count_) + "\n";
+  if (splats) {
+    for (const char* name : kSplatProperties) head += std::string("property float ") + name + "\n";
+  } else {
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) head += std::string("property float ") + name + "\n";
+    for (const char* name : {"red", "green", "blue"}) head += std::string("property uchar ") + name + "\n";
+  }
   if (content_ == PlyContent::kMesh)
     head += "element face " + std::to_string(face_count_) + "\nproperty list uchar int vertex_indices\n";
   head += "end_header\n";

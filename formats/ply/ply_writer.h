@@ -14,10 +14,12 @@ namespace kinora::formats {
 enum class PlyContent {
   kMesh,   ///< vertices with normals and colours, and triangles
   kPoints, ///< the vertices alone
+  kSplats, ///< a Gaussian for each vertex (splats.h)
 };
 
 /// Binary, little endian. All meshes become one list of vertices: x y z nx ny nz red green blue. Axes are those of
-/// glTF: x right, y up, z backward, metres. The same meshes give the same bytes.
+/// glTF: x right, y up, z backward, metres; of splats, those of their tools: y down, z forward. The same meshes give
+/// the same bytes.
 class PlyWriter {
 public:
   /// Checks that the file can be written. Throws Error(kUnwritableOutput).
@@ -29,6 +31,8 @@ public:
   void finish() const;
 
 private:
+  void append_splats(const KinoraMesh& mesh);
+
   std::filesystem::path path_;
   PlyContent content_;
   std::vector<std::byte> vertices_;

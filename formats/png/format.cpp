@@ -13,8 +13,8 @@ KinoraStatus open_png(const char* path, const KinoraOptionValue* options, size_t
   return guarded(message, [&] {
     const auto given = option_map(options, option_count);
     const auto layout = given.find("layout");
-    *writer = reinterpret_cast<KinoraWriter*>(
-        new PngWriter(path, PngWriter::layout_of(layout == given.end() ? "auto" : layout->second, path)));
+    const auto chosen = PictureFiles::layout_of(layout == given.end() ? "auto" : layout->second, path, ".png");
+    *writer = reinterpret_cast<KinoraWriter*>(new PngWriter({path, chosen, ".png"}));
     return KINORA_OK;
   });
 }

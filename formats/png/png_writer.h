@@ -1,9 +1,7 @@
 // Pictures as PNG files: a folder of them, or a single one.
 #pragma once
 
-#include <filesystem>
-#include <string>
-
+#include "common/picture_files.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
@@ -13,23 +11,15 @@ namespace kinora::formats {
 /// and a.depth.png.part. Every file is complete once `write` returns.
 class PngWriter {
 public:
-  enum class Layout { kFolder, kFile };
-
-  /// "auto" is a file if the path ends in .png or .png.part, else a folder.
-  static Layout layout_of(const std::string& option, const std::filesystem::path& path);
-
-  /// Makes the folder, or checks that the file can be written. Throws Error(kUnwritableOutput).
-  PngWriter(std::filesystem::path path, Layout layout);
+  explicit PngWriter(PictureFiles files) : files_(std::move(files)) {}
 
   /// Throws Error: kUnwritableOutput; kUsage for a second picture in a file or a name that leaves the folder.
   void write(const KinoraPicture& picture);
   /// Throws Error(kFailure) if a file was promised and no picture came.
-  void finish() const;
+  void finish() const { files_.finish(); }
 
 private:
-  std::filesystem::path path_;
-  Layout layout_;
-  int written_ = 0;
+  PictureFiles files_;
 };
 
 } // namespace kinora::formats

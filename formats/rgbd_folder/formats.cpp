@@ -97,6 +97,7 @@ constinit const KinoraFormat kM3tFormat = folder_format<list_m3t, probe_m3t>(
     KINORA_READS_MASKS);
 
 constinit const KinoraFormat kTransformsFormat = folder_format<list_transforms, probe_transforms>(
-    "transforms", "transforms.json with depth: data sets of nerfstudio and instant-ngp", KINORA_READS_POSES);
+    "transforms", "transforms.json with depth: data sets of nerfstudio and instant-ngp",
+    KINORA_READS_POSES | KINORA_READS_MASKS);
 
 } // namespace kinora::formats

@@ -131,6 +131,8 @@ FrameFiles frame_of(const Json& json, const Json& first, std::size_t number, con
     if (!has_same_camera(json, first)) throw Error(ErrorCode::kCorruptInput, where + ": has a camera of its own");
     frame.color = file_of(path.parent_path(), color);
     frame.depth = file_of(path.parent_path(), depth);
+    if (const std::string labels = text_of(json, "label_file_path"); !labels.empty())
+      frame.masks = {file_of(path.parent_path(), labels)};
     frame.camera_to_world = pose_of(json, where);
   } catch (const Error& error) {
     frame.problem = error.what();

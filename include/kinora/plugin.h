@@ -139,6 +139,13 @@ typedef struct KinoraPicture {
   /* Formats that were made before these members existed end here. */
 
   KinoraImage metric_depth; /* F32, 1 channel, metres along the optical axis, 0 = nothing; may be absent */
+  KinoraImage labels;       /* U8, 1 channel: the label of what is in front, as in KinoraFrame; 0 where nothing is; may
+                               be absent */
+  const KinoraLabel* label_meanings;
+  size_t label_count;
+  int32_t has_camera;
+  KinoraCamera camera; /* of width and height as colour */
+  double camera_to_world[16];
 } KinoraPicture;
 
 /* A surface, given to a writer once. A point p of the mesh (homogeneous) is in the world at
@@ -219,11 +226,16 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_VOLUMES = 1u << 22, /* one in each output: the host numbers the files */
        KINORA_WRITES_NORMALS = 1u << 23, /* of pictures */
        KINORA_WRITES_CONFIDENCE = 1u << 24,
-       KINORA_WRITES_TEXTURES = 1u << 25,    /* of meshes; else the host gives them colours in their vertices */
-       KINORA_WRITES_MESH_FRAME = 1u << 26,  /* the meshes of one time in each output, where they are in the world: the
-                                                host numbers the files */
-       KINORA_WRITES_METRIC_DEPTH = 1u << 27 /* of pictures: KinoraPicture.metric_depth */
-                                             /* All other bits are reserved and 0. */
+       KINORA_WRITES_TEXTURES = 1u << 25,     /* of meshes; else the host gives them colours in their vertices */
+       KINORA_WRITES_MESH_FRAME = 1u << 26,   /* the meshes of one time in each output, where they are in the world: the
+                                                 host numbers the files */
+       KINORA_WRITES_METRIC_DEPTH = 1u << 27, /* of pictures: KinoraPicture.metric_depth */
+       KINORA_WRITES_LABELS = 1u << 28,       /* of pictures, with what they mean */
+       KINORA_WRITES_CAMERAS = 1u << 29,      /* of pictures */
+       KINORA_WRITES_FILES_BESIDE = 1u << 30  /* of meshes: further files beside the output, such as textures; the host
+                                                 gives a path of the output's name in a folder of its own, and moves
+                                                 what is found there */
+                                              /* All other bits are reserved and 0. */
 };
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */

@@ -6,6 +6,7 @@
 #include "bake/field_sampler.h"
 #include "bake/voxel_key.h"
 #include "core/error.h"
+#include "core/linear_light.h"
 #include "core/parallel.h"
 #include "fields/network/vector_features.h"
 
@@ -163,8 +164,6 @@ private:
   int per_axis_;
   SE3 world_to_canonical_;
 };
-
-float linear_light(float srgb) { return srgb <= 0.04045F ? srgb / 12.92F : std::pow((srgb + 0.055F) / 1.055F, 2.4F); }
 
 /// Both in the order of their keys.
 LayerVolume merged(const LayerVolume& a, const LayerVolume& b) {

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
@@ -48,7 +49,10 @@ const KinoraFormat& target_of(const Options& options, const host::PluginTable& p
                           format.name));
 }
 
-template <class Number> void take_number(host::Options& options, const char* name, Number& value) {
+/// Options that are the same for all formats of a kind: each is taken out, and remembered for what is said of others.
+template <class Number>
+void take_number(host::Options& options, const char* name, Number& value, std::vector<std::string>& taken) {
+  taken.emplace_back(name);
   const auto given = options.extract(name);
   if (!given) return;
   const std::string& text = given.mapped();
@@ -90,22 +94,23 @@ Conversion conversion_of(const Options& options, const clip::Clip& clip, const K
   conversion.frames = frames_in_range(options.frames, clip.times.size());
   conversion.strict = options.strict;
   host::Options given = host::parse_options(options.options);
+  std::vector<std::string> taken{"layers"};
   const auto layers = given.extract("layers");
   conversion.layers = layers_of_option(clip, layers ? layers.mapped() : "", context);
   if (host::supports(format, KINORA_WRITES_MESHES)) {
-    take_number(given, "triangles", conversion.surface.triangles);
-    take_number(given, "resolution", conversion.surface.resolution);
+    take_number(given, "triangles", conversion.surface.triangles, taken);
+    take_number(given, "resolution", conversion.surface.resolution, taken);
     if (host::supports(format, KINORA_WRITES_TEXTURES)) {
       conversion.surface.texture = kTexturePixels;
       conversion.surface.simplification = kSimplification;
-      take_number(given, "texture", conversion.surface.texture);
+      take_number(given, "texture", conversion.surface.texture, taken);
       if (conversion.surface.texture == 0) conversion.surface.simplification = 0; // colours need the vertices
     }
-    take_number(given, "error", conversion.surface.simplification);
+    take_number(given, "error", conversion.surface.simplification, taken);
   } else {
-    take_number(given, "voxel", conversion.volume.voxel);
+    take_number(given, "voxel", conversion.volume.voxel, taken);
   }
-  host::check_options(format, given);
+  host::check_options(format, given, taken);
   conversion.format_options = std::move(given);
   return conversion;
 }
@@ -113,6 +118,26 @@ Conversion conversion_of(const Options& options, const clip::Clip& clip, const K
 /// Else a file for each frame.
 bool is_one_file(const KinoraFormat& format) {
   return host::supports(format, KINORA_WRITES_MESHES) && !host::supports(format, KINORA_WRITES_MESH_FRAME);
+}
+
+/// What no output of this kind carries, in a few words each.
+std::vector<std::string> losses_of(const Conversion& conversion) {
+  std::vector<std::string> losses;
+  const bool meshes = host::supports(*conversion.format, KINORA_WRITES_MESHES);
+  if (meshes) losses.emplace_back("what is half transparent");
+  if (meshes) losses.emplace_back("how colours change while things turn (their mean is written)");
+  if (meshes && !host::supports(*conversion.format, KINORA_WRITES_TEXTURES))
+    losses.emplace_back("colours finer than the triangles");
+  if (!meshes) losses.push_back(fmt::format("what is finer than {:g} m", conversion.volume.voxel));
+  if (is_one_file(*conversion.format)) {
+    if (conversion.clip->camera_to_world.size() > 1) losses.emplace_back("the camera's path");
+  } else if (conversion.frames.size() > 1) {
+    losses.emplace_back("the times of the frames");
+  }
+  const bool has_joints = std::ranges::any_of(
+      conversion.layers, [&](std::size_t i) { return conversion.clip->layers[i].joints.has_value(); });
+  if (has_joints) losses.emplace_back("the skeleton (kinora motion writes it)");
+  return losses;
 }
 
 Json plan_json(const Conversion& conversion) {
@@ -150,7 +175,7 @@ std::string summary(const Conversion& conversion, const Json& result, bool dry_r
     }
     table.add(row);
   }
-  return text + table.str();
+  return text + table.str() + fmt::format("Not in it: {}.\n", fmt::join(losses_of(conversion), "; "));
 }
 
 void run(const Options& options, Context& context) {
@@ -168,6 +193,7 @@ void run(const Options& options, Context& context) {
     result["format"] = format.name;
     result["frames"] = conversion.frames.size();
     result["dry_run"] = options.dry_run;
+    result["lost"] = losses_of(conversion);
     context.print_json(result);
   } else {
     context.print(summary(conversion, result, options.dry_run));
@@ -191,9 +217,10 @@ void add_convert(CLI::App& app, Context& context) {
                                           [options, &context] { run(*options, context); });
   command.add_option("INPUT", options->input, "The clip to convert")->required()->type_name("FILE");
   command
-      .add_option("OUTPUT", options->output,
-                  "NAME.glb: all frames in one animated file; NAME.ply or .vdb: NAME_0001.ply and so on, one per "
-                  "frame")
+      .add_option(
+          "OUTPUT", options->output,
+          "NAME.glb or .usda: all frames in one animated file; NAME.ply, .obj or .vdb: NAME_0001.ply and so on, "
+          "one per frame")
       ->required()
       ->type_name("FILE");
   command.add_option("--from", options->from, "What the input is: clip")->type_name("FORMAT");

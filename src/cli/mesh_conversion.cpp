@@ -2,7 +2,7 @@
 
 #include "bake/skinning.h"
 #include "cli/conversion.h"
-#include "cli/output_file.h"
+#include "cli/output_with_files.h"
 #include "core/error.h"
 
 namespace kinora::cli {
@@ -89,7 +89,7 @@ void report_no_surface(const Conversion& conversion, const clip::Layer& layer, C
 }
 
 Json convert_to_meshes(const Conversion& conversion, Context& context) {
-  OutputFile out(conversion.output, context.shared.overwrite, {conversion.input});
+  OutputWithFiles out(conversion.output, *conversion.format, context.shared.overwrite, {conversion.input});
   host::MeshWriter writer(*conversion.format, out.writing_path(), conversion.format_options);
   Json descriptions = Json::array();
   const std::vector<BakedLayer> baked = bake_layers(conversion, descriptions, context);
@@ -107,9 +107,7 @@ Json convert_to_meshes(const Conversion& conversion, Context& context) {
     context.progress.advance(i + 1, "");
   }
   writer.finish();
-  std::error_code ignored;
-  const auto bytes = out.can_be_read_back() ? std::filesystem::file_size(out.writing_path(), ignored) : 0;
-  out.commit();
+  const std::uintmax_t bytes = out.commit();
   return {{"layers", std::move(descriptions)}, {"files", 1}, {"bytes", bytes}};
 }
 

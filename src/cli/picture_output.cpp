@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <system_error>
 
 #include <fmt/format.h>
 
 #include "cli/output_file.h"
+#include "cli/staged_files.h"
 #include "core/error.h"
 #include "host/picture_writer.h"
 
@@ -29,43 +29,77 @@ bool contains(const Passes& passes, std::string_view pass) {
   return std::find(passes.begin(), passes.end(), pass) != passes.end();
 }
 
-host::Picture picture_for(const fields::Picture& drawn, const std::string& name, double seconds, const Passes& beside) {
-  host::Picture picture{name, seconds, drawn.color, {}, drawn.normal, drawn.confidence};
-  if (!contains(beside, "depth")) return picture;
-  picture.depth = DepthImage16(drawn.depth.width(), drawn.depth.height());
-  for (std::size_t i = 0; i < drawn.depth.pixel_count(); ++i) {
-    const double millimetres = std::round(1000.0 * drawn.depth.data()[i]);
-    picture.depth.data()[i] = static_cast<std::uint16_t>(std::clamp(millimetres, 0.0, 65535.0));
+/// Depth in metres has no place in the files beside a PNG: such formats hold all of a picture in one file.
+bool holds_passes(const KinoraFormat& format) { return host::supports(format, KINORA_WRITES_METRIC_DEPTH); }
+
+/// What stands beside colour in files of its own; else it is in the picture's file.
+Passes passes_beside(const KinoraFormat& format, const PictureRequest& request) {
+  return holds_passes(format) ? Passes{} : request.passes;
+}
+
+DepthImage16 millimetres_of(const DepthImage& metres) {
+  DepthImage16 depth(metres.width(), metres.height());
+  for (std::size_t i = 0; i < metres.pixel_count(); ++i) {
+    const double millimetres = std::round(1000.0 * metres.data()[i]);
+    depth.data()[i] = static_cast<std::uint16_t>(std::clamp(millimetres, 0.0, 65535.0));
   }
+  return depth;
+}
+
+/// The labels of what is in front; `labels`: of the layers that were drawn.
+LabelImage labels_of(const LabelImage& front, const std::vector<host::LabelMeaning>& labels) {
+  if (front.empty()) return {};
+  LabelImage image(front.width(), front.height());
+  for (std::size_t i = 0; i < front.pixel_count(); ++i) {
+    const std::size_t layer = front.data()[i];
+    if (layer > 0 && layer <= labels.size()) image.data()[i] = static_cast<std::uint8_t>(labels[layer - 1].label);
+  }
+  return image;
+}
+
+/// Depth in millimetres only where it is asked for; the rest is given to those formats alone that hold it.
+host::Picture picture_for(const KinoraFormat& format, const DrawnPicture& drawn, const PictureRequest& request) {
+  host::Picture picture{drawn.name, drawn.seconds,        drawn.picture.color,
+                        {},         drawn.picture.normal, drawn.picture.confidence};
+  if (contains(request.passes, "depth")) picture.depth = millimetres_of(drawn.picture.depth);
+  if (host::supports(format, KINORA_WRITES_METRIC_DEPTH)) picture.metric_depth = drawn.picture.depth;
+  if (host::supports(format, KINORA_WRITES_LABELS)) {
+    picture.labels = labels_of(drawn.picture.front, drawn.labels);
+    picture.label_meanings = drawn.labels;
+  }
+  picture.camera = drawn.camera;
   return picture;
 }
 
-/// A writer that puts files into a folder beside the output, from where each is moved to its place when it is whole.
+/// Throws Error(kUsage) for a pass that the format has no place for.
+const KinoraFormat& checked(const KinoraFormat& format, const Passes& passes) {
+  constexpr std::array<std::pair<std::string_view, std::uint64_t>, 3> kPlaces{
+      {{"depth", KINORA_WRITES_DEPTH | KINORA_WRITES_METRIC_DEPTH},
+       {"normal", KINORA_WRITES_NORMALS},
+       {"confidence", KINORA_WRITES_CONFIDENCE}}};
+  for (const auto& [pass, place] : kPlaces) {
+    if (!contains(passes, pass) || (format.capabilities & place) != 0) continue;
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("the format {} has no place for the pass {}; leave it out of --passes, or choose png or exr",
+                    format.name, pass));
+  }
+  return format;
+}
+
+/// A writer that makes files in a folder beside the output, from where each is moved to its place when it is whole.
 class StagedWriter {
 public:
   StagedWriter(const KinoraFormat& format, const fs::path& output, const host::Options& options)
-      : folder_(output, Unfinished::Kind::kFolder), writer_(format, folder_.path(), options) {}
+      : files_(output), writer_(format, files_.folder(), options) {}
 
+  const KinoraFormat& format() const { return writer_.format(); }
   void write(const host::Picture& picture) { writer_.write(picture); }
   void finish() { writer_.finish(); }
-
-  /// Moves every file to where `destination` says. Throws Error(kUnwritableOutput), and what `destination` throws.
-  void move_files(const std::function<fs::path(const fs::path& inside)>& destination) {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
-      if (entry.is_regular_file()) files.push_back(entry.path());
-    }
-    for (const fs::path& file : files) {
-      const fs::path target = destination(file.lexically_relative(folder_.path()));
-      std::error_code error;
-      if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
-      fs::rename(file, target, error);
-      if (error) unwritable(target, error.message());
-    }
-  }
+  const StagedFiles& files() const { return files_; }
 
 private:
-  Unfinished folder_;
+  StagedFiles files_;
   host::PictureWriter writer_;
 };
 
@@ -74,9 +108,7 @@ public:
   FilmOutput(const PictureRequest& request, const host::PluginTable& plugins)
       : file_(request.path, request.overwrite, request.inputs),
         writer_(plugins.writer_for(request.path), file_.writing_path(), request.options) {}
-  void add(const fields::Picture& picture, const std::string& name, double seconds) override {
-    writer_.write(picture_for(picture, name, seconds, {}));
-  }
+  void add(const DrawnPicture& drawn) override { writer_.write(picture_for(writer_.format(), drawn, {})); }
   void finish() override {
     writer_.finish();
     file_.commit();
@@ -90,21 +122,23 @@ private:
 /// One picture, and its other passes beside it.
 class SinglePictureOutput : public PictureOutput {
 public:
-  SinglePictureOutput(const PictureRequest& request, const host::PluginTable& plugins)
-      : path_(request.path), file_(request.path, request.overwrite, request.inputs),
-        writer_(plugins.writer_for(request.path), request.path, request.options) {
-    for (const std::string& pass : request.beside) {
-      beside_.push_back(pass);
-      const fs::path file = path_.parent_path() / (path_.stem().string() + "." + pass + ".png");
+  SinglePictureOutput(const PictureRequest& request, const KinoraFormat& format)
+      : request_(request), file_(request.path, request.overwrite, request.inputs),
+        writer_(checked(format, request.passes), request.path, request.options),
+        beside_(passes_beside(format, request)) {
+    for (const std::string& pass : beside_) {
+      const fs::path file = request.path.parent_path() / (request.path.stem().string() + "." + pass + ".png");
       files_beside_.push_back(std::make_unique<OutputFile>(file, request.overwrite, request.inputs));
     }
   }
-  void add(const fields::Picture& picture, const std::string& /*name*/, double seconds) override {
-    writer_.write(picture_for(picture, "picture", seconds, beside_));
+  void add(const DrawnPicture& drawn) override {
+    host::Picture picture = picture_for(writer_.format(), drawn, request_);
+    picture.name = "picture";
+    writer_.write(picture);
   }
   void finish() override {
     writer_.finish();
-    writer_.move_files([this](const fs::path& inside) {
+    writer_.files().move([this](const fs::path& inside) {
       for (std::size_t i = 0; i < beside_.size(); ++i) {
         if (inside.stem().extension() == "." + beside_[i]) return files_beside_[i]->writing_path();
       }
@@ -115,7 +149,7 @@ public:
   }
 
 private:
-  fs::path path_;
+  PictureRequest request_;
   OutputFile file_;
   StagedWriter writer_;
   Passes beside_;
@@ -126,10 +160,9 @@ class FolderOutput : public PictureOutput {
 public:
   FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
                const host::Options& options)
-      : path_(request.path), overwrite_(request.overwrite), beside_(request.beside), inputs_(request.inputs),
-        writer_(format, checked(request, names, format) / "", options) {}
-  void add(const fields::Picture& picture, const std::string& name, double seconds) override {
-    writer_.write(picture_for(picture, name, seconds, beside_));
+      : request_(request), writer_(format, free_folder(request, names, format) / "", options) {}
+  void add(const DrawnPicture& drawn) override {
+    writer_.write(picture_for(writer_.format(), drawn, request_));
     move();
   }
   void finish() override {
@@ -139,17 +172,18 @@ public:
 
 private:
   void move() {
-    writer_.move_files([this](const fs::path& inside) {
-      fs::path target = path_ / inside;
+    writer_.files().move([this](const fs::path& inside) {
+      fs::path target = request_.path / inside;
       if (!written_.insert(target.lexically_normal()).second) unwritable(target, "two pictures have this name");
-      refuse_to_lose(target, overwrite_, inputs_);
+      refuse_to_lose(target, request_.overwrite, request_.inputs);
       return target;
     });
   }
 
   /// What can be known before anything is drawn; move() holds whatever the writer makes of the names.
-  static const fs::path& checked(const PictureRequest& request, const std::vector<std::string>& names,
-                                 const KinoraFormat& format) {
+  static const fs::path& free_folder(const PictureRequest& request, const std::vector<std::string>& names,
+                                     const KinoraFormat& format) {
+    checked(format, request.passes);
     std::error_code error;
     if (fs::exists(request.path, error) && !fs::is_directory(request.path, error)) {
       unwritable(request.path, "it is not a folder; name a folder, a .png or a .mp4");
@@ -157,7 +191,7 @@ private:
     const std::string extension = std::string(format.extensions).substr(0, std::string(format.extensions).find(' '));
     for (const std::string& name : names) {
       refuse_to_lose(request.path / (name + extension), request.overwrite, request.inputs);
-      for (const std::string& pass : request.beside) {
+      for (const std::string& pass : passes_beside(format, request)) {
         refuse_to_lose(request.path / fmt::format("{}.{}.png", name, pass), request.overwrite, request.inputs);
       }
     }
@@ -173,10 +207,7 @@ private:
     unwritable(file, "it exists already; add --overwrite to replace it, or give another folder");
   }
 
-  fs::path path_;
-  bool overwrite_;
-  Passes beside_;
-  std::vector<fs::path> inputs_;
+  PictureRequest request_;
   std::set<fs::path> written_;
   StagedWriter writer_;
 };
@@ -211,7 +242,7 @@ std::unique_ptr<PictureOutput> PictureOutput::open(const PictureRequest& request
   case OutputKind::kFilm:
     return std::make_unique<FilmOutput>(request, plugins);
   case OutputKind::kPicture:
-    return std::make_unique<SinglePictureOutput>(request, plugins);
+    return std::make_unique<SinglePictureOutput>(request, plugins.writer_for(request.path));
   case OutputKind::kFolder:
     break;
   }

@@ -9,6 +9,7 @@
 #include "cli/context.h"
 #include "fields/rendering/renderer.h"
 #include "host/options.h"
+#include "host/picture_writer.h"
 
 namespace kinora::cli {
 
@@ -18,8 +19,17 @@ struct PictureRequest {
   std::filesystem::path path;
   host::Options options; ///< of the writer; "format" chooses it where the path does not
   bool overwrite = false;
-  std::vector<std::string> beside; ///< passes that stand beside colour: depth, normal, confidence
+  std::vector<std::string> passes; ///< besides colour: depth, normal, confidence
   std::vector<std::filesystem::path> inputs;
+};
+
+/// What was drawn, from where and when.
+struct DrawnPicture {
+  fields::Picture picture;
+  std::string name;
+  double seconds = 0; ///< from the start, increasing
+  Camera camera;
+  std::vector<host::LabelMeaning> labels = {}; ///< of the layers that are drawn, as picture.front counts them
 };
 
 /// .mp4 and other film extensions: a film; an extension of a picture format: one picture; else a folder.
@@ -35,8 +45,7 @@ public:
   static std::unique_ptr<PictureOutput> open(const PictureRequest& request, const std::vector<std::string>& names,
                                              const host::PluginTable& plugins);
   virtual ~PictureOutput() = default;
-  /// `seconds` from the start, increasing.
-  virtual void add(const fields::Picture& picture, const std::string& name, double seconds) = 0;
+  virtual void add(const DrawnPicture& drawn) = 0;
   virtual void finish() = 0;
 };
 

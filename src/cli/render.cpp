@@ -110,6 +110,17 @@ void require_confidence(const clip::Clip& clip, const player::LayerChoice& layer
   }
 }
 
+/// Of the layers that a picture of a frame shows: none before it has been seen first.
+std::vector<host::LabelMeaning> labels_at(const clip::Clip& clip, const player::LayerChoice& layers, double frame) {
+  std::vector<host::LabelMeaning> labels;
+  for (const std::size_t i : layers) {
+    const clip::Layer& layer = clip.layers[i];
+    if (frame < static_cast<double>(player::first_frame_of(layer.motion, clip.times.size()))) continue;
+    labels.push_back({layer.label, layer.name, std::string(motion::name_of(layer.motion.kind()))});
+  }
+  return labels;
+}
+
 void run(const Options& options, Context& context) {
   const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
@@ -148,7 +159,9 @@ void run(const Options& options, Context& context) {
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
-    output->add(player.draw(views[i].camera, views[i].frame, layers, draw), views[i].name, times[i]);
+    const player::View& view = views[i];
+    output->add({player.draw(view.camera, view.frame, layers, draw), view.name, times[i], view.camera,
+                 labels_at(player.clip(), layers, view.frame)});
     context.progress.advance(i + 1, "");
   }
   output->finish();
@@ -187,11 +200,16 @@ void add_render(CLI::App& app, Context& context) {
   CLI::App& command = context.add_command(app, "render", "Draw a clip from any camera, as pictures or a film",
                                           "  kinora render clip.mkv side.png --orbit 30 --frames 45\n"
                                           "  kinora render clip.mkv film.mp4 --orbit 20 --size 960x720\n"
+                                          "  kinora render clip.mkv dataset/ -O format=data-set\n"
                                           "  kinora render clip.mkv pictures/ --cameras transforms.json "
                                           "--layers object --passes rgb,depth,normal",
                                           [options, &context] { run(*options, context); });
   command.add_option("CLIP", options->clip, "The clip to draw")->required()->type_name("FILE");
-  command.add_option("OUT", options->out, "A .mp4 film, a .png of the first view, or a folder for one .png per view")
+  command
+      .add_option(
+          "OUT", options->out,
+          "A .mp4 film, a .png or .exr of the first view, or a folder for one .png per view; -O format=exr: one "
+          ".exr; -O format=data-set: a data set for other programs to train on")
       ->required()
       ->type_name("PATH");
   add_view_options(command, *options);

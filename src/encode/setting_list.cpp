@@ -1,8 +1,8 @@
 #include "encode/setting_list.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "core/edit_distance.h"
 #include "core/error.h"
 
 namespace kinora::encode {
@@ -32,30 +32,15 @@ bool abbreviates(std::string_view wanted, std::string_view path) {
   return found == some.size();
 }
 
-// Levenshtein's distance.
-std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0U);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t k = 0; k < b.size(); ++k) {
-      const std::size_t changed = diagonal + (a[i] == b[k] ? 0 : 1);
-      diagonal = row[k + 1];
-      row[k + 1] = std::min({changed, row[k] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 // How much of each name has to be typed otherwise; of the last one, which names the setting, in the path's last place.
 std::size_t unlikeness(std::string_view wanted, std::string_view path) {
   if (path.starts_with(std::string(wanted) + '.')) return 0; // a struct of several
   const auto some = names_in(wanted);
   const auto all = names_in(path);
-  std::size_t sum = 2 * edits_between(some.back(), all.back());
+  std::size_t sum = 2 * edit_distance(some.back(), all.back());
   for (std::size_t i = 0; i + 1 < some.size(); ++i) {
     std::size_t least = some[i].size();
-    for (const std::string_view name : all) least = std::min(least, edits_between(some[i], name));
+    for (const std::string_view name : all) least = std::min(least, edit_distance(some[i], name));
     sum += least;
   }
   return sum;

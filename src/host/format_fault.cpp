@@ -33,6 +33,9 @@ constexpr Capability kCapabilities[] = {
     {KINORA_WRITES_TEXTURES, "write-textures"},
     {KINORA_WRITES_MESH_FRAME, "write-mesh-frame"},
     {KINORA_WRITES_METRIC_DEPTH, "write-metric-depth"},
+    {KINORA_WRITES_LABELS, "write-labels"},
+    {KINORA_WRITES_CAMERAS, "write-cameras"},
+    {KINORA_WRITES_FILES_BESIDE, "write-files-beside"},
 };
 
 /// Every format has the members before this one; see plugin.h.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/edit_distance.h"
 #include "core/error.h"
 
 namespace kinora::host {
@@ -53,16 +54,16 @@ Options parse_options(std::span<const std::string> words) {
   return options;
 }
 
-void check_options(const KinoraFormat& format, const Options& options) {
+void check_options(const KinoraFormat& format, const Options& options, std::span<const std::string> others) {
   for (const auto& [name, value] : options) {
     const KinoraOption* option = find_option(format, name);
     if (option == nullptr) {
-      std::vector<std::string> names;
+      std::vector<std::string> names(others.begin(), others.end());
       for (std::size_t i = 0; i < format.option_count; ++i) names.emplace_back(format.options[i].name);
       throw Error(ErrorCode::kUsage,
                   names.empty() ? fmt::format("the format {} has no options, so not \"{}\" either", format.name, name)
-                                : fmt::format("the format {} has no option \"{}\"; it has {}", format.name, name,
-                                              fmt::join(names, ", ")));
+                                : fmt::format("the format {} has no option \"{}\"; the nearest is {}; it has {}",
+                                              format.name, name, nearest_word(name, names), fmt::join(names, ", ")));
     }
     if (!is_of_type(option->type, value))
       throw Error(ErrorCode::kUsage, fmt::format("option {}={} of the format {}: the value must be of type {}", name,

@@ -17,6 +17,25 @@ ColorImage on_black(const ColorImage& rgba) {
   return rgb;
 }
 
+KinoraCamera camera_of(const Intrinsics& from) {
+  KinoraCamera camera{};
+  camera.width = from.width;
+  camera.height = from.height;
+  camera.fx = from.fx;
+  camera.fy = from.fy;
+  camera.cx = from.cx;
+  camera.cy = from.cy;
+  return camera;
+}
+
+std::vector<KinoraLabel> labels_of(std::span<const LabelMeaning> meanings) {
+  std::vector<KinoraLabel> labels;
+  labels.reserve(meanings.size());
+  for (const LabelMeaning& meaning : meanings)
+    labels.push_back({meaning.label, meaning.name.c_str(), meaning.kind.c_str()});
+  return labels;
+}
+
 } // namespace
 
 PictureWriter::PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options)
@@ -34,6 +53,17 @@ void PictureWriter::write(const Picture& picture) {
   if (supports(*format_, KINORA_WRITES_CONFIDENCE)) given.confidence = view_of(picture.confidence, KINORA_PIXEL_U8);
   if (supports(*format_, KINORA_WRITES_METRIC_DEPTH))
     given.metric_depth = view_of(picture.metric_depth, KINORA_PIXEL_F32);
+  const std::vector<KinoraLabel> labels = labels_of(picture.label_meanings);
+  if (supports(*format_, KINORA_WRITES_LABELS) && !picture.labels.empty()) {
+    given.labels = view_of(picture.labels, KINORA_PIXEL_U8);
+    given.label_meanings = labels.data();
+    given.label_count = labels.size();
+  }
+  if (supports(*format_, KINORA_WRITES_CAMERAS) && picture.camera) {
+    given.has_camera = 1;
+    given.camera = camera_of(picture.camera->intrinsics);
+    for (int i = 0; i < 16; ++i) given.camera_to_world[i] = picture.camera->camera_to_world.matrix()(i / 4, i % 4);
+  }
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->writer_write(writer_.get(), &given, &message);
   if (status != KINORA_OK) throw error_of(status, message, format_->name);

@@ -2,13 +2,23 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 
+#include "core/camera.h"
 #include "core/image.h"
 #include "host/open_writer.h"
 #include "kinora/plugin.h"
 
 namespace kinora::host {
+
+/// What a label of pictures means: the name and the kind ("still", "rigid", "deforming") of a layer.
+struct LabelMeaning {
+  int label = 0;
+  std::string name;
+  std::string kind;
+};
 
 /// One picture to write.
 struct Picture {
@@ -19,6 +29,9 @@ struct Picture {
   Image<float> normal = {};            ///< 3 channels: unit vectors along the camera's axes, 0 = nothing; may be empty
   Image<std::uint8_t> confidence = {}; ///< may be empty
   DepthImage metric_depth = {};        ///< metres along the optical axis, 0 = nothing; may be empty
+  LabelImage labels = {};              ///< of what is in front, 0 where nothing is; may be empty
+  std::span<const LabelMeaning> label_meanings = {}; ///< of labels
+  std::optional<Camera> camera = std::nullopt;       ///< that sees the picture
 };
 
 /// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.

@@ -5,6 +5,7 @@
 
 #include "cli/run_kinora.h"
 #include "core/error.h"
+#include "core/module.h"
 
 namespace kinora::cli {
 namespace {
@@ -15,8 +16,8 @@ using Names = std::vector<std::string>;
 
 class Pictures : public testing::Test {
 protected:
-  PictureRequest request(const std::string& name, bool overwrite, std::vector<std::string> beside = {}) const {
-    return {path(name), {}, overwrite, std::move(beside), {}};
+  PictureRequest request(const std::string& name, bool overwrite, std::vector<std::string> passes = {}) const {
+    return {path(name), {}, overwrite, std::move(passes), {}};
   }
   std::filesystem::path path(const std::string& name) const { return folder_.path() / name; }
   Names names() const { return names_in(folder_.path()); }
@@ -26,14 +27,14 @@ protected:
     fields::Picture picture;
     picture.color = ColorImage(4, 3, 4);
     picture.depth = DepthImage(4, 3);
-    const Names& passes = request.beside;
+    const Names& passes = request.passes;
     if (std::find(passes.begin(), passes.end(), "normal") != passes.end()) picture.normal = Image<float>(4, 3, 3);
     return picture;
   }
   void write(const PictureRequest& request, const Names& views) const {
     const auto output = PictureOutput::open(request, views, table_);
     double seconds = 0;
-    for (const std::string& view : views) output->add(picture_for(request), view, seconds++);
+    for (const std::string& view : views) output->add({picture_for(request), view, seconds++, {}});
     output->finish();
   }
   void expect_refused(const PictureRequest& request, const Names& views, const std::string& word) const {
@@ -54,6 +55,22 @@ TEST_F(Pictures, OfAFolderAreThereWithTheirPassesAndNothingElse) {
   write(request("out", false, {"depth"}), {"a/left", "right"});
   EXPECT_EQ(names(), (Names{"out/a/left.depth.png", "out/a/left.png", "out/right.depth.png", "out/right.png"}));
   EXPECT_FALSE(std::filesystem::exists(path("out/.part")));
+}
+
+TEST_F(Pictures, ThatHoldTheirPassesAreOneFileEach) {
+  if (!std::filesystem::exists(module_path("exr"))) GTEST_SKIP() << "OpenEXR is not installed";
+  PictureRequest wanted = request("out", false, {"depth", "normal"});
+  wanted.options = {{"format", "exr"}};
+  write(wanted, {"left", "right"});
+  write(request("still.exr", false, {"depth"}), {"view"});
+  EXPECT_EQ(names(), (Names{"out/left.exr", "out/right.exr", "still.exr"}));
+}
+
+TEST_F(Pictures, ForWhichTheFormatHasNoPlaceAreRefused) {
+  PictureRequest wanted = request("out", false, {"normal"});
+  wanted.options = {{"format", "data-set"}};
+  EXPECT_THROW(write(wanted, {"left"}), Error);
+  EXPECT_EQ(names(), Names{});
 }
 
 TEST_F(Pictures, ThatExistStayWithTheirPassesUnlessOverwritten) {

@@ -1,7 +1,10 @@
 // PLY files, read back by the letter of the format.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+
+#include <Eigen/Geometry>
 
 #include "core/error.h"
 #include "formats/sample_capture.h"
@@ -62,6 +65,27 @@ TEST_F(PlyTest, PointsAreTheVerticesAlone) {
   EXPECT_EQ(head.find("element face"), std::string::npos) << head;
   EXPECT_EQ(body.size(), 3 * kVertexBytes);
   EXPECT_EQ(body, write({triangle("a", 0)}).second.substr(0, 3 * kVertexBytes));
+}
+
+// As the program of Kerbl et al. (2023) reads them: standard deviations as logarithms, opacity before the logistic
+// function, colours as the harmonic of degree 0, in axes that are Kinora's too.
+TEST_F(PlyTest, SplatsLieFlatOnTheSurfaceInItsColours) {
+  const auto [head, body] = write({triangle("a", 1)}, {{"content", "splats"}});
+  EXPECT_NE(head.find("property float f_dc_0\n"), std::string::npos) << head;
+  EXPECT_NE(head.find("property float rot_3\nend_header\n"), std::string::npos) << head;
+  ASSERT_EQ(body.size(), 3 * 17 * sizeof(float));
+  const auto number = [&body = body](std::size_t vertex, std::size_t property) {
+    return value_at<float>(body, sizeof(float) * (17 * vertex + property));
+  };
+  EXPECT_EQ(number(2, 1), 0.5F) << "y points down";
+  const float red = 0.5F + 0.28209479F * number(2, 6);
+  EXPECT_NEAR(red, 200 / 255.0, 1e-5);
+  EXPECT_GT(1 / (1 + std::exp(-number(2, 9))), 0.9F);
+  EXPECT_GT(std::exp(number(2, 10)), 0.1F);
+  EXPECT_LT(std::exp(number(2, 10)), 0.5F) << "narrower than the triangle's longest side";
+  EXPECT_LT(number(2, 12), number(2, 10) - 1) << "flat along its third axis";
+  const Eigen::Quaternionf rotation(number(2, 13), number(2, 14), number(2, 15), number(2, 16));
+  EXPECT_TRUE((rotation * Eigen::Vector3f::UnitZ()).isApprox(Eigen::Vector3f(0, 0.6F, -0.8F), 1e-5F));
 }
 
 TEST_F(PlyTest, FaultyMeshesAndUnwritablePlacesAreErrors) {

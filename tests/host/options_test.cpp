@@ -37,6 +37,9 @@ TEST(Options, ValuesAreCheckedAgainstTheFormatsDeclaration) {
   expect_usage("type number", [&] { check_options(mp4, {{"fps", "nan"}}); });
   expect_usage("type number", [&] { check_options(mp4, {{"fps", "24x"}}); });
   expect_usage("it has fps, crf", [&] { check_options(mp4, {{"speed", "1"}}); });
+  expect_usage("the nearest is fps", [&] { check_options(mp4, {{"fsp", "1"}}); });
+  const std::string others[] = {"layers"};
+  expect_usage("the nearest is layers; it has layers, fps", [&] { check_options(mp4, {{"layer", "1"}}, others); });
   const KinoraFormat& png = table.find("png");
   check_options(png, {{"layout", "folder"}});
   expect_usage("auto|folder|file", [&] { check_options(png, {{"layout", "auto|folder"}}); });

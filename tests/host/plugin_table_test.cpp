@@ -70,8 +70,9 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_FALSE(capability_names(*entry.format).empty());
     EXPECT_STRNE(entry.format->description, "");
   }
-  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "transforms", "png", "mp4",
-                                          "glb", "ply", "openvdb", "kinora-recording"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"tum-rgbd", "numbered-folder", "3dmatch", "m3t", "transforms", "png", "exr", "mp4",
+                                   "glb", "usd", "ply", "obj", "openvdb", "data-set", "kinora-recording"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {

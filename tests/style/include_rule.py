@@ -76,6 +76,8 @@ ONE_USER = {
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/mp4/.*|src/recording/ffv1_module\.cpp)"),
+    "OpenEXR/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
+    "Imath/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
     "opencv2/": re.compile(r"src/ingest/(onnx/onnx|opencv/opencv|segmentation/network|joints/network)_\w+\.(cpp|h)"),
     "hwy/": re.compile(r"(src|tests|bench)/.*_simd\w*\.(cpp|h)"),
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/linear_light.h"
 #include "ingest/frame/reduced_view.h"
 
 namespace kinora::ingest {
@@ -23,8 +24,7 @@ float linear_of(std::uint8_t value) {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double s = static_cast<double>(i) / 255;
-      values[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+      values[i] = static_cast<float>(linear_light(static_cast<double>(i) / 255));
     }
     return values;
   }();

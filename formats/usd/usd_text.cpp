@@ -1,0 +1,256 @@
+#include "usd/usd_text.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include "common/number_text.h"
+#include "core/error.h"
+#include "core/linear_light.h"
+
+namespace kinora::formats {
+namespace {
+
+constexpr int kPositionDecimals = 4; ///< a tenth of a millimetre
+constexpr int kTransformDecimals = 7;
+constexpr int kTextureDecimals = 5;
+constexpr int kColorDecimals = 4;
+constexpr int kTimeDecimals = 3;
+
+template <class Vector> void append_vector(std::string& text, const Vector& vector, int decimals) {
+  text += '(';
+  for (Eigen::Index i = 0; i < vector.size(); ++i) {
+    if (i > 0) text += ", ";
+    append_number(text, vector[i], decimals);
+  }
+  text += ')';
+}
+
+/// [a, b, …] of what `append(text, i)` appends.
+template <class Append> std::string list_of(std::size_t count, const Append& append) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) text += ", ";
+    append(text, i);
+  }
+  return text + "]";
+}
+
+std::string list_of_points(const std::vector<Eigen::Vector3f>& points) {
+  return list_of(points.size(),
+                 [&](std::string& text, std::size_t i) { append_vector(text, points[i], kPositionDecimals); });
+}
+
+std::string extent_of(const std::vector<Eigen::Vector3f>& points) {
+  Eigen::Vector3f low = points.front();
+  Eigen::Vector3f high = points.front();
+  for (const Eigen::Vector3f& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return list_of_points({low, high});
+}
+
+/// USD's vectors are rows.
+std::string matrix_text(const SE3& transform) {
+  std::string text = "( ";
+  for (int row = 0; row < 4; ++row) {
+    if (row > 0) text += ", ";
+    append_vector(text, transform.matrix().col(row), kTransformDecimals);
+  }
+  return text + " )";
+}
+
+/// `text` with every NAME and every TEXTURE replaced.
+std::string filled(std::string text, const std::string& name, const std::string& texture) {
+  for (const auto& [word, value] : {std::pair<std::string_view, const std::string&>{"TEXTURE", texture},
+                                    std::pair<std::string_view, const std::string&>{"NAME", name}}) {
+    std::size_t at = 0;
+    while ((at = text.find(word, at)) != std::string::npos) {
+      text.replace(at, word.size(), value);
+      at += value.size();
+    }
+  }
+  return text;
+}
+
+// It shines by itself: light is in the colours already.
+constexpr const char* kTexturedSurface = R"(    def Material "NAME_material"
+    {
+        token outputs:surface.connect = </clip/NAME_material/surface.outputs:surface>
+
+        def Shader "surface"
+        {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0, 0, 0)
+            color3f inputs:emissiveColor.connect = </clip/NAME_material/color.outputs:rgb>
+            float inputs:roughness = 1
+            token outputs:surface
+        }
+
+        def Shader "color"
+        {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @@@TEXTURE@@@
+            float2 inputs:st.connect = </clip/NAME_material/st.outputs:result>
+            token inputs:sourceColorSpace = "sRGB"
+            token inputs:wrapS = "clamp"
+            token inputs:wrapT = "clamp"
+            float3 outputs:rgb
+        }
+
+        def Shader "st"
+        {
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "st"
+            float2 outputs:result
+        }
+    }
+)";
+
+constexpr const char* kPlainSurface = R"(    def Material "NAME_material"
+    {
+        token outputs:surface.connect = </clip/NAME_material/surface.outputs:surface>
+
+        def Shader "surface"
+        {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0, 0, 0)
+            color3f inputs:emissiveColor.connect = </clip/NAME_material/color.outputs:result>
+            float inputs:roughness = 1
+            token outputs:surface
+        }
+
+        def Shader "color"
+        {
+            uniform token info:id = "UsdPrimvarReader_float3"
+            string inputs:varname = "displayColor"
+            float3 outputs:result
+        }
+    }
+)";
+
+constexpr const char* kMesh = R"(
+    def Mesh "NAME" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
+    {
+        rel material:binding = </clip/NAME_material>
+)";
+
+} // namespace
+
+std::string usd_name(const std::string& name, std::set<std::string>& taken) {
+  std::string made;
+  for (const char c : name) {
+    const bool allowed = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    made += allowed ? c : '_';
+  }
+  if (made.empty() || (made[0] >= '0' && made[0] <= '9')) made.insert(made.begin(), '_');
+  std::string unique = made;
+  for (int number = 2; !taken.insert(unique).second; ++number) unique = made + "_" + std::to_string(number);
+  return unique;
+}
+
+UsdText::UsdText(std::filesystem::path path, double rate, double last_time)
+    : path_(std::move(path)), rate_(rate), file_(std::fopen(path_.c_str(), "wb")) {
+  if (!file_) fail();
+  std::string text = "#usda 1.0\n(\n    defaultPrim = \"clip\"\n    doc = \"Kinora: colours as the camera saw them\"\n"
+                     "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n    endTimeCode = ";
+  text += time_code(last_time);
+  for (const char* key : {"timeCodesPerSecond", "framesPerSecond"}) {
+    text.append("\n    ").append(key).append(" = ");
+    append_number(text, rate_, kTimeDecimals);
+  }
+  put(text);
+  put("\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n"
+      "    double xformOp:rotateX = 180\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"]\n");
+}
+
+void UsdText::fail() const {
+  throw Error(ErrorCode::kUnwritableOutput, path_.string() + " cannot be written: " + std::strerror(errno));
+}
+
+void UsdText::put(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail();
+}
+
+std::string UsdText::time_code(double seconds) const {
+  std::string text;
+  append_number(text, seconds * rate_, kTimeDecimals);
+  return text;
+}
+
+void UsdText::put_surface(const BlendedMesh& mesh) {
+  put("        uniform token subdivisionScheme = \"none\"\n        int[] faceVertexCounts = ");
+  put(list_of(mesh.faces.size(), [](std::string& text, std::size_t /*i*/) { text += '3'; }));
+  put("\n        int[] faceVertexIndices = ");
+  put(list_of(3 * mesh.faces.size(),
+              [&](std::string& text, std::size_t i) { text += std::to_string(mesh.faces[i / 3][i % 3]); }));
+  put("\n");
+}
+
+void UsdText::put_colors(const BlendedMesh& mesh, bool textured) {
+  if (textured) {
+    put("        texCoord2f[] primvars:st = ");
+    put(list_of(mesh.texture_coordinates.size(), [&](std::string& text, std::size_t i) {
+      const Eigen::Vector2f& t = mesh.texture_coordinates[i]; // from the lower left corner there
+      append_vector(text, Eigen::Vector2f(t.x(), 1 - t.y()), kTextureDecimals);
+    }));
+  } else {
+    put("        color3f[] primvars:displayColor = ");
+    put(list_of(mesh.colors.size(), [&](std::string& text, std::size_t i) {
+      Eigen::Vector3f linear;
+      for (int c = 0; c < 3; ++c)
+        linear[c] = linear_light(static_cast<float>(mesh.colors[i][static_cast<std::size_t>(c)]) / 255);
+      append_vector(text, linear, kColorDecimals);
+    }));
+  }
+  put(" (\n            interpolation = \"vertex\"\n        )\n");
+}
+
+/// One line of time samples.
+void UsdText::put_sample(double seconds, std::string_view value) {
+  put("            ");
+  put(time_code(seconds));
+  put(": ");
+  put(value);
+  put(",\n");
+}
+
+void UsdText::put_motion(const BlendedMesh& mesh) {
+  const std::vector<double>& times = mesh.times();
+  if (mesh.motion() != MeshMotion::kBlended) {
+    put("        float3[] extent = ");
+    put(extent_of(mesh.positions));
+    put("\n        point3f[] points = ");
+    put(list_of_points(mesh.positions));
+    put("\n");
+    if (mesh.motion() == MeshMotion::kStill) return;
+    put("        matrix4d xformOp:transform.timeSamples = {\n");
+    for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], matrix_text(mesh.transform(i)));
+    put("        }\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n");
+    return;
+  }
+  put("        float3[] extent.timeSamples = {\n");
+  for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], extent_of(mesh.points(i)));
+  put("        }\n        point3f[] points.timeSamples = {\n");
+  for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], list_of_points(mesh.points(i)));
+  put("        }\n");
+}
+
+void UsdText::add(const BlendedMesh& mesh, const std::string& name, const std::string& texture) {
+  put(filled(kMesh, name, ""));
+  put_surface(mesh);
+  put_colors(mesh, !texture.empty());
+  put_motion(mesh);
+  put("    }\n\n");
+  put(filled(texture.empty() ? kPlainSurface : kTexturedSurface, name, texture));
+}
+
+void UsdText::finish() {
+  put("}\n");
+  if (std::fflush(file_.get()) != 0 || std::ferror(file_.get()) != 0) fail();
+  if (std::fclose(file_.release()) != 0) fail();
+}
+
+} // namespace kinora::formats
