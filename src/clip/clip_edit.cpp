@@ -162,12 +162,15 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
   head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
   head.duration_ns = clip.description.times_ns.back();
+  // As in a file that was not cut: what is for all frames of a layer, then frame by frame what moves.
   std::vector<const Payload*> payloads;
+  std::vector<const Payload*> moving;
   for (const Role& role : roles_of(clip.description)) {
-    for (const Payload& payload : clip.payloads.at(role.id)) payloads.push_back(&payload);
+    auto& list = role.per_frame || role.layer.empty() ? moving : payloads;
+    for (const Payload& payload : clip.payloads.at(role.id)) list.push_back(&payload);
   }
-  // What is for all frames comes first, as in a file that was not cut.
-  std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
+  std::ranges::stable_sort(moving, {}, [](const Payload* payload) { return payload->time_ns; });
+  payloads.insert(payloads.end(), moving.begin(), moving.end());
   container::Writer writer(path, head);
   for (const Payload* payload : payloads) writer.write(payload->track, payload->time_ns, payload->key, payload->bytes);
   writer.finish();

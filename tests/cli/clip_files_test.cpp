@@ -14,7 +14,7 @@ protected:
   Said run(const std::vector<std::string>& words) const { return run_kinora(folder_, words); }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   /// Without its last part, where the frames are.
-  void cut_short() const { fs::resize_file(path("clip.mkv"), fs::file_size(path("clip.mkv")) - 12'000); }
+  void cut_short() const { fs::resize_file(path("clip.mkv"), fs::file_size(path("clip.mkv")) - 4'000); }
 
   TemporaryFolder folder_;
 };

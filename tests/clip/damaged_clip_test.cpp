@@ -59,15 +59,15 @@ Outcome read_parts(const Bytes& bytes) {
   return outcome;
 }
 
-bool same(const DualQuaternion& a, const DualQuaternion& b) {
+bool same_transform(const DualQuaternion& a, const DualQuaternion& b) {
   return a.real.coeffs() == b.real.coeffs() && a.dual.coeffs() == b.dual.coeffs();
 }
 bool same_place(const motion::Motion& a, std::size_t i, const motion::Motion& b, std::size_t j) {
   if (a.kind() == motion::MotionKind::kRigid)
     return a.poses()[i].canonical_to_world.matrix() == b.poses()[j].canonical_to_world.matrix();
-  return std::ranges::equal(a.deformations()[i].node_to_world, b.deformations()[j].node_to_world, same);
+  return std::ranges::equal(a.deformations()[i].node_to_world, b.deformations()[j].node_to_world, same_transform);
 }
-bool same(const fields::Field& a, const fields::Field& b) {
+bool same_field(const fields::Field& a, const fields::Field& b) {
   return a.table == b.table && a.density_net == b.density_net && a.color_net == b.color_net &&
          a.occupancy.words() == b.occupancy.words();
 }
@@ -104,7 +104,7 @@ private:
     const auto original = std::ranges::find_if(whole_.layers, is_named);
     ASSERT_NE(original, whole_.layers.end()) << layer.name;
     EXPECT_EQ(layer.label, original->label);
-    EXPECT_TRUE(same(layer.field, original->field)) << layer.name;
+    EXPECT_TRUE(same_field(layer.field, original->field)) << layer.name;
     ASSERT_EQ(layer.motion.kind(), original->motion.kind());
     note(layer.confidence.has_value() == original->confidence.has_value());
     if (layer.confidence) {
