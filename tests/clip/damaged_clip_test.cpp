@@ -214,8 +214,8 @@ TEST(DamagedClip, NamesTheLayerAndTheTimesThatAreMissing) {
 
 TEST(MissingParts, ListsThreeRunsOfFramesAndCountsTheRest) {
   std::vector<bool> there(20, true);
-  std::vector<double> times;
-  for (int f = 0; f < 20; ++f) times.push_back(f * 0.1);
+  std::vector<double> times(20);
+  for (std::size_t f = 0; f < times.size(); ++f) times[f] = 0.1 * static_cast<double>(f);
   for (const std::size_t f : {1, 2, 5, 8, 9, 11, 13, 14}) there[f] = false;
   EXPECT_EQ(missing_frames(there, times), "frames 1 to 2 (0.10 to 0.20 s), frame 5 (0.50 s), frames 8 to 9 (0.80 to "
                                           "0.90 s) and 3 further frames");
