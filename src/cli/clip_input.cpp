@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "clip/missing_parts.h"
 #include "core/error.h"
 #include "core/frame_range.h"
 
@@ -16,14 +17,25 @@ void require_input(const std::filesystem::path& path) {
   throw Error(ErrorCode::kUsage, fmt::format("{} does not exist; is the name right?", path.string()));
 }
 
-clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account) {
+clip::Clip open_clip(const std::filesystem::path& path, Progress& progress, clip::ByteAccount* account,
+                     std::vector<std::string>* missing) {
   require_input(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw Error(ErrorCode::kNotRecognised,
                 fmt::format("{} is a folder, not a clip; make a clip of a capture with kinora encode", path.string()));
   }
-  return clip::read_clip(path, account);
+  std::vector<std::string> parts;
+  try {
+    return clip::read_clip(path, account);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kCorruptInput) throw;
+    clip::Clip clip = clip::read_whole_parts(std::make_unique<container::FileSource>(path), parts, account);
+    if (parts.empty()) parts.emplace_back(error.what());
+    progress.warn(clip::missing_sentence(path.string(), parts));
+    if (missing != nullptr) *missing = std::move(parts);
+    return clip;
+  }
 }
 
 double frames_per_second(const clip::Clip& clip) {

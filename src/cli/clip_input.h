@@ -7,14 +7,17 @@
 
 #include "clip/clip.h"
 #include "clip/clip_io.h"
+#include "core/progress.h"
 
 namespace kinora::cli {
 
 /// Throws Error(kUsage) if there is nothing at `path`.
 void require_input(const std::filesystem::path& path);
 
-/// Reads a clip; an input that is no file of ours is told apart from one that is a capture.
-clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account = nullptr);
+/// Reads a clip; an input that is no file of ours is told apart from one that is a capture. Of a damaged one, what is
+/// whole, after one warning that says what is missing; `missing` gets that, too (clip::read_whole_parts).
+clip::Clip open_clip(const std::filesystem::path& path, Progress& progress, clip::ByteAccount* account = nullptr,
+                     std::vector<std::string>* missing = nullptr);
 
 /// Frames per second of a clip, from its times (30 if it has one frame).
 double frames_per_second(const clip::Clip& clip);

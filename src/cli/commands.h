@@ -19,5 +19,7 @@ void add_serve(CLI::App& app, Context& context);
 void add_record(CLI::App& app, Context& context);
 void add_recover(CLI::App& app, Context& context);
 void add_validate(CLI::App& app, Context& context);
+void add_cut(CLI::App& app, Context& context);
+void add_join(CLI::App& app, Context& context);
 
 } // namespace kinora::cli

@@ -181,7 +181,7 @@ std::string summary(const Conversion& conversion, const Json& result, bool dry_r
 void run(const Options& options, Context& context) {
   check_source(options, context.plugins());
   const KinoraFormat& format = target_of(options, context.plugins());
-  const clip::Clip clip = open_clip(options.input);
+  const clip::Clip clip = open_clip(options.input, context.progress);
   const Conversion conversion = conversion_of(options, clip, format, context);
   Json result = options.dry_run                                    ? plan_json(conversion)
                 : is_one_file(format)                              ? convert_to_meshes(conversion, context)

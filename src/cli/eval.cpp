@@ -23,7 +23,7 @@ void run(const Options& options, Context& context) {
   std::optional<OutputFile> file;
   if (!options.report.empty())
     file.emplace(options.report, context.shared.overwrite, std::vector{options.clip, options.capture});
-  const player::Player player(open_clip(options.clip));
+  const player::Player player(open_clip(options.clip, context.progress));
   require_input(options.capture);
   evaluate::EvaluateOptions how;
   how.ground_truth = true;

@@ -39,4 +39,12 @@ FileCheck check_file(const std::filesystem::path& path, Progress& progress) {
   return check;
 }
 
+void throw_if_damaged(const FileCheck& check, const std::filesystem::path& path) {
+  if (check.damage.empty()) return;
+  throw Error(ErrorCode::kCorruptInput,
+              fmt::format("{}: damaged in {} places, the first: {}; kinora recover saves what "
+                          "is sound",
+                          path.string(), check.damage.size(), check.damage.front()));
+}
+
 } // namespace kinora::cli

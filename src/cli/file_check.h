@@ -17,4 +17,7 @@ struct FileCheck {
 /// Reads, checks and decodes everything. Throws Error: kNotRecognised, kCorruptInput if the head cannot be read.
 FileCheck check_file(const std::filesystem::path& path, Progress& progress);
 
+/// Throws Error(kCorruptInput) that says in how many places, and where the first is.
+void throw_if_damaged(const FileCheck& check, const std::filesystem::path& path);
+
 } // namespace kinora::cli

@@ -7,6 +7,7 @@
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/file_check.h"
 #include "cli/text.h"
 #include "core/error.h"
 #include "ingest/capture/capture.h"
@@ -37,9 +38,15 @@ Json layer_json(const clip::Layer& layer, std::size_t frames) {
 
 std::size_t per_frame(std::size_t bytes, std::size_t frames) { return frames > 0 ? (bytes + frames / 2) / frames : 0; }
 
-Json clip_json(const fs::path& path) {
+struct Options {
+  fs::path input;
+  bool strict = false;
+};
+
+Json clip_json(const fs::path& path, Context& context) {
   clip::ByteAccount account;
-  const clip::Clip clip = open_clip(path, &account);
+  std::vector<std::string> missing;
+  const clip::Clip clip = open_clip(path, context.progress, &account, &missing);
   Json out = {{"schema", "kinora.info/1"},
               {"path", path.string()},
               {"kind", "clip"},
@@ -52,6 +59,7 @@ Json clip_json(const fs::path& path) {
               {"intrinsics", intrinsics_json(clip.intrinsics)},
               {"layers", Json::array()},
               {"parts", Json::array()},
+              {"missing", missing},
               {"metadata", clip.metadata}};
   for (const clip::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
   for (const auto& entry : account.entries) out["parts"].push_back({{"name", entry.name}, {"bytes", entry.bytes}});
@@ -158,7 +166,7 @@ Json info_of(const fs::path& path, Context& context) {
   require_input(path);
   if (fs::is_regular_file(path)) {
     try {
-      return clip_json(path);
+      return clip_json(path, context);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kNotRecognised) throw;
       context.progress.detail(error.what());
@@ -167,8 +175,18 @@ Json info_of(const fs::path& path, Context& context) {
   return capture_json(path, context);
 }
 
-void run(const fs::path& input, Context& context) {
-  const Json info = info_of(input, context);
+// A capture of others has no checksums that could be looked at.
+void refuse_damage(const fs::path& input, Context& context) {
+  try {
+    if (fs::is_regular_file(input)) throw_if_damaged(check_file(input, context.progress), input);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNotRecognised) throw;
+  }
+}
+
+void run(const Options& options, Context& context) {
+  if (options.strict) refuse_damage(options.input, context);
+  const Json info = info_of(options.input, context);
   if (context.shared.json) {
     context.print_json(info);
   } else {
@@ -179,11 +197,13 @@ void run(const fs::path& input, Context& context) {
 } // namespace
 
 void add_info(CLI::App& app, Context& context) {
-  const auto input = std::make_shared<fs::path>();
+  const auto options = std::make_shared<Options>();
   CLI::App& command = context.add_command(app, "info", "What an input is, what it holds, and where every byte went",
                                           "  kinora info clip.mkv\n  kinora info capture/ --json",
-                                          [input, &context] { run(*input, context); });
-  command.add_option("INPUT", *input, "A clip or a capture")->required()->type_name("PATH");
+                                          [options, &context] { run(*options, context); });
+  command.add_option("INPUT", options->input, "A clip or a capture")->required()->type_name("PATH");
+  command.add_flag("--strict", options->strict,
+                   "Refuse a file of Kinora that is damaged anywhere, as kinora validate does");
 }
 
 } // namespace kinora::cli

@@ -15,9 +15,9 @@ namespace kinora::cli {
 namespace {
 
 using AddCommand = void (*)(CLI::App&, Context&);
-constexpr AddCommand kCommands[] = {add_info,    add_formats, add_probe,   add_encode,  add_render,
-                                    add_convert, add_track,   add_motion,  add_eval,    add_play,
-                                    add_serve,   add_record,  add_recover, add_validate};
+constexpr AddCommand kCommands[] = {add_info,    add_formats,  add_probe, add_encode, add_render, add_convert,
+                                    add_track,   add_motion,   add_eval,  add_play,   add_serve,  add_record,
+                                    add_recover, add_validate, add_cut,   add_join};
 
 int fail(Context& context, int code, const std::string& sentence) {
   context.progress.finish();

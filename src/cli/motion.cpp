@@ -76,7 +76,7 @@ Json layer_json(const clip::Layer& layer, const clip::Clip& clip) {
 
 void run(const Options& options, Context& context) {
   OutputFile out(options.out, context.shared.overwrite, {options.clip});
-  const clip::Clip clip = open_clip(options.clip);
+  const clip::Clip clip = open_clip(options.clip, context.progress);
   Json motion = {{"schema", "kinora.motion/1"}, {"fps", frames_per_second(clip)}, {"layers", Json::array()}};
   for (const clip::Layer& layer : clip.layers) motion["layers"].push_back(layer_json(layer, clip));
   write_text(out, motion.dump() + "\n");

@@ -11,8 +11,8 @@ namespace {
 
 void run(const std::filesystem::path& file, Context& context) {
   namespace window = player::window;
-  const auto open = [](const std::filesystem::path& clip) {
-    return std::make_shared<const player::Player>(open_clip(clip));
+  const auto open = [&context](const std::filesystem::path& clip) {
+    return std::make_shared<const player::Player>(open_clip(clip, context.progress));
   };
   const window::WindowFunctions& functions = window::window_functions();
   window::Viewer viewer(file, open, std::filesystem::current_path(), interrupted);

@@ -75,10 +75,8 @@ void run_validate(const std::filesystem::path& input, Context& context) {
   } else {
     for (const std::string& sentence : check.damage) context.print(sentence + "\n");
   }
-  if (check.damage.empty()) return;
   context.flush();
-  throw Error(ErrorCode::kCorruptInput, fmt::format("{}: damaged in {} places; kinora recover saves what is sound",
-                                                    input.string(), check.damage.size()));
+  throw_if_damaged(check, input);
 }
 
 } // namespace

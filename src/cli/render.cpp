@@ -133,7 +133,7 @@ void run(const Options& options, Context& context) {
     throw Error(ErrorCode::kUsage, fmt::format("a film has no place for {}; render --passes rgb,{} into a folder",
                                                fmt::join(beside, " and "), fmt::join(beside, ",")));
   }
-  const player::Player player(open_clip(options.clip));
+  const player::Player player(open_clip(options.clip, context.progress));
   const player::LayerChoice layers = options.layers.empty()
                                          ? player.all_layers()
                                          : clip::choose_layers(player.clip(), options.layers, context.progress);

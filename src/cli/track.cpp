@@ -67,7 +67,7 @@ void run(const Options& options, Context& context) {
   OutputFile out(options.out, context.shared.overwrite, {options.clip, options.points});
   require_input(options.points);
   const std::vector<NamedPoint> points = read_points(options.points);
-  const clip::Clip clip = open_clip(options.clip);
+  const clip::Clip clip = open_clip(options.clip, context.progress);
   const std::size_t count = clip.times.size();
   if (options.frame < 0 || static_cast<std::size_t>(options.frame) >= count) {
     throw Error(ErrorCode::kUsage,

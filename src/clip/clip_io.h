@@ -38,12 +38,12 @@ Clip read_clip(const std::filesystem::path& path, ByteAccount* account = nullptr
 /// The same out of memory or from elsewhere.
 Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* account = nullptr);
 
-/// The same of a file that may be cut or damaged: what is whole. `missing` gets one sentence for each thing that is not
-/// there; it is empty if nothing is missing. Nothing comes from a payload without its checksum. Layers without a field
-/// are left out; frames behind the last that a cut file has are, too; a frame without its pose or deformation gets that
-/// of the nearest one before it that has one (else after it) and is lost (motion::Health). Throws as above if there is
-/// nothing to show: no timeline, no camera or no layer.
-Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing,
+/// The same of a file that may be cut or damaged: what is whole. `missing` gets one phrase for each thing that is not
+/// there (missing_parts.h); it is empty if nothing is missing. Nothing comes from a payload without its checksum.
+/// Layers without a field or without any motion are left out; frames behind the last that a cut file has are, too; a
+/// frame without its pose or deformation gets that of the nearest one before it that has one (else after it) and is
+/// lost (motion::Health). Throws as above if there is nothing to show: no timeline, no camera or no layer.
+Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector<std::string>& missing,
                       ByteAccount* account = nullptr);
 
 } // namespace kinora::clip

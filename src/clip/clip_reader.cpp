@@ -10,6 +10,7 @@
 #include "clip/clip_io.h"
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
+#include "clip/missing_parts.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -30,8 +31,8 @@ using container::StoredTrack;
 struct Destination {
   std::size_t layer = 0; // of a field or motion track
   std::string_view codec;
-  std::string name;  // for people
   bool moves = true; // one payload for each frame; else a single one
+  bool found = true; // its track is listed, and is of this codec
   std::vector<bool> seen;
   std::vector<motion::Motion::Pose> poses;               // of a camera or a rigid layer
   std::shared_ptr<const motion::DeformationGraph> graph; // of a deforming layer, as the rest
@@ -69,7 +70,7 @@ public:
     }
     description_ = parse_clip_description(attachment(kClipFile), place_of(kClipFile));
     clip_.intrinsics = parse_intrinsics(attachment(kCalibrationFile), place_of(kCalibrationFile));
-    allow_missing([this] { clip_.metadata = parse_json(metadata(), place_of(kMetadataFile)); });
+    allow_missing("metadata", [this] { clip_.metadata = parse_json(metadata(), place_of(kMetadataFile)); });
     constexpr double kNanoseconds = 1e9;
     for (const std::int64_t time : description_.times_ns)
       clip_.times.push_back(static_cast<double>(time) / kNanoseconds);
@@ -78,11 +79,9 @@ public:
     clip_.layers.resize(description_.layers.size());
     prepare_destinations();
     Payload payload;
-    while (reader_.next(payload)) {
-      allow_missing([&] { take(payload); });
-    }
-    report_damage();
+    while (reader_.next(payload)) take_if_usable(payload);
     assemble();
+    report_damage();
     return std::move(clip_);
   }
 
@@ -98,9 +97,12 @@ public:
     for (const StoredAttachment& stored : reader_.attachments()) {
       account.entries.push_back({account_name(stored.name), static_cast<std::size_t>(stored.stored_bytes)});
     }
+    if (!reader_.damage().empty()) {
+      account.entries.push_back({"damaged", static_cast<std::size_t>(reader_.damage().bytes())});
+    }
     const auto add = [](std::size_t sum, const ByteAccount::Entry& entry) { return sum + entry.bytes; };
     const std::size_t known = std::accumulate(account.entries.begin(), account.entries.end(), std::size_t{0}, add);
-    account.entries.push_back({"container", account.total - known});
+    account.entries.push_back({"container", account.total - std::min(account.total, known)});
     return account;
   }
 
@@ -112,24 +114,26 @@ private:
     return "attachment " + file;
   }
 
-  /// Of what need not be there if parts may be missing.
-  template <class Work> void allow_missing(const Work& work) {
+  /// Of what need not be there if parts may be missing; `part` says what that is.
+  template <class Work> void allow_missing(const std::string& part, const Work& work) {
     try {
       work();
     } catch (const Error& error) {
       if (missing_ == nullptr || error.code() != ErrorCode::kCorruptInput) throw;
-      missing_->emplace_back(error.what());
+      missing_->push_back(part);
     }
   }
 
   void report_damage() {
     if (missing_ == nullptr) return;
-    for (const container::Damage& damage : reader_.damage().entries()) {
-      missing_->push_back(fmt::format("bytes {} to {} are damaged: {}", damage.offset, damage.end, damage.why));
+    if (const container::DamageList& damage = reader_.damage(); !damage.empty()) {
+      missing_->push_back(
+          fmt::format("{} damaged bytes from byte {} on", damage.bytes(), damage.entries().front().offset));
     }
     if (reader_.truncated()) {
-      missing_->push_back(fmt::format("{}: byte {}: the file is cut short here", reader_.name(), reader_.file_bytes()));
+      missing_->push_back(fmt::format("what followed byte {}, where the file is cut short", reader_.file_bytes()));
     }
+    if (missing_->empty() && !unusable_payload_.empty()) missing_->push_back(unusable_payload_);
   }
 
   [[noreturn]] void corrupt(const std::string& why) const {
@@ -159,6 +163,7 @@ private:
   Bytes attachment(const char* attachment_name) {
     const StoredAttachment* const stored = reader_.find_attachment(attachment_name);
     if (stored == nullptr) corrupt(fmt::format("the attachment {} is missing", attachment_name));
+    if (!stored->checksum) corrupt(fmt::format("the attachment {} has no checksum", attachment_name));
     return reader_.read_attachment(*stored);
   }
 
@@ -189,15 +194,17 @@ private:
   void add_destination(std::uint16_t id, std::string_view codec, std::size_t layer, bool moves) {
     const auto has_id = [id](const StoredTrack& track) { return track.ours && track.track.id == id; };
     const auto track = std::find_if(reader_.tracks().begin(), reader_.tracks().end(), has_id);
-    if (track == reader_.tracks().end() || track->track.codec != codec) {
-      corrupt(fmt::format("track {} is missing or is no {}", id, codec));
-    }
     Destination destination;
     destination.layer = layer;
     destination.codec = codec;
-    destination.name = track->track.name;
     destination.moves = moves;
     destination.seen.assign(moves ? description_.times_ns.size() : 1, false);
+    destination.found = track != reader_.tracks().end() && track->track.codec == codec;
+    if (!destination.found) {
+      if (missing_ == nullptr) corrupt(fmt::format("track {} is missing or is no {}", id, codec));
+      destinations_.emplace(id, std::move(destination)); // as if all its payloads were missing
+      return;
+    }
     if (codec == kMotionCodec && description_.layers[layer].kind == motion::MotionKind::kDeforming) {
       destination.graph = decode_graph(track->track.private_data, fmt::format("{}: track {}", reader_.name(), id));
       budget_.take(decoding_memory(*destination.graph, destination.seen.size()), reader_.name());
@@ -210,10 +217,20 @@ private:
     destinations_.emplace(id, std::move(destination));
   }
 
+  void take_if_usable(const Payload& payload) {
+    try {
+      take(payload);
+    } catch (const Error& error) {
+      if (missing_ == nullptr || error.code() != ErrorCode::kCorruptInput) throw;
+      if (unusable_payload_.empty()) unusable_payload_ = error.what();
+    }
+  }
+
   void take(const Payload& payload) {
     bytes_[payload.track] += static_cast<std::size_t>(payload.stored_bytes);
     const auto found = destinations_.find(payload.track);
     if (found == destinations_.end()) return; // of a later Kinora, beside what this one knows
+    if (!found->second.found) return;
     Destination& destination = found->second;
     const std::string location = fmt::format("{}: byte {}", reader_.name(), payload.offset);
     const auto at = std::lower_bound(description_.times_ns.begin(), description_.times_ns.end(), payload.time_ns);
@@ -287,10 +304,11 @@ private:
       const auto last = std::find(destination.seen.rbegin(), destination.seen.rend(), true);
       frames = std::max(frames, static_cast<std::size_t>(destination.seen.rend() - last));
     }
-    if (anything_moves && frames == 0) corrupt("nothing of what moves is whole; fetch the file again");
+    if (frames == 0) frames = reader_.truncated() ? 1 : clip_.times.size(); // what keeps still may be whole
     if (!anything_moves || frames == clip_.times.size()) return;
-    missing_->push_back(
-        fmt::format("{}: frames {} to {} of {}", reader_.name(), frames, clip_.times.size() - 1, clip_.times.size()));
+    std::vector<bool> there(clip_.times.size(), false);
+    std::fill_n(there.begin(), frames, true);
+    missing_->push_back(missing_frames(there, clip_.times));
     clip_.times.resize(frames);
     clip_.capture_frames.resize(frames);
     clip_.held_out.resize(frames);
@@ -307,21 +325,33 @@ private:
 
   // What is missing of a track, and what stands in its place.
   void fill(Destination& destination) {
-    const auto gaps = static_cast<std::size_t>(std::count(destination.seen.begin(), destination.seen.end(), false));
-    if (gaps == 0 && !destination.seen.empty()) return;
-    missing_->push_back(fmt::format("{}: {} of {} payloads of the track {}", reader_.name(), gaps,
-                                    destination.seen.size(), destination.name));
-    const bool is_needed = destination.codec == kFieldCodec || destination.codec == kMotionCodec;
-    if (gaps < destination.seen.size()) {
+    const bool whole = std::find(destination.seen.begin(), destination.seen.end(), false) == destination.seen.end();
+    const bool nothing = std::find(destination.seen.begin(), destination.seen.end(), true) == destination.seen.end();
+    if (whole && !destination.seen.empty()) return;
+    if (nothing && destination.codec == kCameraCodec)
+      corrupt("nothing says where the camera was; fetch the file again");
+    const std::string part = part_name(destination);
+    if (nothing && (destination.codec == kFieldCodec || destination.codec == kMotionCodec)) {
+      unusable_layers_.insert(destination.layer);
+      missing_->push_back(part + " and so the whole layer");
+    } else if (!destination.moves) {
+      missing_->push_back(part);
+    } else {
+      missing_->push_back(part + " in " + missing_frames(destination.seen, clip_.times));
       fill_gaps(destination.poses, destination.seen,
                 [](motion::Motion::Pose& pose) { pose.health = motion::Health::kLost; });
       fill_gaps(destination.deformations, destination.seen,
                 [](motion::Motion::Deformation& d) { d.health = motion::Health::kLost; });
-    } else if (destination.codec == kCameraCodec) {
-      corrupt("nothing says where the camera was; fetch the file again");
-    } else if (is_needed) {
-      unusable_layers_.insert(destination.layer);
     }
+  }
+
+  std::string part_name(const Destination& destination) const {
+    if (destination.codec == kCameraCodec) return "the camera's path";
+    const std::string& layer = description_.layers[destination.layer].name;
+    if (destination.codec == kFieldCodec) return "the field of layer " + layer;
+    if (destination.codec == kMotionCodec) return "the motion of layer " + layer;
+    if (destination.codec == kJointsCodec) return "the joints of layer " + layer;
+    return "how well layer " + layer + " was seen";
   }
 
   // Those without a field, or of which it is not known where they are.
@@ -337,7 +367,7 @@ private:
       if (destination.codec != kConfidenceCodec || !destination.seen.front()) continue;
       if (unusable_layers_.contains(destination.layer)) continue;
       Layer& layer = clip_.layers[destination.layer];
-      allow_missing([&, track = id] {
+      allow_missing(part_name(destination), [&, track = id] {
         layer.confidence = decode_confidence(destinations_.at(track).confidence, layer.field.occupancy,
                                              fmt::format("{}: track {}", reader_.name(), track), budget_);
       });
@@ -352,6 +382,7 @@ private:
   std::map<std::uint16_t, std::size_t> bytes_;
   std::vector<std::string>* missing_;
   std::set<std::size_t> unusable_layers_;
+  std::string unusable_payload_; // the first, and why
 };
 
 Clip read(ClipReader& reader, ByteAccount* account) {
@@ -371,9 +402,10 @@ Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* accou
   return read(reader, account);
 }
 
-Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing, ByteAccount* account) {
+Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector<std::string>& missing,
+                      ByteAccount* account) {
   missing.clear();
-  ClipReader reader(std::make_unique<container::FileSource>(path), &missing);
+  ClipReader reader(std::move(source), &missing);
   return read(reader, account);
 }
 

@@ -45,7 +45,8 @@ Reader::Reader(std::unique_ptr<ByteSource> source, Reading reading) : source_(st
 void Reader::check_tracks() {
   std::set<std::uint16_t> track_ids;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!track_indices_.emplace(tracks_[i].number, i).second) {
+    // What is salvaged goes by the first; blocks of the other are known by their envelopes.
+    if (!track_indices_.emplace(tracks_[i].number, i).second && reading_ != Reading::kSalvage) {
       throw_corrupt(*source_, segment_.start, fmt::format("two tracks have the number {}", tracks_[i].number));
     }
     if (tracks_[i].ours && !track_ids.insert(tracks_[i].track.id).second) {
@@ -132,8 +133,12 @@ void Reader::scan_segment() {
 
 // The same element may stand in a file twice (RFC 9559, section 5.1); the first counts.
 void Reader::scan_element(const Element& element) {
+  const auto damaged = [this](const Element& entry, const Error& error) {
+    if (reading_ != Reading::kSalvage) throw Error(error);
+    damage_.add(entry.start, entry.end, error.what());
+  };
   if (element.id == ids::kTracks && tracks_.empty()) {
-    parse_tracks(*source_, element, tracks_);
+    parse_tracks(*source_, element, damaged, tracks_);
     if (tracks_.empty()) throw_corrupt(*source_, element.start, "a list of tracks without a track");
   }
   if (element.id == ids::kInfo) {
@@ -141,7 +146,9 @@ void Reader::scan_element(const Element& element) {
       if (child.id == ids::kTimestampScale) timestamp_scale_ = std::max<std::uint64_t>(1, read_uint(*source_, child));
     });
   }
-  if (element.id == ids::kAttachments && attachments_.empty()) parse_attachments(*source_, element, attachments_);
+  if (element.id == ids::kAttachments && attachments_.empty()) {
+    parse_attachments(*source_, element, damaged, attachments_);
+  }
   if (element.id == ids::kTags && tags_.empty()) parse_tags(*source_, element, tags_);
 }
 

@@ -125,17 +125,31 @@ void parse_simple_tag(ByteSource& source, const Element& simple, Tags& out) {
   if (!name.empty()) out.emplace_back(std::move(name), std::move(value));
 }
 
-} // namespace
-
-void parse_tracks(ByteSource& source, const Element& tracks, std::vector<StoredTrack>& out) {
-  for_each_child(source, tracks, [&](const Element& entry) {
-    if (entry.id == ids::kTrackEntry) out.push_back(parse_track(source, entry));
+template <class Read>
+void for_each_entry(ByteSource& source, const Element& list, std::uint32_t id, const DamagedEntry& damaged,
+                    const Read& read) {
+  for_each_child(source, list, [&](const Element& entry) {
+    if (entry.id != id) return;
+    try {
+      read(entry);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCorruptInput) throw;
+      damaged(entry, error);
+    }
   });
 }
 
-void parse_attachments(ByteSource& source, const Element& attachments, std::vector<StoredAttachment>& out) {
-  for_each_child(source, attachments, [&](const Element& file) {
-    if (file.id != ids::kAttachedFile) return;
+} // namespace
+
+void parse_tracks(ByteSource& source, const Element& tracks, const DamagedEntry& damaged,
+                  std::vector<StoredTrack>& out) {
+  for_each_entry(source, tracks, ids::kTrackEntry, damaged,
+                 [&](const Element& entry) { out.push_back(parse_track(source, entry)); });
+}
+
+void parse_attachments(ByteSource& source, const Element& attachments, const DamagedEntry& damaged,
+                       std::vector<StoredAttachment>& out) {
+  for_each_entry(source, attachments, ids::kAttachedFile, damaged, [&](const Element& file) {
     StoredAttachment stored;
     stored.stored_bytes = file.total_size();
     for_each_child(source, file, [&](const Element& child) {

@@ -1,0 +1,238 @@
+#include "clip/clip_edit.h"
+
+#include <algorithm>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "clip/clip_io.h"
+#include "clip/codec_ids.h"
+#include "clip/coding/allocation_budget.h"
+#include "clip/payloads/deformation_codec.h"
+#include "clip/payloads/joints_codec.h"
+#include "container/reader.h"
+#include "container/writer.h"
+#include "core/error.h"
+
+namespace kinora::clip {
+
+namespace {
+
+using container::Payload;
+using container::Track;
+
+/// What a track of a clip is for.
+struct Role {
+  std::uint16_t id = 0;
+  std::string codec;
+  std::string layer; // empty: the camera
+  bool per_frame = false;
+};
+
+std::vector<Role> roles_of(const ClipDescription& description) {
+  std::vector<Role> roles{{description.camera_track, std::string(kCameraCodec), "", description.camera_moves}};
+  const auto add = [&roles](std::uint16_t id, std::string_view codec, const std::string& layer, bool per_frame) {
+    if (id != 0) roles.push_back({id, std::string(codec), layer, per_frame});
+  };
+  for (const LayerDescription& layer : description.layers) {
+    add(layer.field_track, kFieldCodec, layer.name, false);
+    add(layer.motion_track, kMotionCodec, layer.name, true);
+    add(layer.confidence_track, kConfidenceCodec, layer.name, false);
+    add(layer.joints_track, kJointsCodec, layer.name, false);
+  }
+  return roles;
+}
+
+const Track& track_with(const StoredClip& clip, std::uint16_t id) {
+  return *std::find_if(clip.tracks.begin(), clip.tracks.end(), [id](const Track& track) { return track.id == id; });
+}
+
+motion::JointPaths joints_of(const StoredClip& clip, const Payload& payload) {
+  AllocationBudget budget(payload.bytes.size());
+  return decode_joints(payload.bytes, clip.description.times_ns.size(), clip.name, budget);
+}
+
+// Deformations from `begin` on up to the next key payload, of which the first becomes one.
+void make_first_a_key(const Track& track, std::span<const Payload> original, std::size_t begin,
+                      std::span<Payload> pieces) {
+  std::size_t frame = begin;
+  while (!original[frame].key) --frame;
+  const auto graph = decode_graph(track.private_data, track.name);
+  DeformationDecoder decoder(*graph);
+  DeformationEncoder encoder(*graph);
+  for (const std::size_t end = begin + pieces.size(); frame < end; ++frame) {
+    if (frame > begin && original[frame].key) break;
+    const auto deformation = decoder.decode(original[frame].bytes, original[frame].key, track.name);
+    if (frame < begin) continue;
+    auto [key, bytes] = encoder.encode(deformation);
+    pieces[frame - begin].key = key;
+    pieces[frame - begin].bytes = std::move(bytes);
+  }
+}
+
+void require_same(bool same, const StoredClip& a, const StoredClip& b, const std::string& what) {
+  if (same) return;
+  throw Error(
+      ErrorCode::kFailure,
+      fmt::format("{} and {} are no pieces of one clip: {} differs; join pieces that kinora cut has made of one",
+                  a.name, b.name, what));
+}
+
+std::string name_of(const Role& role) {
+  return role.layer.empty() ? "the camera" : fmt::format("{} of layer {}", role.codec, role.layer);
+}
+
+void require_pieces_of_one(const StoredClip& a, const StoredClip& b) {
+  require_same(a.attachments.size() == b.attachments.size(), a, b, "what is attached");
+  for (const container::Attachment& attachment : a.attachments) {
+    const auto same = [&](const container::Attachment& other) {
+      return other.name != kCalibrationFile || attachment.name != other.name || other.bytes == attachment.bytes;
+    };
+    require_same(std::all_of(b.attachments.begin(), b.attachments.end(), same), a, b, "the camera");
+  }
+  const std::vector<Role> ours = roles_of(a.description);
+  const std::vector<Role> theirs = roles_of(b.description);
+  require_same(ours.size() == theirs.size(), a, b, "the number of tracks");
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    const auto& [mine, yours] = std::pair(ours[i], theirs[i]);
+    const bool same = mine.codec == yours.codec && mine.layer == yours.layer && mine.per_frame == yours.per_frame;
+    require_same(same, a, b, name_of(mine));
+    require_same(track_with(a, mine.id).private_data == track_with(b, yours.id).private_data, a, b, name_of(mine));
+    if (mine.per_frame || mine.codec == kJointsCodec) continue;
+    require_same(a.payloads.at(mine.id)[0].bytes == b.payloads.at(yours.id)[0].bytes, a, b, name_of(mine));
+  }
+  for (std::size_t l = 0; l < a.description.layers.size(); ++l) {
+    const LayerDescription& mine = a.description.layers[l];
+    const LayerDescription& yours = b.description.layers[l];
+    require_same(mine.kind == yours.kind && mine.label == yours.label, a, b, "layer " + mine.name);
+  }
+}
+
+// By which the second clip's times move.
+std::int64_t delay_of_second(const std::vector<std::int64_t>& first, const std::vector<std::int64_t>& second) {
+  constexpr std::int64_t kFrame = 33'333'333; // where nothing says more
+  if (second.front() > first.back()) return 0;
+  const auto steps = static_cast<std::int64_t>(first.size()) - 1;
+  const std::int64_t frame = steps > 0 ? (first.back() - first.front()) / steps : kFrame;
+  return first.back() + frame - second.front();
+}
+
+} // namespace
+
+StoredClip load_stored_clip(const std::filesystem::path& path) {
+  read_clip(path); // whole and sound
+  container::Reader reader(path);
+  StoredClip clip;
+  clip.name = path.string();
+  for (const container::StoredAttachment& stored : reader.attachments()) {
+    Bytes bytes = reader.read_attachment(stored);
+    if (stored.name == kClipFile) {
+      clip.description = parse_clip_description(bytes, clip.name);
+    } else if (stored.name == kCalibrationFile || stored.name == kMetadataFile ||
+               stored.name == kCompressedMetadataFile) {
+      clip.attachments.push_back({stored.name, stored.media_type, stored.description, std::move(bytes)});
+    } else {
+      clip.others.push_back(stored.name);
+    }
+  }
+  for (const Role& role : roles_of(clip.description)) clip.payloads[role.id];
+  for (const container::StoredTrack& stored : reader.tracks()) {
+    if (stored.ours && clip.payloads.contains(stored.track.id)) {
+      clip.tracks.push_back(stored.track);
+    } else {
+      clip.others.push_back(stored.track.name.empty() ? stored.track.codec : stored.track.name);
+    }
+  }
+  Payload payload;
+  while (reader.next(payload)) {
+    if (const auto found = clip.payloads.find(payload.track); found != clip.payloads.end()) {
+      found->second.push_back(std::move(payload));
+    }
+  }
+  for (auto& [id, payloads] : clip.payloads) std::ranges::sort(payloads, {}, &Payload::time_ns);
+  return clip;
+}
+
+void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path) {
+  container::FileHead head;
+  head.kind = std::string(kClipKind);
+  head.tracks = clip.tracks;
+  head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
+  head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
+  head.duration_ns = clip.description.times_ns.back();
+  // As in a file that was not cut: what is for all frames of a layer, then frame by frame what moves.
+  std::vector<const Payload*> payloads;
+  std::vector<const Payload*> moving;
+  for (const Role& role : roles_of(clip.description)) {
+    auto& list = role.per_frame || role.layer.empty() ? moving : payloads;
+    for (const Payload& payload : clip.payloads.at(role.id)) list.push_back(&payload);
+  }
+  std::ranges::stable_sort(moving, {}, [](const Payload* payload) { return payload->time_ns; });
+  payloads.insert(payloads.end(), moving.begin(), moving.end());
+  container::Writer writer(path, head);
+  for (const Payload* payload : payloads) writer.write(payload->track, payload->time_ns, payload->key, payload->bytes);
+  writer.finish();
+}
+
+StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
+  StoredClip piece = clip;
+  const auto slice = [begin, end](auto& values) {
+    using Values = std::remove_reference_t<decltype(values)>;
+    values =
+        Values(values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  slice(piece.description.times_ns);
+  slice(piece.description.capture_frames);
+  slice(piece.description.held_out);
+  for (const Role& role : roles_of(clip.description)) {
+    std::vector<Payload>& payloads = piece.payloads.at(role.id);
+    if (role.per_frame) {
+      slice(payloads);
+      if (!payloads.front().key) {
+        make_first_a_key(track_with(clip, role.id), clip.payloads.at(role.id), begin, payloads);
+      }
+      continue;
+    }
+    payloads.front().time_ns = piece.description.times_ns.front();
+    if (role.codec != kJointsCodec) continue;
+    motion::JointPaths joints = joints_of(clip, payloads.front());
+    slice(joints.positions);
+    payloads.front().bytes = encode_joints(joints);
+  }
+  return piece;
+}
+
+StoredClip join(const StoredClip& first, const StoredClip& second) {
+  require_pieces_of_one(first, second);
+  StoredClip whole = first;
+  const std::int64_t delay = delay_of_second(first.description.times_ns, second.description.times_ns);
+  const auto append = [](auto& values, const auto& more) { values.insert(values.end(), more.begin(), more.end()); };
+  for (const std::int64_t time : second.description.times_ns) whole.description.times_ns.push_back(time + delay);
+  append(whole.description.capture_frames, second.description.capture_frames);
+  append(whole.description.held_out, second.description.held_out);
+  append(whole.others, second.others);
+  const std::vector<Role> ours = roles_of(first.description);
+  const std::vector<Role> theirs = roles_of(second.description);
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    std::vector<Payload>& payloads = whole.payloads.at(ours[i].id);
+    const std::vector<Payload>& further = second.payloads.at(theirs[i].id);
+    if (ours[i].per_frame) {
+      for (Payload payload : further) {
+        payload.track = ours[i].id;
+        payload.time_ns += delay;
+        payloads.push_back(std::move(payload));
+      }
+    } else if (ours[i].codec == kJointsCodec) {
+      motion::JointPaths joints = joints_of(first, payloads.front());
+      const motion::JointPaths more = joints_of(second, further.front());
+      require_same(joints.names == more.names, first, second, name_of(ours[i]));
+      append(joints.positions, more.positions);
+      payloads.front().bytes = encode_joints(joints);
+    }
+  }
+  return whole;
+}
+
+} // namespace kinora::clip
