@@ -2,7 +2,9 @@
 #include <kinora/player.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -173,6 +175,34 @@ TEST_F(PlayerApi, CoarsePicturesComeFirstAndTheLastIsTheFullOne) {
     return count;
   };
   for (const ClipPicture& coarse : seen) EXPECT_NEAR(opaque(coarse), opaque(full), kWidth * kHeight / 8.0);
+}
+
+TEST_F(PlayerApi, APreviewHasOneSampleToAPixelAndRequestsOfTheFirstVersionDrawTheFullPicture) {
+  const ClipPlayer clip = ClipPlayer::open(path().string());
+  KinoraPlayerRequest request{};
+  request.struct_size = sizeof request;
+  request.camera = small_camera(clip);
+  request.preview = 1;
+  std::vector<std::uint8_t> color(4 * kWidth * kHeight);
+  KinoraPlayerPicture picture{};
+  picture.struct_size = sizeof picture;
+  picture.color = color.data();
+  ASSERT_EQ(kinora_player_render(clip.get(), &request, &picture), KINORA_PLAYER_OK) << kinora_player_error();
+  const std::vector<std::uint8_t> preview = color;
+  request.struct_size = offsetof(KinoraPlayerRequest, preview);
+  ASSERT_EQ(kinora_player_render(clip.get(), &request, &picture), KINORA_PLAYER_OK) << kinora_player_error();
+  EXPECT_EQ(color, clip.render(request.camera, 0).color);
+  EXPECT_NE(preview, color);
+}
+
+TEST_F(PlayerApi, SaysWhatACameraTurnsAround) {
+  const ClipPlayer clip = ClipPlayer::open(path().string());
+  std::array<double, 3> first{};
+  std::array<double, 3> last{};
+  ASSERT_EQ(kinora_player_subject(clip.get(), 0, first.data()), KINORA_PLAYER_OK) << kinora_player_error();
+  ASSERT_EQ(kinora_player_subject(clip.get(), clip.frame_time(3), last.data()), KINORA_PLAYER_OK);
+  EXPECT_NEAR(first[0], 0.2, 0.05); // the middle of the ball that moves
+  EXPECT_NEAR(last[0] - first[0], 0.3, 1e-6);
 }
 
 TEST_F(PlayerApi, StopsWhereTheCallbackSaysSoAndKeepsThatPicture) {
