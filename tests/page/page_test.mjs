@@ -1,16 +1,16 @@
 // Plays a clip in a browser as people do. FOLDER holds carry_box.mkv and native/000006.png, its picture by `kinora render`.
-// Screenshots go to FOLDER/seen. usage: node page_test.mjs KINORA FOLDER
+// Screenshots go to FOLDER/seen. usage: node page_test.mjs KINORA FOLDER [WORDS]   WORDS: of the claims that are tested
 import assert from "node:assert/strict";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { claim, launch, missing, runClaims, serve, serveFaults } from "./browser.mjs";
+import { claim, launch, missing, root, runClaims, serve, serveFaults } from "./browser.mjs";
 
 const reason = missing();
 if (reason) {
   console.log(`skipped: ${reason}`);
   process.exit(77);
 }
-const [kinora, folder] = process.argv.slice(2);
+const [kinora, folder, words] = process.argv.slice(2);
 
 /** A page with a clip in it, that fails its test for whatever it says on its console. */
 async function opened({ browser, served }, clip = "carry_box.mkv", options = {}, hash = "") {
@@ -212,16 +212,66 @@ claim("on a phone one finger turns and two come nearer", async (world) => {
   await closed(page);
 });
 
+claim("in a scene of three.js it hides what is behind it and is hidden by what is before it", async (world) => {
+  const page = await world.browser.newPage({ viewport: { width: 320, height: 240 } });
+  page.setDefaultTimeout(90000);
+  await page.goto(`${world.source.address}web/examples/01_in_a_three_scene.html?clip=${encodeURIComponent(`${world.served.address}carry_box.mkv`)}`);
+  await page.waitForFunction(() => globalThis.example?.clip.material.uniforms.color.value.image.width > 1);
+  const counts = await page.evaluate(async () => {
+    const { scene, camera, renderer, clip, ring, player } = globalThis.example;
+    renderer.setAnimationLoop(null);
+    player.pause();
+    player.currentTime = 0;
+    const { x, y, z } = ring.position;
+    camera.position.set(x, y + 0.5, z + 2.2);
+    camera.lookAt(x, y, z);
+    // Pixels that look otherwise with the ring than without.
+    const seen = () => {
+      const gl = renderer.getContext();
+      const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+      const pictures = [true, false].map((visible) => {
+        ring.visible = visible;
+        renderer.render(scene, camera);
+        const pixels = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        return pixels;
+      });
+      ring.visible = true;
+      let count = 0;
+      for (let i = 0; i < width * height; ++i) {
+        count += [0, 1, 2].some((c) => pictures[0][4 * i + c] !== pictures[1][4 * i + c]) ? 1 : 0;
+      }
+      return count;
+    };
+    for (let i = 0; i < 2; ++i) { // the first may be one that was asked for before
+      renderer.render(scene, camera);
+      await clip.drawn();
+    }
+    const together = seen();
+    clip.visible = false;
+    const alone = seen();
+    clip.visible = true;
+    renderer.render(scene, camera);
+    return { together, alone };
+  });
+  await page.screenshot({ path: path.join(world.seen, "three.png") });
+  const part = counts.together / counts.alone;
+  assert.ok(part > 0.5 && part < 0.97, `the ring shows ${counts.together} of ${counts.alone} pixels`);
+  await page.close();
+});
+
 const clip = await readFile(path.join(folder, "carry_box.mkv"));
 await writeFile(path.join(folder, "cut.mkv"), clip.subarray(0, clip.length * 0.7));
 await writeFile(path.join(folder, "none.txt"), "no clip\n".repeat(100));
 const seen = path.join(folder, "seen");
 await mkdir(seen, { recursive: true });
 const served = await serve(kinora, folder);
+const source = await serve(kinora, root);
 const faults = await serveFaults(clip);
 const browser = await launch();
-const wrong = await runClaims({ browser, served, faults, seen });
+const wrong = await runClaims({ browser, served, source, faults, seen }, words);
 await browser.close();
 served.stop();
+source.stop();
 faults.stop();
 process.exit(wrong === 0 ? 0 : 1);

@@ -203,16 +203,14 @@ export class KinoraPlayerElement extends MediaAttributes {
     this.#surface.setState("Loading");
     this.#tell("loadstart");
     try {
-      const clip = await arriving;
-      signal.throwIfAborted();
-      this.#surface.setState("Opening");
       const events = {
+        opening: () => this.#surface.setState("Opening"),
         shown: (picture: Picture) => this.#shown(picture),
         waiting: (late: boolean) => this.#waiting(late),
         ended: () => this.#ended(),
         failed: (fault: Fault) => this.#fail(fault),
       };
-      const stage = await Stage.open(clip, name, this.#surface.canvas, signal, events);
+      const stage = await Stage.open(arriving, name, this.#surface.canvas, signal, events);
       if (signal.aborted) return stage.close();
       this.#start(stage);
     } catch (thrown) {

@@ -12,6 +12,7 @@ const restsAfter = 100; // milliseconds without a new camera
 const lateAfter = 500; // milliseconds
 
 export interface StageEvents {
+  opening(): void; // all bytes are there
   shown(picture: Picture): void;
   waiting(late: boolean): void;
   ended(): void;
@@ -64,15 +65,18 @@ export class Stage {
 
   /** Rejects with a Fault. */
   static async open(
-    clip: Blob,
+    arriving: Promise<Blob>,
     name: string,
     canvas: HTMLCanvasElement,
     signal: AbortSignal,
     events: StageEvents,
   ): Promise<Stage> {
-    const first = new Drawer();
+    const first = new Drawer(); // loads what it needs meanwhile
     signal.addEventListener("abort", () => first.close());
     try {
+      const clip = await arriving;
+      signal.throwIfAborted();
+      events.opening();
       const info = await first.ask({ kind: "open", clip, name });
       const capture = await first.ask({ kind: "captureCamera", time: info.times[0]! });
       const subject = await first.ask({ kind: "subject", time: info.times[0]! });

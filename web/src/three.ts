@@ -49,7 +49,7 @@ void main() {
 export class KinoraObject extends Mesh<PlaneGeometry, ShaderMaterial> {
   /** Pixels of the pictures, at most: more are sharper and slower. */
   mostPixels = 320 * 240;
-  #waiting = false;
+  #drawing: Promise<void> | null = null;
   #drawn = "";
 
   constructor(readonly player: KinoraPlayerElement) {
@@ -68,6 +68,11 @@ export class KinoraObject extends Mesh<PlaneGeometry, ShaderMaterial> {
   override onBeforeRender = (renderer: WebGLRenderer, _scene: Scene, camera: ThreeCamera): void =>
     this.#ask(renderer, camera);
 
+  /** Until the picture that was asked for last is there. */
+  async drawn(): Promise<void> {
+    await this.#drawing;
+  }
+
   override dispose(): void {
     for (const name of ["color", "depth"]) this.material.uniforms[name]!.value.dispose();
     this.material.dispose();
@@ -76,7 +81,7 @@ export class KinoraObject extends Mesh<PlaneGeometry, ShaderMaterial> {
 
   #ask(renderer: WebGLRenderer, camera: ThreeCamera): void {
     const { stage } = this.player;
-    if (!stage || this.#waiting) return;
+    if (!stage || this.#drawing) return;
     const size = renderer.getDrawingBufferSize(new Vector2());
     const shrink = Math.min(1, Math.sqrt(this.mostPixels / (size.x * size.y)));
     const [width, height] = [Math.max(1, Math.round(size.x * shrink)), Math.max(1, Math.round(size.y * shrink))];
@@ -85,17 +90,16 @@ export class KinoraObject extends Mesh<PlaneGeometry, ShaderMaterial> {
     const { time, visible, view } = stage.wanted;
     const key = JSON.stringify([time, visible, view, pose, intrinsics]);
     if (key === this.#drawn) return;
-    this.#waiting = true;
     const projection = camera.projectionMatrix.clone();
     const request = { time, visible, view, preview: true, withDepth: true, camera: { pose, width, height, intrinsics } };
-    stage
+    this.#drawing = stage
       .draw(request)
       .then((picture) => {
         this.#show(picture, scale, projection);
         this.#drawn = key;
       })
       .catch(() => undefined) // the element says what is wrong
-      .finally(() => (this.#waiting = false));
+      .finally(() => (this.#drawing = null));
   }
 
   #show({ camera, color, depth }: Picture, scale: number, projection: Matrix4): void {

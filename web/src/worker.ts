@@ -4,12 +4,17 @@ import { ClipPlayer } from "./module.js";
 import type { Answer, Call, ClipInfo, Picture, Question, Results } from "./messages.js";
 
 let player: ClipPlayer | null = null;
+// Comes while the clip does.
+const address = new URL("kinora-player.wasm", import.meta.url);
+const wasm = fetch(address).then(
+  (answer) => (answer.ok ? answer.arrayBuffer() : null),
+  () => null,
+);
 
 async function open(clip: Blob, name: string): Promise<ClipInfo> {
-  const address = new URL("kinora-player.wasm", import.meta.url);
-  const answer = await fetch(address).catch(() => null);
-  if (!answer?.ok) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
-  player = await ClipPlayer.open(await answer.arrayBuffer(), await clip.arrayBuffer(), name);
+  const code = await wasm;
+  if (!code) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
+  player = await ClipPlayer.open(code, await clip.arrayBuffer(), name);
   return player.info();
 }
 
