@@ -329,7 +329,7 @@ KinoraPlayerStatus kinora_player_subject(const KinoraPlayer* player, double seco
     require(player, "player");
     require(position, "position");
     if (!std::isfinite(seconds)) misused("the time is no number");
-    const auto frame = static_cast<int>(player->player.clip().frame_at(seconds));
+    const auto frame = static_cast<int>(std::lround(player->player.clip().frame_at(seconds)));
     Eigen::Map<Eigen::Vector3d>{position} = subject_of(player->player, frame);
   });
 }

@@ -118,8 +118,8 @@ TEST_F(PlayerApi, HiddenLayersAreNotDrawn) {
   ASSERT_EQ(clip.info().layers, 2);
   ClipPicture picture{kWidth, kHeight, std::vector<std::uint8_t>(4 * kWidth * kHeight)};
   const std::array<std::uint8_t, 2> visible{0, 1};
-  const KinoraPlayerRequest request{sizeof request, small_camera(clip), clip.frame_time(2), visible.data(), nullptr,
-                                    nullptr};
+  const KinoraPlayerRequest request{
+      sizeof request, small_camera(clip), clip.frame_time(2), visible.data(), nullptr, nullptr, 0};
   const KinoraPlayerPicture buffers{sizeof buffers, KINORA_PLAYER_COLOR, picture.color.data(), 0, nullptr, nullptr,
                                     nullptr};
   ASSERT_EQ(kinora_player_render(clip.get(), &request, &buffers), KINORA_PLAYER_OK) << kinora_player_error();
@@ -143,7 +143,7 @@ TEST_F(PlayerApi, RowsOfTheCallersBufferMayHaveGapsThatAreNotWritten) {
   constexpr std::size_t kRow = 4 * kWidth + 12;
   std::vector<std::uint8_t> color(kRow * kHeight, 77);
   std::vector<float> depth(kWidth * kHeight, -1);
-  const KinoraPlayerRequest request{sizeof request, small_camera(clip), 0, nullptr, nullptr, nullptr};
+  const KinoraPlayerRequest request{sizeof request, small_camera(clip), 0, nullptr, nullptr, nullptr, 0};
   KinoraPlayerPicture buffers{sizeof buffers, KINORA_PLAYER_COLOR, color.data(), kRow, depth.data(), nullptr, nullptr};
   ASSERT_EQ(kinora_player_render(clip.get(), &request, &buffers), KINORA_PLAYER_OK) << kinora_player_error();
   const auto wanted = expected(0, {0, 1}, player::PictureView::kColor);
