@@ -103,6 +103,9 @@ typedef struct KinoraPlayerCamera {
   double camera_to_world[16];
 } KinoraPlayerCamera;
 
+/* What the clip is about when a time has come, in world coordinates (metres): what a camera turns around. */
+KinoraPlayerStatus kinora_player_subject(const KinoraPlayer* player, double seconds, double position[3]);
+
 /* Where the capture's camera was. Set struct_size; the rest is filled. */
 KinoraPlayerStatus kinora_player_capture_camera(const KinoraPlayer* player, double seconds, KinoraPlayerCamera* camera);
 /* The same view in a picture of another size. */
@@ -137,6 +140,9 @@ typedef struct KinoraPlayerRequest {
    * to `refined`, with `finest` 1 for the last. NULL: the full picture alone. It returns 1, or 0 to stop there. */
   int (*refined)(void* context, int32_t finest);
   void* context;
+  /* 1: one sample to a pixel, whatever the capture's size: faster in pictures smaller than it, for what is seen
+   * while something moves. 0, or a struct that ends before: as many as the picture needs. */
+  int32_t preview;
 } KinoraPlayerRequest;
 
 /* Draws with all cores. Cancelled, or with an error, the buffers hold the last picture that was whole. */

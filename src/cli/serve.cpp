@@ -1,10 +1,13 @@
 // kinora serve: a folder's clips at an address.
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "core/module.h"
 #include "player/http/http_functions.h"
 
 namespace kinora::cli {
@@ -31,9 +34,14 @@ void run(const player::ServedFolder& served, Context& context) {
 
 void add_serve(CLI::App& app, Context& context) {
   const auto served = std::make_shared<player::ServedFolder>();
-  CLI::App& command = context.add_command(app, "serve", "Give a folder's clips to players and browsers, by HTTP",
-                                          "  kinora serve clips/\n  kinora serve clips/ --host 0.0.0.0 --port 9000",
-                                          [served, &context] { run(*served, context); });
+  // What web/build made, installed with the program; without it clips are given and not played.
+  const std::filesystem::path page = module_folder().parent_path().parent_path() / "share/kinora/page";
+  std::error_code error;
+  if (std::filesystem::exists(page / "index.html", error)) served->page = page;
+  CLI::App& command = context.add_command(
+      app, "serve", "Give a folder's clips to players and browsers, by HTTP, with a page that plays them",
+      "  kinora serve clips/\n  kinora serve clips/ --host 0.0.0.0 --port 9000",
+      [served, &context] { run(*served, context); });
   command.add_option("FOLDER", served->folder, "What it holds is given to everybody who asks; nothing else is")
       ->required()
       ->type_name("FOLDER");

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <mutex>
 #include <new>
@@ -16,6 +17,7 @@
 #include "player/picture_view.h"
 #include "player/playback_clock.h"
 #include "player/player.h"
+#include "player/subject.h"
 
 struct KinoraPlayer {
   explicit KinoraPlayer(kinora::clip::Clip clip, std::uint64_t file_bytes)
@@ -58,10 +60,11 @@ template <typename Body> KinoraPlayerStatus guarded(const Body& body) noexcept {
   }
 }
 
-/// Later versions will know smaller structs; this one is the first.
-template <typename Struct> void require_size(const Struct* given, const char* name) {
+/// `smallest`: the size that the struct had in the first version.
+template <typename Struct>
+void require_size(const Struct* given, const char* name, std::size_t smallest = sizeof(Struct)) {
   if (given == nullptr) misused(fmt::format("{} is NULL", name));
-  if (given->struct_size < sizeof(Struct)) {
+  if (given->struct_size < smallest) {
     misused(fmt::format("{}.struct_size is {} and not sizeof {}, {}", name, given->struct_size, name, sizeof(Struct)));
   }
 }
@@ -164,7 +167,8 @@ class Rendering {
 public:
   Rendering(const KinoraPlayer& owner, const KinoraPlayerRequest& request, const KinoraPlayerPicture& picture)
       : owner_(owner), request_(request), picture_(picture), camera_(from_plain(request.camera)),
-        view_(view_of(picture.view)), options_(draw_options_for(view_)), started_(owner.cancellations) {
+        view_(view_of(picture.view)), options_(draw_options_for(view_)), started_(owner.cancellations),
+        preview_(request.struct_size >= sizeof request && request.preview != 0) {
     if (!std::isfinite(request.seconds)) misused("the time is no number");
     row_bytes_ = picture.color_row_bytes != 0 ? picture.color_row_bytes : 4 * width();
     if (row_bytes_ < 4 * width()) misused("color_row_bytes is less than a row of the picture has");
@@ -188,7 +192,9 @@ public:
       }
     }
     check();
-    tell(owner_.player.draw(camera_, frame, layers_, options_), true);
+    tell(preview_ ? owner_.player.preview(camera_, frame, layers_, options_)
+                  : owner_.player.draw(camera_, frame, layers_, options_),
+         true);
   }
 
 private:
@@ -215,6 +221,7 @@ private:
   PictureView view_;
   fields::DrawOptions options_;
   std::uint64_t started_;
+  bool preview_;
   std::size_t row_bytes_ = 0;
   LayerChoice layers_;
 };
@@ -317,6 +324,16 @@ KinoraPlayerStatus kinora_player_frame_time(const KinoraPlayer* player, uint64_t
   });
 }
 
+KinoraPlayerStatus kinora_player_subject(const KinoraPlayer* player, double seconds, double position[3]) {
+  return guarded([&] {
+    require(player, "player");
+    require(position, "position");
+    if (!std::isfinite(seconds)) misused("the time is no number");
+    const auto frame = static_cast<int>(std::lround(player->player.clip().frame_at(seconds)));
+    Eigen::Map<Eigen::Vector3d>{position} = subject_of(player->player, frame);
+  });
+}
+
 KinoraPlayerStatus kinora_player_capture_camera(const KinoraPlayer* player, double seconds,
                                                 KinoraPlayerCamera* camera) {
   return guarded([&] {
@@ -342,7 +359,7 @@ KinoraPlayerStatus kinora_player_render(KinoraPlayer* player, const KinoraPlayer
                                         const KinoraPlayerPicture* picture) {
   return guarded([&] {
     require(player, "player");
-    require_size(request, "KinoraPlayerRequest");
+    require_size(request, "KinoraPlayerRequest", offsetof(KinoraPlayerRequest, preview));
     require_size(picture, "KinoraPlayerPicture");
     Rendering(*player, *request, *picture).run();
   });

@@ -2,7 +2,9 @@
 #include <kinora/player.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -116,8 +118,8 @@ TEST_F(PlayerApi, HiddenLayersAreNotDrawn) {
   ASSERT_EQ(clip.info().layers, 2);
   ClipPicture picture{kWidth, kHeight, std::vector<std::uint8_t>(4 * kWidth * kHeight)};
   const std::array<std::uint8_t, 2> visible{0, 1};
-  const KinoraPlayerRequest request{sizeof request, small_camera(clip), clip.frame_time(2), visible.data(), nullptr,
-                                    nullptr};
+  const KinoraPlayerRequest request{
+      sizeof request, small_camera(clip), clip.frame_time(2), visible.data(), nullptr, nullptr, 0};
   const KinoraPlayerPicture buffers{sizeof buffers, KINORA_PLAYER_COLOR, picture.color.data(), 0, nullptr, nullptr,
                                     nullptr};
   ASSERT_EQ(kinora_player_render(clip.get(), &request, &buffers), KINORA_PLAYER_OK) << kinora_player_error();
@@ -141,7 +143,7 @@ TEST_F(PlayerApi, RowsOfTheCallersBufferMayHaveGapsThatAreNotWritten) {
   constexpr std::size_t kRow = 4 * kWidth + 12;
   std::vector<std::uint8_t> color(kRow * kHeight, 77);
   std::vector<float> depth(kWidth * kHeight, -1);
-  const KinoraPlayerRequest request{sizeof request, small_camera(clip), 0, nullptr, nullptr, nullptr};
+  const KinoraPlayerRequest request{sizeof request, small_camera(clip), 0, nullptr, nullptr, nullptr, 0};
   KinoraPlayerPicture buffers{sizeof buffers, KINORA_PLAYER_COLOR, color.data(), kRow, depth.data(), nullptr, nullptr};
   ASSERT_EQ(kinora_player_render(clip.get(), &request, &buffers), KINORA_PLAYER_OK) << kinora_player_error();
   const auto wanted = expected(0, {0, 1}, player::PictureView::kColor);
@@ -173,6 +175,34 @@ TEST_F(PlayerApi, CoarsePicturesComeFirstAndTheLastIsTheFullOne) {
     return count;
   };
   for (const ClipPicture& coarse : seen) EXPECT_NEAR(opaque(coarse), opaque(full), kWidth * kHeight / 8.0);
+}
+
+TEST_F(PlayerApi, APreviewHasOneSampleToAPixelAndRequestsOfTheFirstVersionDrawTheFullPicture) {
+  const ClipPlayer clip = ClipPlayer::open(path().string());
+  KinoraPlayerRequest request{};
+  request.struct_size = sizeof request;
+  request.camera = small_camera(clip);
+  request.preview = 1;
+  std::vector<std::uint8_t> color(4 * kWidth * kHeight);
+  KinoraPlayerPicture picture{};
+  picture.struct_size = sizeof picture;
+  picture.color = color.data();
+  ASSERT_EQ(kinora_player_render(clip.get(), &request, &picture), KINORA_PLAYER_OK) << kinora_player_error();
+  const std::vector<std::uint8_t> preview = color;
+  request.struct_size = offsetof(KinoraPlayerRequest, preview);
+  ASSERT_EQ(kinora_player_render(clip.get(), &request, &picture), KINORA_PLAYER_OK) << kinora_player_error();
+  EXPECT_EQ(color, clip.render(request.camera, 0).color);
+  EXPECT_NE(preview, color);
+}
+
+TEST_F(PlayerApi, SaysWhatACameraTurnsAround) {
+  const ClipPlayer clip = ClipPlayer::open(path().string());
+  std::array<double, 3> first{};
+  std::array<double, 3> last{};
+  ASSERT_EQ(kinora_player_subject(clip.get(), 0, first.data()), KINORA_PLAYER_OK) << kinora_player_error();
+  ASSERT_EQ(kinora_player_subject(clip.get(), clip.frame_time(3), last.data()), KINORA_PLAYER_OK);
+  EXPECT_NEAR(first[0], 0.2, 0.05); // the middle of the ball that moves
+  EXPECT_NEAR(last[0] - first[0], 0.3, 1e-6);
 }
 
 TEST_F(PlayerApi, StopsWhereTheCallbackSaysSoAndKeepsThatPicture) {

@@ -51,7 +51,7 @@ def check_ranges(address):
 
 def check_outside(address):
     for path in ("/../secret.mkv", "/%2e%2e/secret.mkv", "/..%2fsecret.mkv", "/link.mkv", "/linked/secret.mkv", "//etc/passwd",
-                 "/sub/../../secret.mkv", "/none.mkv", "/sub", "/clip.mkv%00.png", "/"):
+                 "/sub/../../secret.mkv", "/.kinora/../../secret.mkv", "/.kinora/%2e%2e/%2e%2e/secret.mkv", "/none.mkv", "/sub", "/clip.mkv%00.png", "/"):
         answer, body = ask(address, path)
         expect(b"secret" not in body and b"root:" not in body, f"{path} gives what lies outside of the folder")
         expect(path == "/" or answer.status in (400, 404), f"{path}: status {answer.status}")
@@ -61,6 +61,12 @@ def check_page(address):
     answer, body = ask(address, "/")
     page = body.decode()
     expect(answer.status == 200 and "clip.mkv</a> 0.3 MB" in page, page)
+    if "/.kinora/" in page:  # web/build has been run
+        expect('href="/.kinora/index.html?clip=/sub/a%2520%253Cb%253E.mkv"' in page, page)
+        for packed in ("", "gzip"):
+            answer, _ = ask(address, "/.kinora/kinora-player.js", **{"Accept-Encoding": packed})
+            expect(answer.status == 200 and answer.getheader("Content-Type") == "text/javascript", str(answer.getheaders()))
+            expect((answer.getheader("Content-Encoding") == "gzip") == bool(packed), str(answer.getheaders()))
     expect('href="/sub/a%20%3Cb%3E.mkv"' in page and "a &#60;b&#62;.mkv" in page, page)
     expect("link.mkv" not in page, "the page lists what it does not give")
     answer, body = ask(address, "/sub/a%20%3Cb%3E.mkv")

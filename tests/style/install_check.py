@@ -20,6 +20,8 @@ def main():
     names = ("KinoraConfig", "KinoraConfigVersion", "kinora-player", "kinora-player-release", "kinora-plugin")
     expected |= {f"lib/cmake/Kinora/{name}.cmake" for name in names}
     expected |= {f"lib/pkgconfig/kinora-{component}.pc" for component in ("player", "plugin")}
+    page = pathlib.Path(sys.argv[1]) / "build/page"  # there if web/build has been run
+    expected |= {f"share/kinora/page/{p.name}" for p in page.glob("*")}
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cmake", "--install", sys.argv[2], "--prefix", folder], check=True, stdout=subprocess.DEVNULL)
         prefix = pathlib.Path(folder)

@@ -2,6 +2,7 @@
 #include <array>
 #include <chrono>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -34,6 +35,8 @@ const char* media_type(const fs::path& file) {
   }
   return "application/octet-stream";
 }
+
+constexpr std::string_view kPageAddress = "/.kinora/";
 
 /// The file below `root` (canonical) that a request's path means, with all links followed; none if it lies outside.
 std::optional<fs::path> file_of(const fs::path& root, const std::string& requested) {
@@ -70,7 +73,8 @@ std::string in_url(const std::string& path) {
   return out;
 }
 
-std::string clip_list(const fs::path& root) {
+/// With `page`, a clip's name leads to what plays it.
+std::string clip_list(const fs::path& root, bool page) {
   constexpr std::size_t kMaxClips = 1000;
   std::vector<std::pair<std::string, std::uintmax_t>> clips;
   std::error_code error;
@@ -81,12 +85,20 @@ std::string clip_list(const fs::path& root) {
     if (it->path().extension() == ".mkv" && file_of(root, "/" + name)) clips.emplace_back(name, it->file_size(ignored));
   }
   std::sort(clips.begin(), clips.end());
-  std::string page = "<!doctype html>\n<meta charset=\"utf-8\">\n<title>Kinora clips</title>\n<h1>Clips</h1>\n<ul>\n";
+  std::string list =
+      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Kinora clips</title>\n"
+      "<style>body{font:18px/2 system-ui,sans-serif;margin:1em auto;max-width:40em;padding:0 1em}</style>\n"
+      "<h1>Clips</h1>\n<ul>\n";
   for (const auto& [name, bytes] : clips) {
-    page += fmt::format("<li><a href=\"/{}\">{}</a> {:.1f} MB</li>\n", in_url(name), in_html(name),
-                        static_cast<double>(bytes) / 1e6);
+    const std::string address = in_url(name);
+    const std::string played =
+        page ? fmt::format("{}index.html?clip={}", kPageAddress, in_url("/" + address)) : "/" + address;
+    list += fmt::format("<li><a href=\"{}\">{}</a> {:.1f} MB{}</li>\n", played, in_html(name),
+                        static_cast<double>(bytes) / 1e6,
+                        page ? fmt::format(" <a href=\"/{}\" download>Download</a>", address) : "");
   }
-  return page + (clips.empty() ? "<li>There is no .mkv file in this folder.</li>\n</ul>\n" : "</ul>\n");
+  return list + (clips.empty() ? "<li>There is no .mkv file in this folder.</li>\n</ul>\n" : "</ul>\n");
 }
 
 void give_file(const fs::path& file, httplib::Response& response) {
@@ -116,22 +128,47 @@ void give_file(const fs::path& file, httplib::Response& response) {
                                 });
 }
 
-void answer(httplib::Server& server, const fs::path& root) {
+/// A file of the page, compressed where it was and the browser takes that.
+void give_page_file(const fs::path& file, const httplib::Request& request, httplib::Response& response) {
+  std::ifstream packed;
+  if (request.get_header_value("Accept-Encoding").find("gzip") != std::string::npos) {
+    packed.open(fs::path(file) += ".gz", std::ios::binary);
+  }
+  if (packed.is_open()) response.set_header("Content-Encoding", "gzip");
+  std::ifstream plain(file, std::ios::binary);
+  std::istream& stream = packed.is_open() ? packed : plain;
+  response.set_header("Vary", "Accept-Encoding");
+  response.set_content({std::istreambuf_iterator<char>(stream), {}}, media_type(file));
+}
+
+void no_such_file(httplib::Response& response) {
+  response.status = 404;
+  response.set_content("There is no such file here.\n", "text/plain");
+}
+
+void answer(httplib::Server& server, const fs::path& root, const fs::path& page) {
   // Pages of others may read clips, and a page of this server may use threads.
   server.set_default_headers({{"Access-Control-Allow-Origin", "*"},
                               {"Access-Control-Expose-Headers", "Content-Length, Content-Range, Accept-Ranges, ETag"},
                               {"Cross-Origin-Opener-Policy", "same-origin"},
                               {"Cross-Origin-Embedder-Policy", "require-corp"},
                               {"Cross-Origin-Resource-Policy", "cross-origin"}});
-  server.Get("/", [root](const httplib::Request&, httplib::Response& response) {
-    response.set_content(clip_list(root), "text/html; charset=utf-8");
+  server.Get("/", [root, page](const httplib::Request&, httplib::Response& response) {
+    response.set_content(clip_list(root, !page.empty()), "text/html; charset=utf-8");
+  });
+  server.Get(fmt::format("{}.*", kPageAddress), [page](const httplib::Request& request, httplib::Response& response) {
+    const auto file = page.empty() ? std::nullopt : file_of(page, request.path.substr(kPageAddress.size() - 1));
+    if (file) {
+      give_page_file(*file, request, response);
+    } else {
+      no_such_file(response);
+    }
   });
   server.Get(".*", [root](const httplib::Request& request, httplib::Response& response) {
     if (const auto file = file_of(root, request.path)) {
       give_file(*file, response);
     } else {
-      response.status = 404;
-      response.set_content("There is no such file here.\n", "text/plain");
+      no_such_file(response);
     }
   });
   server.Options(".*", [](const httplib::Request&, httplib::Response& response) {
@@ -151,13 +188,14 @@ void serve_folder(const ServedFolder& served, const std::function<void(int port)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} is no folder; name the folder that holds the clips", served.folder.string()));
   }
+  const fs::path page = served.page.empty() ? fs::path() : fs::canonical(served.page, error);
   httplib::Server server;
   // Its own default lets two servers share one port, each with half of the requests.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   });
-  answer(server, root);
+  answer(server, root, error ? fs::path() : page);
   const int port = served.port == 0                                ? server.bind_to_any_port(served.host)
                    : server.bind_to_port(served.host, served.port) ? served.port
                                                                    : -1;

@@ -9,6 +9,7 @@ namespace kinora::player {
 
 struct ServedFolder {
   std::filesystem::path folder;
+  std::filesystem::path page;     ///< holds the page that plays a clip (web/), given below "/.kinora/"; empty: none
   std::string host = "127.0.0.1"; ///< address to listen at; 0.0.0.0: reachable from other machines
   int port = 8080;                ///< 0: any that is free
 };
@@ -17,9 +18,9 @@ struct ServedFolder {
 namespace http {
 
 /// Answers GET and HEAD for the files of a folder, with ranges, and with a page that lists its clips at "/". Nothing
-/// outside the folder is given, also not through links. `ready` is called once with the port; returns when `stopped`
-/// says so, which is asked ten times a second. Throws Error(kUsage) if there is no such folder, Error(kFailure) if the
-/// address is taken or not this machine's.
+/// outside the folder, but for the page's own files, is given, also not through links. `ready` is called once with the
+/// port; returns when `stopped` says so, which is asked ten times a second. Throws Error(kUsage) if there is no such
+/// folder, Error(kFailure) if the address is taken or not this machine's.
 void serve_folder(const ServedFolder& served, const std::function<void(int port)>& ready,
                   const std::function<bool()>& stopped);
 

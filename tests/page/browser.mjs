@@ -1,0 +1,78 @@
+// What the page's tests stand on: `kinora serve`, a server with faults, Chromium, and claims that are run one by one.
+import { spawn } from "node:child_process";
+import { existsSync } from "node:fs";
+import http from "node:http";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+
+export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const chromium = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync);
+
+/** Why the page cannot be tested here, or null. */
+export function missing() {
+  if (!existsSync(path.join(root, "build/page/index.html"))) return "the page is not built: run web/build";
+  if (!existsSync(path.join(root, "web/node_modules/playwright-core"))) return "playwright-core is missing: run web/build";
+  return chromium ? null : "Chromium is not installed: run scripts/setup";
+}
+
+export async function launch() {
+  const driver = createRequire(path.join(root, "web/package.json"))("playwright-core");
+  // --no-sandbox: continuous integration runs as root.
+  return driver.chromium.launch({ executablePath: chromium, args: ["--no-sandbox"] });
+}
+
+/** Resolves to {address, stop} of `kinora serve`. */
+export async function serve(kinora, folder) {
+  const server = spawn(kinora, ["serve", folder, "--port", "0", "--json"], { stdio: ["ignore", "pipe", "inherit"] });
+  let said = "";
+  for await (const piece of server.stdout) {
+    said += piece;
+    if (said.includes("}")) break;
+  }
+  if (!said.includes("}")) throw new Error(`kinora serve ended: ${said}`);
+  return { address: JSON.parse(said).address, stop: () => server.kill("SIGINT") };
+}
+
+/** A server that keeps what it says only in part. `bytes`: of a clip. */
+export async function serveFaults(bytes) {
+  const open = { "Access-Control-Allow-Origin": "*" };
+  const answers = {
+    "/cut_off.mkv": (response) => {
+      response.writeHead(200, { ...open, "Content-Length": bytes.length });
+      response.write(bytes.subarray(0, bytes.length / 2), () => response.destroy());
+    },
+    "/not_shared.mkv": (response) => response.writeHead(200).end(bytes),
+    "/slow.mkv": (response) => response.writeHead(200, open).write(bytes.subarray(0, 1000)),
+  };
+  const server = http.createServer((request, response) => {
+    const answer = answers[request.url];
+    if (answer) answer(response);
+    else response.writeHead(404, open).end();
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const stop = () => {
+    server.close();
+    server.closeAllConnections();
+  };
+  return { address: `http://127.0.0.1:${server.address().port}`, stop };
+}
+
+const claims = [];
+export const claim = (sentence, body) => claims.push([sentence, body]);
+
+/** Runs those that have the words in them, says which hold; how many do not. */
+export async function runClaims(world, words = "") {
+  let wrong = 0;
+  for (const [sentence, body] of claims.filter(([text]) => text.includes(words))) {
+    const started = performance.now();
+    try {
+      await body(world);
+      console.log(`holds: ${sentence} (${((performance.now() - started) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      ++wrong;
+      console.log(`DOES NOT HOLD: ${sentence}\n${error.stack ?? error}`);
+    }
+  }
+  return wrong;
+}

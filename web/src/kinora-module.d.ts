@@ -1,0 +1,32 @@
+// What web/module gives. Addresses are numbers of bytes in the module's memory.
+declare module "kinora-module" {
+  export interface KinoraModule {
+    HEAPU8: Uint8Array<ArrayBuffer>;
+    HEAPU32: Uint32Array<ArrayBuffer>;
+    HEAPF32: Float32Array<ArrayBuffer>;
+    HEAPF64: Float64Array<ArrayBuffer>;
+    UTF8ToString(address: number): string;
+    stringToUTF8(text: string, address: number, maxBytes: number): void;
+    _malloc(bytes: number): number;
+    _free(address: number): void;
+    _kinora_player_open_memory(bytes: number, size: number, name: number, player: number): number;
+    _kinora_player_close(player: number): void;
+    _kinora_player_error(): number;
+    _kinora_player_subject(player: number, seconds: number, out: number): number;
+    _module_info(player: number, out: number): number;
+    _module_layer(player: number, layer: number, name: number, motion: number): number;
+    _module_frame_times(player: number, frames: number, out: number): number;
+    _module_capture_camera(player: number, seconds: number, out: number): number;
+    _module_draw(
+      player: number,
+      seconds: number,
+      camera: number,
+      visible: number,
+      view: number,
+      preview: number,
+      color: number,
+      depth: number,
+    ): number;
+  }
+  export default function createModule(options: { wasmBinary: ArrayBuffer }): Promise<KinoraModule>;
+}

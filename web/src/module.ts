@@ -1,0 +1,103 @@
+// The player's C interface (include/kinora/player.h) as compiled by web/module, with JavaScript's types.
+import createModule, { type KinoraModule } from "kinora-module";
+import { fitted, type Camera, type Vector } from "./camera.js";
+import { faultOfStatus } from "./faults.js";
+import { views, type ClipInfo, type DrawRequest, type Layer, type Picture } from "./messages.js";
+
+const cameraNumbers = 22;
+
+export class ClipPlayer {
+  private constructor(
+    private readonly module: KinoraModule,
+    private readonly player: number,
+  ) {}
+
+  /** Throws a Fault if the bytes are no clip. */
+  static async open(wasm: ArrayBuffer, bytes: ArrayBuffer, name: string): Promise<ClipPlayer> {
+    const module = await createModule({ wasmBinary: wasm });
+    const out = module._malloc(4);
+    const text = module._malloc(4 * name.length + 1);
+    module.stringToUTF8(name, text, 4 * name.length + 1);
+    const clip = module._malloc(Math.max(bytes.byteLength, 1));
+    module.HEAPU8.set(new Uint8Array(bytes), clip);
+    const status = module._kinora_player_open_memory(clip, bytes.byteLength, text, out);
+    const player = module.HEAPU32[out >> 2]!;
+    for (const p of [clip, text, out]) module._free(p);
+    if (status !== 0) throw faultOfStatus(status, module.UTF8ToString(module._kinora_player_error()));
+    return new ClipPlayer(module, player);
+  }
+
+  info(): ClipInfo {
+    const [frames, , framesPerSecond, layers] = this.doubles(4, (out) => this.module._module_info(this.player, out));
+    const times = this.doubles(frames!, (out) => this.module._module_frame_times(this.player, frames!, out));
+    const list = Array.from({ length: layers! }, (_, i) => this.layer(i));
+    return { times, framesPerSecond: framesPerSecond!, layers: list, hasConfidence: list.some((l) => l.hasConfidence) };
+  }
+
+  captureCamera(time: number): Camera {
+    const n = this.doubles(cameraNumbers, (out) => this.module._module_capture_camera(this.player, time, out));
+    const [width, height, fx, fy, cx, cy] = [n[0]!, n[1]!, n[2]!, n[3]!, n[4]!, n[5]!];
+    return { width, height, fx, fy, cx, cy, cameraToWorld: [...n.slice(6)] };
+  }
+
+  subject(time: number): Vector {
+    const n = this.doubles(3, (out) => this.module._kinora_player_subject(this.player, time, out));
+    return [n[0]!, n[1]!, n[2]!];
+  }
+
+  draw(request: DrawRequest): Picture {
+    const started = performance.now();
+    const capture = this.captureCamera(request.time);
+    const { width, height, pose, intrinsics } = request.camera;
+    const camera = { ...fitted(capture, width, height, pose ?? capture.cameraToWorld), ...intrinsics };
+    const m = this.module;
+    const pixels = width * height;
+    const color = m._malloc(4 * pixels);
+    const depth = request.withDepth ? m._malloc(4 * pixels) : 0;
+    const visible = m._malloc(Math.max(request.visible.length, 1));
+    const numbers = m._malloc(8 * cameraNumbers);
+    try {
+      m.HEAPU8.set(request.visible.map(Number), visible);
+      m.HEAPF64.set(
+        [width, height, camera.fx, camera.fy, camera.cx, camera.cy, ...camera.cameraToWorld],
+        numbers >> 3,
+      );
+      const view = views.indexOf(request.view);
+      this.check(
+        m._module_draw(this.player, request.time, numbers, visible, view, Number(request.preview), color, depth),
+      );
+      return {
+        camera,
+        color: new Uint8ClampedArray(m.HEAPU8.slice(color, color + 4 * pixels).buffer),
+        depth: depth ? m.HEAPF32.slice(depth >> 2, (depth >> 2) + pixels) : null,
+        milliseconds: performance.now() - started,
+      };
+    } finally {
+      for (const p of [color, depth, visible, numbers]) m._free(p);
+    }
+  }
+
+  private layer(i: number): Layer {
+    const m = this.module;
+    const texts = m._malloc(8);
+    const hasConfidence = m._module_layer(this.player, i, texts, texts + 4) === 1;
+    const text = (at: number) => m.UTF8ToString(m.HEAPU32[at >> 2]!);
+    const layer = { name: text(texts), motion: text(texts + 4), hasConfidence };
+    m._free(texts);
+    return layer;
+  }
+
+  private check(status: number): void {
+    if (status !== 0) throw faultOfStatus(status, this.module.UTF8ToString(this.module._kinora_player_error()));
+  }
+
+  private doubles(count: number, fill: (out: number) => number): Float64Array<ArrayBuffer> {
+    const out = this.module._malloc(8 * Math.max(count, 1));
+    try {
+      this.check(fill(out));
+      return this.module.HEAPF64.slice(out >> 3, (out >> 3) + count);
+    } finally {
+      this.module._free(out);
+    }
+  }
+}
