@@ -1,6 +1,7 @@
 // The table of the formats that come with Kinora: a new format is one line here.
 #include <iterator>
 
+#include "azure_kinect/format.h"
 #include "gltf/format.h"
 #include "kinora/plugin.h"
 #include "kinora_recording/format.h"
@@ -8,13 +9,18 @@
 #include "openvdb/format.h"
 #include "ply/format.h"
 #include "png/format.h"
+#include "record3d/format.h"
 #include "rgbd_folder/formats.h"
+#include "ros/format.h"
+#include "stray_scanner/format.h"
+#include "video_pair/format.h"
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat, &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat, &kTransformsFormat, &kRecordingFormat,
-      &kPngFormat, &mp4_format(),    &kGltfFormat,        &kPlyFormat, &openvdb_format()};
+      &kTumFormat,   &kNumberedFormat,  &kThreeDMatchFormat, &kM3tFormat,      &kTransformsFormat, &kRecordingFormat,
+      &kStrayFormat, &kVideoPairFormat, &kAzureKinectFormat, &kRecord3dFormat, &kRosBagFormat,     &kMcapFormat,
+      &kPngFormat,   &mp4_format(),     &kGltfFormat,        &kPlyFormat,      &openvdb_format()};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;
