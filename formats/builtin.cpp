@@ -1,6 +1,7 @@
 // The table of the formats that come with Kinora: a new format is one line here.
 #include <iterator>
 
+#include "azure_kinect/format.h"
 #include "data_set/format.h"
 #include "exr/format.h"
 #include "gltf/format.h"
@@ -11,15 +12,20 @@
 #include "openvdb/format.h"
 #include "ply/format.h"
 #include "png/format.h"
+#include "record3d/format.h"
 #include "rgbd_folder/formats.h"
+#include "ros/format.h"
+#include "stray_scanner/format.h"
 #include "usd/format.h"
+#include "video_pair/format.h"
 
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat,       &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
-      &kRecordingFormat, &kPngFormat,      &exr_format(),       &mp4_format(),     &kGltfFormat,
-      &kUsdFormat,       &kPlyFormat,      &kObjFormat,         &openvdb_format(), &kDataSetFormat};
+      &kTumFormat,   &kNumberedFormat,  &kThreeDMatchFormat, &kM3tFormat,      &kTransformsFormat, &kRecordingFormat,
+      &kStrayFormat, &kVideoPairFormat, &kAzureKinectFormat, &kRecord3dFormat, &kRosBagFormat,     &kMcapFormat,
+      &kPngFormat,   &exr_format(),     &mp4_format(),       &kGltfFormat,     &kUsdFormat,        &kPlyFormat,
+      &kObjFormat,   &openvdb_format(), &kDataSetFormat};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

@@ -39,7 +39,7 @@ RecordingReader::RecordingReader(const std::filesystem::path& path, bool read_ma
                         " bytes are damaged and passed over; kinora recover says more");
   if (file_.dropped() > 0)
     warnings_.push_back(name_ + ": " + std::to_string(file_.dropped()) + " frames were dropped while it was recorded");
-  for (const std::string& warning : warnings_) warning_table_.push_back(warning.c_str());
+  warning_table_.set(warnings_);
 }
 
 void RecordingReader::fill_info(KinoraCaptureInfo& info) const {
@@ -52,8 +52,7 @@ void RecordingReader::fill_info(KinoraCaptureInfo& info) const {
   info.has_masks = description.has_masks && read_masks_ ? 1 : 0;
   info.labels = labels_.data();
   info.label_count = labels_.size();
-  info.warnings = warning_table_.data();
-  info.warning_count = warning_table_.size();
+  warning_table_.fill(info);
   if (!description.depth_camera) return;
   if (info.struct_size < sizeof(KinoraCaptureInfo))
     throw Error(ErrorCode::kFailure, "the host is too old for depth that is not registered to colour");
@@ -109,11 +108,6 @@ KinoraImage RecordingReader::read_color(std::size_t index, KinoraFrame& frame) {
   return view_of({color_.width(), color_.height(), PixelLayout::kRgb8}, color_.data());
 }
 
-void RecordingReader::seek(std::int64_t index) {
-  if (index < 0 || static_cast<std::size_t>(index) > file_.frame_count())
-    throw Error(ErrorCode::kUsage, "frame " + std::to_string(index) + " does not exist; the recording has " +
-                                       std::to_string(file_.frame_count()) + " frames");
-  next_ = static_cast<std::size_t>(index);
-}
+void RecordingReader::seek(std::int64_t index) { next_ = checked_seek(index, file_.frame_count()); }
 
 } // namespace kinora::formats

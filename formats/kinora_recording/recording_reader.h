@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "common/capture_info.h"
 #include "core/image.h"
 #include "kinora/plugin.h"
 #include "recording/recording_file.h"
@@ -30,7 +31,7 @@ private:
   recording::RecordingFile file_;
   std::vector<KinoraLabel> labels_;
   std::vector<std::string> warnings_;
-  std::vector<const char*> warning_table_;
+  WarningTable warning_table_;
   std::size_t next_ = 0;
   ColorImage color_;
   container::Bytes encoded_color_;

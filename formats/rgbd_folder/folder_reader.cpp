@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/capture_info.h"
 #include "common/files.h"
 #include "core/error.h"
 #include "core/image_codec.h"
@@ -22,44 +23,6 @@ template <class T> std::string size_of(const Image<T>& image) {
 ColorImage read_color(const fs::path& path) { return decode_color(read_file(path), path.string()); }
 DepthImage16 read_depth(const fs::path& path) { return decode_depth16(read_file(path), path.string()); }
 
-template <class T> KinoraImage view_of(const Image<T>& image, KinoraPixelType type) {
-  KinoraImage view{};
-  if (image.empty()) return view;
-  view.width = image.width();
-  view.height = image.height();
-  view.channels = image.channels();
-  view.pixel_type = type;
-  view.row_bytes = sizeof(T) * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.channels());
-  view.data = image.data();
-  return view;
-}
-
-KinoraCamera camera_of(const Intrinsics& intrinsics, const Distortion& d) {
-  return {intrinsics.width,
-          intrinsics.height,
-          intrinsics.fx,
-          intrinsics.fy,
-          intrinsics.cx,
-          intrinsics.cy,
-          {d.k1, d.k2, d.p1, d.p2, d.k3},
-          {}};
-}
-
-void fill_depth_camera(const DepthCamera& camera, KinoraCaptureInfo& info) {
-  if (info.struct_size < sizeof(KinoraCaptureInfo))
-    throw Error(ErrorCode::kFailure, "the host is too old for depth that is not registered to colour");
-  info.has_depth_camera = 1;
-  info.depth_camera = camera_of(camera.intrinsics, camera.distortion);
-  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = camera.depth_to_color.matrix();
-  std::copy(matrix.data(), matrix.data() + matrix.size(), info.depth_to_color);
-}
-
-void set_pose(KinoraFrame& frame, const SE3& camera_to_world) {
-  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = camera_to_world.matrix();
-  std::copy(matrix.data(), matrix.data() + matrix.size(), frame.camera_to_world);
-  frame.has_pose = 1;
-}
-
 } // namespace
 
 FolderReader::FolderReader(Listing listing, const fs::path& folder, bool read_masks)
@@ -69,7 +32,7 @@ FolderReader::FolderReader(Listing listing, const fs::path& folder, bool read_ma
   find_image_size();
   if (fs::exists(folder / "labels.json")) read_labels(folder / "labels.json");
   for (const Label& label : labels_) label_table_.push_back({label.label, label.name.c_str(), label.kind.c_str()});
-  for (const std::string& warning : listing_.warnings) warning_table_.push_back(warning.c_str());
+  warnings_.set(listing_.warnings);
 }
 
 /// Settles the camera's image size: from the calibration where it says so, else from images that agree.
@@ -152,9 +115,10 @@ void FolderReader::fill_info(KinoraCaptureInfo& info) const {
   info.has_masks = has_masks_ ? 1 : 0;
   info.labels = label_table_.data();
   info.label_count = label_table_.size();
-  info.warnings = warning_table_.data();
-  info.warning_count = warning_table_.size();
-  if (listing_.depth_camera) fill_depth_camera(*listing_.depth_camera, info);
+  warnings_.fill(info);
+  if (!listing_.depth_camera) return;
+  const DepthCamera& depth = *listing_.depth_camera;
+  set_depth_camera(info, camera_of(depth.intrinsics, depth.distortion), depth.depth_to_color);
 }
 
 void FolderReader::read_images(const FrameFiles& files) {
@@ -216,11 +180,6 @@ KinoraStatus FolderReader::next(KinoraFrame& frame) {
   return KINORA_OK;
 }
 
-void FolderReader::seek(std::int64_t index) {
-  if (index < 0 || static_cast<std::size_t>(index) > listing_.frames.size())
-    throw Error(ErrorCode::kUsage, "frame " + std::to_string(index) + " does not exist; the capture has " +
-                                       std::to_string(listing_.frames.size()) + " frames");
-  next_ = static_cast<std::size_t>(index);
-}
+void FolderReader::seek(std::int64_t index) { next_ = checked_seek(index, listing_.frames.size()); }
 
 } // namespace kinora::formats

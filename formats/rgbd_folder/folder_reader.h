@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/capture_info.h"
 #include "core/image.h"
 #include "kinora/plugin.h"
 #include "rgbd_folder/listing.h"
@@ -40,7 +41,7 @@ private:
   bool has_masks_ = false;
   std::vector<Label> labels_;
   std::vector<KinoraLabel> label_table_;
-  std::vector<const char*> warning_table_;
+  WarningTable warnings_;
   std::size_t next_ = 0;
   ColorImage color_;
   std::vector<std::byte> color_bytes_; ///< the file that colour was decoded from

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "common/calibration.h"
+#include "common/captures.h"
 #include "core/se3.h"
 #include "kinora/plugin.h"
-#include "rgbd_folder/calibration.h"
 
 namespace kinora::formats {
 
@@ -52,8 +53,5 @@ void probe_numbered(const char* path, KinoraProbe* answer);
 void probe_3dmatch(const char* path, KinoraProbe* answer);
 void probe_m3t(const char* path, KinoraProbe* answer);
 void probe_transforms(const char* path, KinoraProbe* answer);
-
-/// Fills in an answer.
-void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason);
 
 } // namespace kinora::formats

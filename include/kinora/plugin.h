@@ -217,15 +217,21 @@ enum { /* KinoraFormat.capabilities */
        KINORA_READS_MASKS = 1u << 3,
        KINORA_READS_CONFIDENCE = 1u << 4, /* of depth */
        KINORA_READS_INFRARED = 1u << 5,
+       KINORA_WRITES_FRAMES = 1u << 8, /* captures: frames with colour, depth and calibration */
+       KINORA_WRITES_TIMES = 1u << 9,  /* of frames; else they follow one another at the nominal rate */
+       KINORA_WRITES_POSES = 1u << 10,
+       KINORA_WRITES_MASKS = 1u << 11,
+       KINORA_WRITES_INFRARED = 1u << 12,
+       KINORA_WRITES_DEPTH_CAMERA = 1u << 13, /* depth that is not registered; else the host gives no such capture */
        KINORA_WRITES_PICTURES = 1u << 16,
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
        KINORA_WRITES_DEPTH = 1u << 19,
-       KINORA_WRITES_MESHES = 1u << 20,  /* and their motion, if it writes skins */
-       KINORA_WRITES_SKINS = 1u << 21,   /* else meshes stay as they are in their own space */
-       KINORA_WRITES_VOLUMES = 1u << 22, /* one in each output: the host numbers the files */
-       KINORA_WRITES_NORMALS = 1u << 23, /* of pictures */
-       KINORA_WRITES_CONFIDENCE = 1u << 24,
+       KINORA_WRITES_MESHES = 1u << 20,       /* and their motion, if it writes skins */
+       KINORA_WRITES_SKINS = 1u << 21,        /* else meshes stay as they are in their own space */
+       KINORA_WRITES_VOLUMES = 1u << 22,      /* one in each output: the host numbers the files */
+       KINORA_WRITES_NORMALS = 1u << 23,      /* of pictures */
+       KINORA_WRITES_CONFIDENCE = 1u << 24,   /* of pictures, and of the depth of frames */
        KINORA_WRITES_TEXTURES = 1u << 25,     /* of meshes; else the host gives them colours in their vertices */
        KINORA_WRITES_MESH_FRAME = 1u << 26,   /* the meshes of one time in each output, where they are in the world: the
                                                  host numbers the files */
@@ -287,7 +293,8 @@ typedef struct KinoraFormat {
   void (*reader_close)(KinoraReader* reader);
 
   /* Writing: needs a capability KINORA_WRITES_..., else all NULL. writer_write needs KINORA_WRITES_PICTURES. Writes
-   * exactly to `path`, whatever its extension; what existed there is replaced. `*writer` is set only with KINORA_OK. */
+   * exactly to `path`, whatever its extension; what existed there is replaced. A format of frames without extensions
+   * writes a folder, which is there and empty. `*writer` is set only with KINORA_OK. */
   KinoraStatus (*open_writer)(const char* path, const KinoraOptionValue* options, size_t option_count,
                               KinoraWriter** writer, KinoraMessage* message);
   KinoraStatus (*writer_write)(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message);
@@ -304,6 +311,13 @@ typedef struct KinoraFormat {
   KinoraStatus (*writer_pose)(KinoraWriter* writer, const KinoraMeshPose* pose, KinoraMessage* message);
   /* Needs KINORA_WRITES_VOLUMES, else NULL. Called once. */
   KinoraStatus (*writer_volume)(KinoraWriter* writer, const KinoraVolume* volume, KinoraMessage* message);
+
+  /* Formats that were made before these members existed end here. Both need KINORA_WRITES_FRAMES, else NULL. */
+
+  /* What holds for all frames; called once, before the first frame. There are no warnings in it. */
+  KinoraStatus (*writer_capture)(KinoraWriter* writer, const KinoraCaptureInfo* info, KinoraMessage* message);
+  /* A frame as a reader hands it out. KINORA_BAD_FRAME: it does not fit those before and is left out. */
+  KinoraStatus (*writer_frame)(KinoraWriter* writer, const KinoraFrame* frame, KinoraMessage* message);
 } KinoraFormat;
 
 typedef struct KinoraPlugin {

@@ -1,4 +1,4 @@
-// kinora convert: a clip becomes what other tools open.
+// kinora convert: a clip becomes what other tools open, and a capture another format of captures.
 #include <algorithm>
 #include <charconv>
 #include <memory>
@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/capture_conversion.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/conversion.h"
@@ -17,7 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uint64_t kWritable = KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES;
+constexpr std::uint64_t kWritable = KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES | KINORA_WRITES_FRAMES;
+constexpr const char* kFolderFormat = "tum-rgbd"; ///< of an OUTPUT without extension: it keeps the most
 
 constexpr int kTexturePixels = 2048;      ///< per side and layer, at most
 constexpr double kSimplification = 0.002; ///< metres that a textured surface may be off
@@ -36,17 +38,20 @@ struct Options {
 void check_source(const Options& options, const host::PluginTable& plugins) {
   if (options.from.empty() || options.from == "clip") return;
   throw Error(ErrorCode::kUsage,
-              fmt::format("--from {} reads captures, and convert takes clips; make one with kinora encode --format {}",
+              fmt::format("--from {} reads captures, of which no meshes and volumes are made; make a clip first, with "
+                          "kinora encode --format {}",
                           plugins.find(options.from).name, options.from));
 }
 
 const KinoraFormat& target_of(const Options& options, const host::PluginTable& plugins) {
+  if (options.to.empty() && !options.output.has_extension()) return plugins.find(kFolderFormat);
   if (options.to.empty()) return plugins.writer_for(options.output, kWritable);
   const KinoraFormat& format = plugins.find(options.to);
   if ((format.capabilities & kWritable) != 0) return format;
-  throw Error(ErrorCode::kUsage,
-              fmt::format("the format {} writes neither meshes nor volumes; for pictures and films use kinora render",
-                          format.name));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("the format {} writes neither meshes, volumes nor captures; for pictures and films use kinora render",
+                  format.name));
 }
 
 /// Options that are the same for all formats of a kind: each is taken out, and remembered for what is said of others.
@@ -178,9 +183,23 @@ std::string summary(const Conversion& conversion, const Json& result, bool dry_r
   return text + table.str() + fmt::format("Not in it: {}.\n", fmt::join(losses_of(conversion), "; "));
 }
 
+void run_capture(const Options& options, const KinoraFormat& target, Context& context) {
+  CaptureConversion conversion;
+  conversion.input = options.input;
+  conversion.output = options.output;
+  conversion.source_format = options.from;
+  conversion.target = &target;
+  if (!options.frames.empty()) conversion.frames = FrameRange::parse(options.frames);
+  conversion.options = host::parse_options(options.options);
+  conversion.dry_run = options.dry_run;
+  conversion.strict = options.strict;
+  convert_capture(conversion, context);
+}
+
 void run(const Options& options, Context& context) {
-  check_source(options, context.plugins());
   const KinoraFormat& format = target_of(options, context.plugins());
+  if (host::supports(format, KINORA_WRITES_FRAMES)) return run_capture(options, format, context);
+  check_source(options, context.plugins());
   const clip::Clip clip = open_clip(options.input, context.progress);
   const Conversion conversion = conversion_of(options, clip, format, context);
   Json result = options.dry_run                                    ? plan_json(conversion)
@@ -209,27 +228,30 @@ void report_loss(const Conversion& conversion, const std::string& sentence, Cont
 
 void add_convert(CLI::App& app, Context& context) {
   const auto options = std::make_shared<Options>();
-  CLI::App& command = context.add_command(app, "convert", "Turn a clip into meshes or volumes for other tools",
-                                          "  kinora convert clip.mkv clip.glb\n"
-                                          "  kinora convert clip.mkv person.glb -O layers=person -O triangles=50000\n"
-                                          "  kinora convert clip.mkv points/clip.ply -O content=points\n"
-                                          "  kinora convert clip.mkv volumes/clip.vdb --frames 0:30 -O voxel=0.02",
-                                          [options, &context] { run(*options, context); });
-  command.add_option("INPUT", options->input, "The clip to convert")->required()->type_name("FILE");
+  CLI::App& command =
+      context.add_command(app, "convert", "Turn a clip into meshes or volumes, or a capture into another format",
+                          "  kinora convert clip.mkv clip.glb\n"
+                          "  kinora convert clip.mkv person.glb -O layers=person -O triangles=50000\n"
+                          "  kinora convert clip.mkv points/clip.ply -O content=points\n"
+                          "  kinora convert clip.mkv volumes/clip.vdb --frames 0:30 -O voxel=0.02\n"
+                          "  kinora convert camera.bag recording.mkv\n"
+                          "  kinora convert recording.mkv folder --to transforms",
+                          [options, &context] { run(*options, context); });
+  command.add_option("INPUT", options->input, "The clip, or the capture, to convert")->required()->type_name("PATH");
   command
       .add_option(
           "OUTPUT", options->output,
           "NAME.glb or .usda: all frames in one animated file; NAME.ply, .obj or .vdb: NAME_0001.ply and so on, "
-          "one per frame")
+          "one per frame; of a capture, NAME.mkv: a recording, else a folder")
       ->required()
-      ->type_name("FILE");
-  command.add_option("--from", options->from, "What the input is: clip")->type_name("FORMAT");
+      ->type_name("PATH");
+  command.add_option("--from", options->from, "What the input is: clip, or a format of captures")->type_name("FORMAT");
   command.add_option("--to", options->to, "Write this format (see kinora formats); else as OUTPUT's name says")
       ->type_name("FORMAT");
   command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
       ->type_name("A:B:S");
   command.add_flag("--dry-run", options->dry_run, "Say what would be written, and write nothing");
-  command.add_flag("--strict", options->strict, "Fail where the output cannot carry what the clip has, not just warn");
+  command.add_flag("--strict", options->strict, "Fail where the output cannot carry what the input has, not just warn");
   command
       .add_option("-O", options->options,
                   "layers=NAMES; of meshes triangles=N per layer or resolution=CELLS; of volumes voxel=METRES; or an "

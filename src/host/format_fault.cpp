@@ -21,6 +21,12 @@ constexpr Capability kCapabilities[] = {
     {KINORA_READS_MASKS, "read-masks"},
     {KINORA_READS_CONFIDENCE, "read-confidence"},
     {KINORA_READS_INFRARED, "read-infrared"},
+    {KINORA_WRITES_FRAMES, "write-frames"},
+    {KINORA_WRITES_TIMES, "write-times"},
+    {KINORA_WRITES_POSES, "write-poses"},
+    {KINORA_WRITES_MASKS, "write-masks"},
+    {KINORA_WRITES_INFRARED, "write-infrared"},
+    {KINORA_WRITES_DEPTH_CAMERA, "write-depth-camera"},
     {KINORA_WRITES_PICTURES, "write-pictures"},
     {KINORA_WRITES_FILM, "write-film"},
     {KINORA_WRITES_ALPHA, "write-alpha"},
@@ -49,7 +55,8 @@ bool is_format_name(const char* name) {
 }
 
 bool writes_anything(const KinoraFormat& format) {
-  return (format.capabilities & (KINORA_WRITES_PICTURES | KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES)) != 0;
+  return (format.capabilities &
+          (KINORA_WRITES_PICTURES | KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES | KINORA_WRITES_FRAMES)) != 0;
 }
 
 /// What a format that writes lacks for it; empty if nothing.
@@ -57,11 +64,14 @@ std::string fault_of_writing(const KinoraFormat& format) {
   if (format.open_writer == nullptr || format.writer_finish == nullptr || format.writer_abandon == nullptr ||
       (supports(format, KINORA_WRITES_PICTURES) && format.writer_write == nullptr))
     return " lacks a function for writing";
-  const bool grown = format.struct_size >= sizeof(KinoraFormat);
+  const bool grown = format.struct_size >= offsetof(KinoraFormat, writer_capture); // since meshes and volumes
   if (supports(format, KINORA_WRITES_MESHES) && (!grown || format.writer_mesh == nullptr)) return " lacks writer_mesh";
   if (supports(format, KINORA_WRITES_SKINS) && (!grown || format.writer_pose == nullptr)) return " lacks writer_pose";
   if (supports(format, KINORA_WRITES_VOLUMES) && (!grown || format.writer_volume == nullptr))
     return " lacks writer_volume";
+  if (supports(format, KINORA_WRITES_FRAMES) &&
+      (format.struct_size < sizeof(KinoraFormat) || format.writer_capture == nullptr || format.writer_frame == nullptr))
+    return " lacks writer_capture or writer_frame";
   return {};
 }
 

@@ -1,4 +1,4 @@
-#include "rgbd_folder/calibration.h"
+#include "common/calibration.h"
 
 #include <gtest/gtest.h>
 

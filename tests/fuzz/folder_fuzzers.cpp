@@ -1,7 +1,9 @@
 // What folders hold: one file of a capture, or of the truth beside it, is the input; the others stay as they are.
 #include <fmt/format.h>
+#include <zip.h>
 #include <zlib.h>
 
+#include "azure_kinect/kinect_calibration.h"
 #include "core/error.h"
 #include "core/image_codec.h"
 #include "evaluate/ground_truth.h"
@@ -10,6 +12,8 @@
 #include "fuzz/fuzzer.h"
 #include "host/plugin_table.h"
 #include "ingest/capture/capture.h"
+#include "record3d/lzfse.h"
+#include "stray_scanner/stray_reader.h"
 
 namespace kinora::fuzz {
 namespace {
@@ -231,6 +235,78 @@ void read_transforms(std::span<const std::byte> input) {
 }
 std::vector<Bytes> transforms() { return texts({kTransforms}); }
 
+constexpr const char* kOdometry = "timestamp, frame, x, y, z, qx, qy, qz, qw\n50.0, 000000, 0, 0, 0, 0, 0, 0.6, 0.8\n"
+                                  "50.1, 000001, 0.1, 0, 0, 0, 0, 0.6, 0.8\n";
+
+void read_odometry(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("odometry.csv", input);
+  std::vector<std::string> warnings;
+  for (const formats::StrayPose& pose : formats::read_odometry(folder.path() / "odometry.csv", warnings))
+    require(pose.camera_to_world.matrix().allFinite(), "a pose is not finite");
+}
+std::vector<Bytes> odometries() { return texts({kOdometry, "0,0,0,0,0,0,1\n0.1,0,0,0,0,0,1\n"}); }
+
+// ---- logs of robots
+
+/// A log of ROS is one file; the seeds are those that foreign programs made.
+void read_log(const char* name, std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write(name, input);
+  read_capture(folder.path() / name);
+}
+std::vector<Bytes> samples_called(std::initializer_list<const char*> names) {
+  std::vector<Bytes> seeds;
+  for (const char* name : names) {
+    std::ifstream file(fs::path(KINORA_ROS_SAMPLES) / name, std::ios::binary);
+    seeds.push_back(bytes_of({std::istreambuf_iterator<char>(file), {}}));
+  }
+  return seeds;
+}
+void read_bag(std::span<const std::byte> input) { read_log("a.bag", input); }
+std::vector<Bytes> bags() { return samples_called({"aligned_lz4.bag", "compressed_bz2.bag", "librealsense.bag"}); }
+void read_mcap(std::span<const std::byte> input) { read_log("a.mcap", input); }
+std::vector<Bytes> mcaps() { return samples_called({"plain.mcap", "lz4.mcap", "zstd.mcap"}); }
+
+// ---- Record3D
+
+void read_lzfse(std::span<const std::byte> input) {
+  constexpr std::size_t kBytes = 12288; // depth of the sample, and a few bytes that are stored
+  (void)formats::unpack_lzfse(input, kBytes, "fuzz");
+}
+std::vector<Bytes> lzfse_files() {
+  std::vector<Bytes> seeds;
+  zip_t* const archive = zip_open(KINORA_RECORD3D_SAMPLE, ZIP_RDONLY, nullptr);
+  for (const char* name : {"rgbd/0.depth", "rgbd/1.depth"}) {
+    zip_file_t* const file = zip_fopen(archive, name, 0);
+    Bytes bytes(1 << 16);
+    bytes.resize(static_cast<std::size_t>(zip_fread(file, bytes.data(), bytes.size())));
+    zip_fclose(file);
+    seeds.push_back(std::move(bytes));
+  }
+  zip_discard(archive);
+  return seeds;
+}
+
+void read_r3d(std::span<const std::byte> input) { read_log("a.r3d", input); }
+std::vector<Bytes> r3ds() {
+  std::ifstream file(KINORA_RECORD3D_SAMPLE, std::ios::binary);
+  return {bytes_of({std::istreambuf_iterator<char>(file), {}})};
+}
+
+void read_kinect_calibration(std::span<const std::byte> input) {
+  (void)formats::read_kinect_calibration(input, 1280, 720, 640, 576, "fuzz");
+}
+std::vector<Bytes> kinect_calibrations() {
+  return texts(
+      {R"({"CalibrationInformation": {"Cameras": [{"Location": "CALIBRATION_CameraLocationD0", "MetricRadius": 1.7,
+    "Intrinsics": {"ModelParameters": [0.5, 0.5, 0.49, 0.49, 5, 3, 0.1, 6, 5, 0.9, 0, 0, 0.0001, -0.0001]},
+    "Rt": {"Rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1], "Translation": [0, 0, 0]}},
+    {"Location": "CALIBRATION_CameraLocationPV0",
+    "Intrinsics": {"ModelParameters": [0.5, 0.5, 0.48, 0.64, 0.5, -2.6, 1.5, 0.38, -2.4, 1.4, 0, 0, 0.0001, 0.0005]},
+    "Rt": {"Rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1], "Translation": [-0.032, 0, 0]}}]}})"});
+}
+
 } // namespace
 
 std::vector<Fuzzer> folder_fuzzers() {
@@ -247,7 +323,13 @@ std::vector<Fuzzer> folder_fuzzers() {
           {"cameras", cameras, read_cameras, 500},
           {"object_pose", object_poses, read_object_poses, 500},
           {"object_mesh", object_meshes, read_object_mesh, 500},
-          {"tracks", tracks, read_tracks, 500}};
+          {"tracks", tracks, read_tracks, 500},
+          {"odometry", odometries, read_odometry, 300},
+          {"ros_bag", bags, read_bag, 300},
+          {"mcap", mcaps, read_mcap, 300},
+          {"lzfse", lzfse_files, read_lzfse, 500},
+          {"record3d", r3ds, read_r3d, 200},
+          {"kinect_calibration", kinect_calibrations, read_kinect_calibration, 300}};
 }
 
 } // namespace kinora::fuzz

@@ -1,0 +1,108 @@
+// The functions of formats that read or write captures, from a C++ class each.
+#pragma once
+
+#include <memory>
+
+#include "common/boundary.h"
+
+namespace kinora::formats {
+
+using OptionMap = std::map<std::string, std::string>;
+
+/// Whether an option is given as "true"; without it `otherwise`.
+inline bool option_is_set(const OptionMap& options, const char* name, bool otherwise) {
+  const auto given = options.find(name);
+  return given == options.end() ? otherwise : given->second == "true";
+}
+
+/// The text of an option, or empty.
+inline std::string option_text(const OptionMap& options, const char* name) {
+  const auto given = options.find(name);
+  return given == options.end() ? std::string() : given->second;
+}
+
+/// Fills in an answer.
+inline void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason) {
+  answer->confidence = confidence;
+  std::snprintf(answer->reason, sizeof answer->reason, "%s", reason.c_str());
+}
+
+/// A probe reads files, and files may vanish or be forbidden: then it is none of ours.
+template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* path, KinoraProbe* answer) {
+  try {
+    probe(path, answer);
+  } catch (const std::exception& error) {
+    answer_probe(answer, 0, error.what());
+  } catch (...) {
+    answer_probe(answer, 0, "an unknown exception");
+  }
+}
+
+/// Reader has fill_info(KinoraCaptureInfo&) const, next(KinoraFrame&) and seek(std::int64_t). An Error(kCorruptInput)
+/// from next() is of that frame alone.
+template <class Reader, std::unique_ptr<Reader> (*open)(const char* path, const OptionMap& options)>
+constexpr void set_reader(KinoraFormat& format) {
+  format.capabilities |= KINORA_READS_FRAMES | KINORA_SEEKS;
+  format.open_reader = [](const char* path, const KinoraOptionValue* options, size_t option_count,
+                          KinoraReader** reader, KinoraMessage* message) {
+    return guarded(message, [&] {
+      *reader = reinterpret_cast<KinoraReader*>(open(path, option_map(options, option_count)).release());
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.reader_info = [](KinoraReader* reader, KinoraCaptureInfo* info, KinoraMessage* message) {
+    return guarded(message, [&] {
+      reinterpret_cast<Reader*>(reader)->fill_info(*info);
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.reader_next = [](KinoraReader* reader, KinoraFrame* frame, KinoraMessage* message) {
+    const KinoraStatus status =
+        guarded(message, [&]() -> KinoraStatus { return reinterpret_cast<Reader*>(reader)->next(*frame); });
+    return status == KINORA_CORRUPT ? KinoraStatus{KINORA_BAD_FRAME} : status;
+  };
+  format.reader_seek = [](KinoraReader* reader, int64_t index, KinoraMessage* message) {
+    return guarded(message, [&] {
+      reinterpret_cast<Reader*>(reader)->seek(index);
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.reader_close = [](KinoraReader* reader) { delete reinterpret_cast<Reader*>(reader); };
+}
+
+/// Writer has set_capture(const KinoraCaptureInfo&), write(const KinoraFrame&), which returns why a frame is left out
+/// (empty: it is not), and finish().
+template <class Writer, std::unique_ptr<Writer> (*open)(const char* path, const OptionMap& options)>
+constexpr void set_writer(KinoraFormat& format) {
+  format.capabilities |= KINORA_WRITES_FRAMES;
+  format.open_writer = [](const char* path, const KinoraOptionValue* options, size_t option_count,
+                          KinoraWriter** writer, KinoraMessage* message) {
+    return guarded(message, [&] {
+      *writer = reinterpret_cast<KinoraWriter*>(open(path, option_map(options, option_count)).release());
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.writer_capture = [](KinoraWriter* writer, const KinoraCaptureInfo* info, KinoraMessage* message) {
+    return guarded(message, [&] {
+      reinterpret_cast<Writer*>(writer)->set_capture(*info);
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.writer_frame = [](KinoraWriter* writer, const KinoraFrame* frame, KinoraMessage* message) {
+    return guarded(message, [&] {
+      const std::string why = reinterpret_cast<Writer*>(writer)->write(*frame);
+      set_message(message, why.c_str());
+      return why.empty() ? KinoraStatus{KINORA_OK} : KinoraStatus{KINORA_BAD_FRAME};
+    });
+  };
+  format.writer_finish = [](KinoraWriter* writer, KinoraMessage* message) {
+    const std::unique_ptr<Writer> owned(reinterpret_cast<Writer*>(writer));
+    return guarded(message, [&] {
+      owned->finish();
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.writer_abandon = [](KinoraWriter* writer) { delete reinterpret_cast<Writer*>(writer); };
+}
+
+} // namespace kinora::formats

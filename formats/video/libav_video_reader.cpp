@@ -1,0 +1,143 @@
+#include "video/libav_video_reader.h"
+
+#include <cstring>
+
+#include "core/error.h"
+
+extern "C" {
+#include <libavutil/pixdesc.h>
+#include <libswscale/swscale.h>
+}
+
+namespace kinora::formats {
+namespace {
+
+constexpr std::size_t kStepsWithoutSeek = 30;
+constexpr double kSameTime = 1e-6;
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;
+
+} // namespace
+
+void LibavVideoReader::ReleaseScaler::operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+
+LibavVideoReader::LibavVideoReader(const std::filesystem::path& path, VideoStream stream)
+    : path_(path), stream_(std::move(stream)), packet_(av_packet_alloc()), frame_(av_frame_alloc()) {
+  open();
+  if (stream_.codec != "mjpeg") open_decoder();
+}
+
+void LibavVideoReader::fail(const std::string& problem) const {
+  throw Error(ErrorCode::kCorruptInput, path_.string() + ": " + problem);
+}
+
+void LibavVideoReader::open() {
+  input_ = open_input(path_);
+  if (stream_.number < 0 || static_cast<unsigned>(stream_.number) >= input_->nb_streams) fail("has changed meanwhile");
+  for (unsigned i = 0; i < input_->nb_streams; ++i)
+    if (static_cast<int>(i) != stream_.number) input_->streams[i]->discard = AVDISCARD_ALL;
+}
+
+void LibavVideoReader::open_decoder() {
+  const AVCodecParameters& parameters = *input_->streams[stream_.number]->codecpar;
+  const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
+  if (codec == nullptr)
+    throw Error(ErrorCode::kMissingComponent,
+                path_.string() + ": libavcodec has no decoder for " + stream_.codec + "; install one that has");
+  decoder_.reset(avcodec_alloc_context3(codec));
+  decoder_->max_pixels = kMaxPixels;
+  decoder_->thread_count = 0;
+  decoder_->pkt_timebase = input_->streams[stream_.number]->time_base;
+  int result = avcodec_parameters_to_context(decoder_.get(), &parameters);
+  if (result >= 0) result = avcodec_open2(decoder_.get(), codec, nullptr);
+  if (result < 0) fail("the video cannot be decoded: " + libav_text(result));
+}
+
+bool LibavVideoReader::next_packet() {
+  do {
+    av_packet_unref(packet_.get());
+    if (av_read_frame(input_.get(), packet_.get()) < 0) return false;
+  } while (packet_->stream_index != stream_.number);
+  return true;
+}
+
+/// The next decoded picture in frame_; packets that are damaged are passed over.
+bool LibavVideoReader::next_frame() {
+  for (;;) {
+    const int result = avcodec_receive_frame(decoder_.get(), frame_.get());
+    if (result >= 0) return true;
+    if (result != AVERROR(EAGAIN)) return false;
+    if (drained_) return false;
+    drained_ = !next_packet();
+    (void)avcodec_send_packet(decoder_.get(), drained_ ? nullptr : packet_.get());
+  }
+}
+
+void LibavVideoReader::go_to(std::size_t number) {
+  if (number >= next_ && number - next_ <= kStepsWithoutSeek) return;
+  const AVStream& stream = *input_->streams[stream_.number];
+  const auto timestamp = static_cast<std::int64_t>(stream_.times[number] / av_q2d(stream.time_base) + 0.5);
+  if (number == 0 || av_seek_frame(input_.get(), stream_.number, timestamp, AVSEEK_FLAG_BACKWARD) < 0) open();
+  frame_waits_ = drained_ = false;
+  if (decoder_) avcodec_flush_buffers(decoder_.get());
+}
+
+VideoPicture LibavVideoReader::read_jpeg(double time) {
+  while (next_packet()) {
+    const std::int64_t shown = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+    if (time_of(shown, *input_->streams[stream_.number]) < time - kSameTime) continue;
+    VideoPicture picture;
+    const auto* data = reinterpret_cast<const std::byte*>(packet_->data);
+    picture.jpeg.assign(data, data + packet_->size);
+    return picture;
+  }
+  fail("ends too early");
+}
+
+VideoPicture LibavVideoReader::read(std::size_t number) {
+  if (number >= stream_.times.size()) fail("has no picture " + std::to_string(number));
+  go_to(number);
+  next_ = number + 1;
+  const double time = stream_.times[number];
+  if (!decoder_) return read_jpeg(time);
+  const AVStream& stream = *input_->streams[stream_.number];
+  for (;;) {
+    if (!frame_waits_ && !next_frame()) fail("picture " + std::to_string(number) + " cannot be decoded");
+    frame_waits_ = true;
+    const double shown = time_of(frame_->best_effort_timestamp, stream);
+    if (shown > time + kSameTime) fail("picture " + std::to_string(number) + " cannot be decoded");
+    frame_waits_ = false;
+    if (shown >= time - kSameTime) return picture_of(*frame_);
+  }
+}
+
+VideoPicture LibavVideoReader::picture_of(const AVFrame& frame) {
+  if (frame.width != stream_.width || frame.height != stream_.height) fail("its pictures change their size");
+  VideoPicture picture;
+  if (frame.format == AV_PIX_FMT_GRAY16LE || frame.format == AV_PIX_FMT_GRAY16BE) {
+    picture.gray16 = DepthImage16(frame.width, frame.height);
+    for (int v = 0; v < frame.height; ++v)
+      std::memcpy(picture.gray16.pixel(0, v), frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * v,
+                  sizeof(std::uint16_t) * static_cast<std::size_t>(frame.width));
+    if (frame.format == AV_PIX_FMT_GRAY16BE)
+      for (std::uint16_t& value : picture.gray16.values()) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+    return picture;
+  }
+  const auto format = static_cast<AVPixelFormat>(frame.format);
+  scaler_.reset(sws_getCachedContext(
+      scaler_.release(), frame.width, frame.height, format, frame.width, frame.height, AV_PIX_FMT_RGB24,
+      SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_BITEXACT, nullptr, nullptr, nullptr));
+  if (!scaler_) fail("its pixels are of a kind that is not read");
+  constexpr int kHdLines = 720; // from there on pictures that do not say it are BT.709
+  const bool unsaid = frame.colorspace == AVCOL_SPC_UNSPECIFIED;
+  const int space = unsaid ? (frame.height >= kHdLines ? SWS_CS_ITU709 : SWS_CS_ITU601) : frame.colorspace;
+  const int full = frame.color_range == AVCOL_RANGE_JPEG ? 1 : 0;
+  sws_setColorspaceDetails(scaler_.get(), sws_getCoefficients(space), full, sws_getCoefficients(SWS_CS_DEFAULT), 1, 0,
+                           1 << 16, 1 << 16);
+  picture.color = ColorImage(frame.width, frame.height, 3);
+  std::uint8_t* const rows[4] = {picture.color.data()};
+  const int strides[4] = {3 * frame.width};
+  sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, strides);
+  return picture;
+}
+
+} // namespace kinora::formats
