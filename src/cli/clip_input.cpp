@@ -16,13 +16,17 @@ void require_input(const std::filesystem::path& path) {
   throw Error(ErrorCode::kUsage, fmt::format("{} does not exist; is the name right?", path.string()));
 }
 
-clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account) {
+void require_clip(const std::filesystem::path& path) {
   require_input(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw Error(ErrorCode::kNotRecognised,
                 fmt::format("{} is a folder, not a clip; make a clip of a capture with kinora encode", path.string()));
   }
+}
+
+clip::Clip open_clip(const std::filesystem::path& path, clip::ByteAccount* account) {
+  require_clip(path);
   return clip::read_clip(path, account);
 }
 

@@ -41,9 +41,11 @@ Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* accou
 /// The same of a file that may be cut or damaged: what is whole. `missing` gets one sentence for each thing that is not
 /// there; it is empty if nothing is missing. Nothing comes from a payload without its checksum. Layers without a field
 /// are left out; frames behind the last that a cut file has are, too; a frame without its pose or deformation gets that
-/// of the nearest one before it that has one (else after it) and is lost (motion::Health). Throws as above if there is
-/// nothing to show: no timeline, no camera or no layer.
+/// of the nearest one before it that has one (else after it) and is lost (motion::Health). Where no motion is there yet,
+/// the still layers are the first frame. Throws as above if there is nothing to show: no timeline, no camera or no layer.
 Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing,
+                      ByteAccount* account = nullptr);
+Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector<std::string>& missing,
                       ByteAccount* account = nullptr);
 
 } // namespace kinora::clip

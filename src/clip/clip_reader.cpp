@@ -277,7 +277,7 @@ private:
     leave_out_unusable_layers();
   }
 
-  // A cut file ends with the last frame of which something that moves is there.
+  // A cut file ends with the last frame of which something that moves is there; its first shows what keeps still.
   void leave_out_unseen_frames() {
     std::size_t frames = 0;
     bool anything_moves = false;
@@ -287,7 +287,7 @@ private:
       const auto last = std::find(destination.seen.rbegin(), destination.seen.rend(), true);
       frames = std::max(frames, static_cast<std::size_t>(destination.seen.rend() - last));
     }
-    if (anything_moves && frames == 0) corrupt("nothing of what moves is whole; fetch the file again");
+    frames = std::max(frames, std::min<std::size_t>(1, clip_.times.size()));
     if (!anything_moves || frames == clip_.times.size()) return;
     missing_->push_back(
         fmt::format("{}: frames {} to {} of {}", reader_.name(), frames, clip_.times.size() - 1, clip_.times.size()));
@@ -372,8 +372,13 @@ Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* accou
 }
 
 Clip read_whole_parts(const std::filesystem::path& path, std::vector<std::string>& missing, ByteAccount* account) {
+  return read_whole_parts(std::make_unique<container::FileSource>(path), missing, account);
+}
+
+Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector<std::string>& missing,
+                      ByteAccount* account) {
   missing.clear();
-  ClipReader reader(std::make_unique<container::FileSource>(path), &missing);
+  ClipReader reader(std::move(source), &missing);
   return read(reader, account);
 }
 
