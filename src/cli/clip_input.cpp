@@ -17,14 +17,18 @@ void require_input(const std::filesystem::path& path) {
   throw Error(ErrorCode::kUsage, fmt::format("{} does not exist; is the name right?", path.string()));
 }
 
-clip::Clip open_clip(const std::filesystem::path& path, Progress& progress, clip::ByteAccount* account,
-                     std::vector<std::string>* missing) {
+void require_clip(const std::filesystem::path& path) {
   require_input(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw Error(ErrorCode::kNotRecognised,
                 fmt::format("{} is a folder, not a clip; make a clip of a capture with kinora encode", path.string()));
   }
+}
+
+clip::Clip open_clip(const std::filesystem::path& path, Progress& progress, clip::ByteAccount* account,
+                     std::vector<std::string>* missing) {
+  require_clip(path);
   std::vector<std::string> parts;
   try {
     return clip::read_clip(path, account);

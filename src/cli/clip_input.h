@@ -14,6 +14,9 @@ namespace kinora::cli {
 /// Throws Error(kUsage) if there is nothing at `path`.
 void require_input(const std::filesystem::path& path);
 
+/// Throws Error(kUsage) if there is nothing at `path`, Error(kNotRecognised) if that is a folder.
+void require_clip(const std::filesystem::path& path);
+
 /// Reads a clip; an input that is no file of ours is told apart from one that is a capture. Of a damaged one, what is
 /// whole, after one warning that says what is missing; `missing` gets that, too (clip::read_whole_parts).
 clip::Clip open_clip(const std::filesystem::path& path, Progress& progress, clip::ByteAccount* account = nullptr,

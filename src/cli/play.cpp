@@ -4,16 +4,23 @@
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/interrupt.h"
+#include "player/http/http_functions.h"
 #include "player/window/viewer.h"
 
 namespace kinora::cli {
 namespace {
 
-void run(const std::filesystem::path& file, Context& context) {
-  namespace window = player::window;
-  const auto open = [&context](const std::filesystem::path& clip) {
-    return std::make_shared<const player::Player>(open_clip(clip, context.progress));
-  };
+namespace window = player::window;
+
+std::unique_ptr<window::ClipFeed> open(const std::string& clip) {
+  if (player::is_address(clip)) {
+    return std::make_unique<window::ClipFeed>(player::http_functions().open_address(clip, interrupted));
+  }
+  require_clip(clip);
+  return std::make_unique<window::ClipFeed>(std::make_unique<container::FileSource>(clip));
+}
+
+void run(const std::string& file, Context& context) {
   const window::WindowFunctions& functions = window::window_functions();
   window::Viewer viewer(file, open, std::filesystem::current_path(), interrupted);
   const auto [width, height] = viewer.wanted_size();
@@ -25,12 +32,13 @@ void run(const std::filesystem::path& file, Context& context) {
 } // namespace
 
 void add_play(CLI::App& app, Context& context) {
-  const auto file = std::make_shared<std::filesystem::path>();
+  const auto file = std::make_shared<std::string>();
   CLI::App& command = context.add_command(app, "play", "Play a clip in a window, and turn it around",
-                                          "  kinora play clip.mkv", [file, &context] { run(*file, context); });
-  command.add_option("CLIP", *file, "The clip to play; others can be dropped onto the window")
+                                          "  kinora play clip.mkv\n  kinora play http://127.0.0.1:8080/clip.mkv",
+                                          [file, &context] { run(*file, context); });
+  command.add_option("CLIP", *file, "The clip to play, or its address; others can be dropped onto the window")
       ->required()
-      ->type_name("FILE");
+      ->type_name("FILE|URL");
 }
 
 } // namespace kinora::cli

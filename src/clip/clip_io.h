@@ -42,7 +42,8 @@ Clip read_clip(std::unique_ptr<container::ByteSource> source, ByteAccount* accou
 /// there (missing_parts.h); it is empty if nothing is missing. Nothing comes from a payload without its checksum.
 /// Layers without a field or without any motion are left out; frames behind the last that a cut file has are, too; a
 /// frame without its pose or deformation gets that of the nearest one before it that has one (else after it) and is
-/// lost (motion::Health). Throws as above if there is nothing to show: no timeline, no camera or no layer.
+/// lost (motion::Health). Where no motion is there, the first frame shows what keeps still. Throws as above if there is
+/// nothing to show: no timeline, no camera or no layer.
 Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector<std::string>& missing,
                       ByteAccount* account = nullptr);
 

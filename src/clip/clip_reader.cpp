@@ -294,7 +294,7 @@ private:
     leave_out_unusable_layers();
   }
 
-  // A cut file ends with the last frame of which something that moves is there.
+  // A cut file ends with the last frame of which something that moves is there; its first shows what keeps still.
   void leave_out_unseen_frames() {
     std::size_t frames = 0;
     bool anything_moves = false;

@@ -151,24 +151,16 @@ private:
   std::optional<DeformationEncoder> deformation_;
 };
 
-// In the order of the file: by time.
+// In the order of the file: by time; at the first, where camera and layers are comes before the fields, so that each
+// layer can be shown when its field has come.
 std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description) {
   std::vector<Payload> payloads;
   const auto add = [&payloads](std::uint16_t track, std::int64_t time, bool key, Bytes bytes) {
     payloads.push_back({track, time, key, std::move(bytes)});
   };
   std::vector<MotionEncoder> motions;
-  for (std::size_t l = 0; l < clip.layers.size(); ++l) {
-    const Layer& layer = clip.layers[l];
-    const LayerDescription& tracks = description.layers[l];
-    add(tracks.field_track, description.times_ns.front(), true, encode_field(layer.field));
-    if (layer.confidence) {
-      add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
-    }
-    if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
-    motions.emplace_back(layer.motion);
-  }
-  for (std::size_t frame = 0; frame < clip.times.size(); ++frame) {
+  for (const Layer& layer : clip.layers) motions.emplace_back(layer.motion);
+  const auto add_poses = [&](std::size_t frame) {
     const std::int64_t time = description.times_ns[frame];
     if (frame < clip.camera_to_world.size()) {
       add(description.camera_track, time, true, encode_camera(clip.camera_to_world[frame]));
@@ -178,7 +170,18 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
       auto [key, bytes] = motions[l].encode(frame);
       add(description.layers[l].motion_track, time, key, std::move(bytes));
     }
+  };
+  add_poses(0);
+  for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+    const Layer& layer = clip.layers[l];
+    const LayerDescription& tracks = description.layers[l];
+    add(tracks.field_track, description.times_ns.front(), true, encode_field(layer.field));
+    if (layer.confidence) {
+      add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
+    }
+    if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
   }
+  for (std::size_t frame = 1; frame < clip.times.size(); ++frame) add_poses(frame);
   return payloads;
 }
 

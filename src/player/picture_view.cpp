@@ -46,6 +46,17 @@ void paint_confidence(const fields::Picture& picture, ColorImage& out) {
   }
 }
 
+void paint_health(const fields::Picture& picture, const std::vector<motion::Health>& health, ColorImage& out) {
+  for (std::size_t i = 0; i < picture.front.pixel_count(); ++i) {
+    const std::size_t layer = picture.front.data()[i];
+    if (layer == 0 || layer > health.size()) continue;
+    std::uint8_t* pixel = out.data() + 4 * i;
+    const float light = 0.3F + 0.7F * static_cast<float>(pixel[0] + pixel[1] + pixel[2]) / (3 * 255);
+    const motion::Health of_layer = health[layer - 1];
+    paint(pixel, of_layer == motion::Health::kTracked ? 0 : light, of_layer == motion::Health::kLost ? 0 : light, 0);
+  }
+}
+
 } // namespace
 
 fields::DrawOptions draw_options_for(PictureView view) {
@@ -55,11 +66,12 @@ fields::DrawOptions draw_options_for(PictureView view) {
   return options;
 }
 
-ColorImage painted(const fields::Picture& picture, PictureView view) {
+ColorImage painted(const fields::Picture& picture, PictureView view, const std::vector<motion::Health>& health) {
   ColorImage out = picture.color;
   if (view == PictureView::kDepth) paint_depth(picture, out);
   if (view == PictureView::kNormal) paint_normals(picture, out);
   if (view == PictureView::kConfidence) paint_confidence(picture, out);
+  if (view == PictureView::kHealth) paint_health(picture, health, out);
   return out;
 }
 

@@ -28,11 +28,11 @@ double PlaybackClock::position() const {
   if (!playing_) return start_;
   const double gone = start_ + speed_ * std::max(0.0, master_() - start_master_);
   if (gone < end()) return gone;
-  if (!loop_) return end();
+  if (!loop_ || more_is_awaited_) return end();
   return times_.front() + std::fmod(gone - times_.front(), end() - times_.front());
 }
 
-bool PlaybackClock::ended() const { return !loop_ && position() >= end(); }
+bool PlaybackClock::ended() const { return !loop_ && !more_is_awaited_ && position() >= end(); }
 
 std::size_t PlaybackClock::frame() const {
   // Sums of times are no exact numbers: a frame that is due in a nanosecond is due.
@@ -47,7 +47,7 @@ void PlaybackClock::restart_at(double position) {
 }
 
 void PlaybackClock::play() {
-  const bool at_end = frame() + 1 == times_.size();
+  const bool at_end = !more_is_awaited_ && frame() + 1 == times_.size();
   restart_at(at_end && !playing() ? times_.front() : position());
   playing_ = true;
 }
@@ -83,6 +83,13 @@ void PlaybackClock::set_master(MasterClock master) {
   const double now = position();
   master_ = std::move(master);
   restart_at(now);
+}
+
+void PlaybackClock::set_times(std::vector<double> times, bool more_is_awaited) {
+  const double now = position();
+  times_ = std::move(times);
+  more_is_awaited_ = more_is_awaited;
+  restart_at(std::clamp(now, times_.front(), end()));
 }
 
 } // namespace kinora::player

@@ -38,6 +38,9 @@ public:
   void set_speed(double speed);
   void set_loop(bool loop);
   void set_master(MasterClock master);
+  /// Other frames, at least one, of the same clip, of which more has come. With `more_is_awaited` it waits at the end,
+  /// playing, and repeats nothing.
+  void set_times(std::vector<double> times, bool more_is_awaited);
 
 private:
   double position() const; // in [first time, end], continuous
@@ -52,6 +55,7 @@ private:
   double speed_ = 1;
   bool playing_ = false;
   bool loop_ = false;
+  bool more_is_awaited_ = false;
 };
 
 } // namespace kinora::player

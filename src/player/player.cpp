@@ -69,8 +69,7 @@ std::vector<fields::PosedField> Player::posed_layers(double frame, const LayerCh
   std::vector<fields::PosedField> posed;
   posed.reserve(layers.size());
   for (const std::size_t i : layers) {
-    if (frame < static_cast<double>(first_frames_.at(i))) continue;
-    posed.push_back(this->posed(i, frame));
+    if (is_drawn(i, frame)) posed.push_back(this->posed(i, frame));
   }
   return posed;
 }
@@ -87,6 +86,15 @@ fields::Picture Player::preview(const Camera& camera, double frame, const LayerC
   fields::DrawOptions wanted = options;
   wanted.samples = 1;
   return fields::render(posed_layers(frame, layers), camera, wanted);
+}
+
+std::vector<motion::Health> Player::drawn_health(double frame, const LayerChoice& layers) const {
+  const auto whole = static_cast<std::size_t>(std::clamp(frame, 0.0, static_cast<double>(frame_count() - 1)));
+  std::vector<motion::Health> health;
+  for (const std::size_t i : layers) {
+    if (is_drawn(i, frame)) health.push_back(clip_.layers[i].motion.health(whole));
+  }
+  return health;
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {

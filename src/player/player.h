@@ -46,10 +46,15 @@ public:
     return draw(camera, clip_.frame_at(seconds), layers, options);
   }
 
+  /// How well each layer that is drawn was tracked at that frame, in the order of Picture::front. A fraction of a frame
+  /// counts as the one before it.
+  std::vector<motion::Health> drawn_health(double frame, const LayerChoice& layers) const;
+
   /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
 private:
+  bool is_drawn(std::size_t layer, double frame) const { return frame >= static_cast<double>(first_frames_.at(layer)); }
   std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
   fields::PosedField posed(std::size_t layer, double frame) const;
 

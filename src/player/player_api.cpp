@@ -145,7 +145,7 @@ Camera from_plain(const KinoraPlayerCamera& plain) {
 }
 
 PictureView view_of(KinoraPlayerView view) {
-  if (view < KINORA_PLAYER_COLOR || view > KINORA_PLAYER_CONFIDENCE) misused(fmt::format("there is no view {}", view));
+  if (view < KINORA_PLAYER_COLOR || view > KINORA_PLAYER_HEALTH) misused(fmt::format("there is no view {}", view));
   return static_cast<PictureView>(view);
 }
 
@@ -182,19 +182,20 @@ public:
   void run() const {
     constexpr std::array<int, 3> kCoarse{8, 4, 2};
     const double frame = owner_.player.clip().frame_at(request_.seconds);
+    const auto health = owner_.player.drawn_health(frame, layers_);
     if (request_.refined != nullptr) {
       for (const int reduction : kCoarse) {
         Camera coarse = camera_;
         coarse.intrinsics = camera_.intrinsics.resized((camera_.intrinsics.width + reduction - 1) / reduction,
                                                        (camera_.intrinsics.height + reduction - 1) / reduction);
         check();
-        tell(owner_.player.preview(coarse, frame, layers_, options_), false);
+        tell(owner_.player.preview(coarse, frame, layers_, options_), health, false);
       }
     }
     check();
     tell(preview_ ? owner_.player.preview(camera_, frame, layers_, options_)
                   : owner_.player.draw(camera_, frame, layers_, options_),
-         true);
+         health, true);
   }
 
 private:
@@ -204,10 +205,10 @@ private:
     if (owner_.cancellations != started_) cancelled();
   }
 
-  void tell(const fields::Picture& drawn, bool finest) const {
+  void tell(const fields::Picture& drawn, const std::vector<motion::Health>& health, bool finest) const {
     const auto [w, h] = std::pair(camera_.intrinsics.width, camera_.intrinsics.height);
     check();
-    if (picture_.color != nullptr) put(painted(drawn, view_), 4, w, h, picture_.color, row_bytes_);
+    if (picture_.color != nullptr) put(painted(drawn, view_, health), 4, w, h, picture_.color, row_bytes_);
     if (picture_.depth != nullptr) put(drawn.depth, 1, w, h, picture_.depth, width() * sizeof(float));
     if (picture_.normal != nullptr) put(drawn.normal, 3, w, h, picture_.normal, 3 * width() * sizeof(float));
     if (picture_.confidence != nullptr) put(drawn.confidence, 1, w, h, picture_.confidence, width());

@@ -128,5 +128,24 @@ TEST_F(Playback, FollowsTheSoundAndWaitsWhenItStalls) {
   EXPECT_EQ(clock_.frame(), 2);
 }
 
+TEST_F(Playback, WaitsAtTheEndOfWhatHasComeAndGoesOn) {
+  std::vector<double> some = {0, 0.1, 0.2};
+  clock_.set_times(some, true);
+  clock_.set_loop(true);
+  clock_.play();
+  wait(1000);
+  EXPECT_EQ(clock_.frame(), 2);
+  EXPECT_TRUE(clock_.playing());
+  some.insert(some.end(), {0.3, 0.4});
+  clock_.set_times(some, true);
+  EXPECT_EQ(clock_.frame(), 3) << "the time that it waited is caught up with";
+  wait(0.1);
+  EXPECT_EQ(clock_.frame(), 4);
+  clock_.set_times(some, false);
+  clock_.set_loop(false);
+  wait(1);
+  EXPECT_FALSE(clock_.playing());
+}
+
 } // namespace
 } // namespace kinora::player

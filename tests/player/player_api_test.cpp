@@ -69,8 +69,9 @@ protected:
     const player::Player player(clip::read_clip(path()));
     Camera camera = player.clip().capture_camera(0);
     camera.intrinsics = camera.intrinsics.resized(kWidth, kHeight);
-    const ColorImage image =
-        player::painted(player.draw(camera, static_cast<double>(frame), layers, player::draw_options_for(view)), view);
+    const auto at = static_cast<double>(frame);
+    const ColorImage image = player::painted(player.draw(camera, at, layers, player::draw_options_for(view)), view,
+                                             player.drawn_health(at, layers));
     return {image.values().begin(), image.values().end()};
   }
 };
@@ -127,10 +128,10 @@ TEST_F(PlayerApi, HiddenLayersAreNotDrawn) {
   EXPECT_NE(picture.color, expected(2, {0, 1}, player::PictureView::kColor));
 }
 
-TEST_F(PlayerApi, ViewsShowDepthNormalsAndConfidence) {
+TEST_F(PlayerApi, ViewsShowDepthNormalsConfidenceAndHealth) {
   const ClipPlayer clip = ClipPlayer::open(path());
   const auto colors = expected(1, {0, 1}, player::PictureView::kColor);
-  for (const auto view : {KINORA_PLAYER_DEPTH, KINORA_PLAYER_NORMAL, KINORA_PLAYER_CONFIDENCE}) {
+  for (const auto view : {KINORA_PLAYER_DEPTH, KINORA_PLAYER_NORMAL, KINORA_PLAYER_CONFIDENCE, KINORA_PLAYER_HEALTH}) {
     const auto drawn = clip.render(small_camera(clip), clip.frame_time(1), view).color;
     EXPECT_EQ(drawn, expected(1, {0, 1}, static_cast<player::PictureView>(view)));
     EXPECT_NE(drawn, colors);

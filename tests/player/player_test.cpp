@@ -4,6 +4,7 @@
 
 #include "clip/sample_clip.h"
 #include "fields/scenes/painted_field.h"
+#include "player/picture_view.h"
 
 namespace kinora::player {
 namespace {
@@ -40,6 +41,31 @@ TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
   EXPECT_EQ(drawn_pixels(1), 0);
   EXPECT_GT(drawn_pixels(2), 0);
   EXPECT_GT(drawn_pixels(3), 0);
+}
+
+TEST(PlayerHealth, IsOfTheLayersThatAreDrawnAndColoursThem) {
+  clip::Clip clip = clip::testing::sample_clip(1, 4, false);
+  const std::size_t still = 0, moving = 1;
+  std::vector<motion::Motion::Pose> poses(4, {SE3::Identity(), motion::Health::kLost});
+  poses[1].health = motion::Health::kTracked;
+  poses[2].health = motion::Health::kHeld;
+  clip.layers[moving].motion = motion::Motion::rigid(std::move(poses));
+  const Player player(std::move(clip));
+  using enum motion::Health;
+  EXPECT_EQ(player.drawn_health(0.5, {still, moving}), (std::vector{kTracked}));
+  EXPECT_EQ(player.drawn_health(1.9, {moving}), (std::vector{kTracked}));
+  EXPECT_EQ(player.drawn_health(2, {moving, still}), (std::vector{kHeld, kTracked}));
+  EXPECT_EQ(player.drawn_health(99, {moving}), (std::vector{kLost}));
+
+  fields::Picture picture{ColorImage(3, 1, 4), DepthImage(3, 1, 1), LabelImage(3, 1, 1)};
+  std::fill_n(picture.color.data(), 12, std::uint8_t{255});
+  picture.front.data()[1] = 1;
+  picture.front.data()[2] = 2;
+  const ColorImage image = painted(picture, PictureView::kHealth, {kHeld, kLost});
+  const auto at = [&](int u) { return std::vector<int>(image.pixel(u, 0), image.pixel(u, 0) + 3); };
+  EXPECT_EQ(at(0), (std::vector{255, 255, 255}));
+  EXPECT_EQ(at(1), (std::vector{255, 255, 0}));
+  EXPECT_EQ(at(2), (std::vector{255, 0, 0}));
 }
 
 TEST(PlayerCentre, MovesWithTheLayer) {

@@ -37,10 +37,13 @@ def check_ranges(address):
     for name, wanted in {"Access-Control-Allow-Origin": "*", "Cross-Origin-Opener-Policy": "same-origin",
                          "Cross-Origin-Embedder-Policy": "require-corp"}.items():
         expect(answer.getheader(name) == wanted, f"{name} is {answer.getheader(name)}")
-    for asked, first, end in (("0-9", 0, 10), ("70000-199999", 70000, 200000), ("255990-", 255990, 256000), ("-5", 255995, 256000)):
+    for asked, first, end in (("0-9", 0, 10), ("70000-199999", 70000, 200000), ("255990-", 255990, 256000), ("-5", 255995, 256000),
+                              ("255990-999999", 255990, 256000), ("-999999", 0, 256000)):
         answer, body = ask(address, "/clip.mkv", Range=f"bytes={asked}")
         expect(answer.status == 206 and body == CLIP[first:end], f"bytes={asked}: {answer.status}, {len(body)} bytes")
         expect(answer.getheader("Content-Range") == f"bytes {first}-{end - 1}/256000", str(answer.getheaders()))
+    answer, body = ask(address, "/clip.mkv", Range="bytes=256000-256010")
+    expect(answer.status == 416 and answer.getheader("Content-Range") == "bytes */256000" and not body, f"past the end: {answer.status}")
     answer, body = ask(address, "/clip.mkv", "HEAD")
     expect(answer.status == 200 and answer.getheader("Content-Length") == "256000" and not body, "HEAD")
     answer, body = ask(address, "/empty.mkv")

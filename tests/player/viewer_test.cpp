@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "clip/clip_io.h"
 #include "clip/sample_clip.h"
 #include "core/error.h"
 #include "player/camera_file.h"
@@ -85,13 +86,16 @@ TEST(OrbitCamera, ZoomNeverPassesThePivot) {
 
 class ViewerTest : public ::testing::Test {
 protected:
-  ViewerTest() { std::filesystem::create_directories(folder_); }
+  ViewerTest() {
+    std::filesystem::create_directories(folder_);
+    clip::write_clip(clip::testing::sample_clip(1, 4, true), folder_ / "clip");
+  }
   ~ViewerTest() override { std::filesystem::remove_all(folder_); }
 
   Viewer viewer() {
-    const auto open = [](const std::filesystem::path& clip) {
+    const auto open = [this](const std::string& clip) {
       if (clip == "bad.mkv") throw Error(ErrorCode::kCorruptInput, "bad.mkv is no clip");
-      return std::make_shared<const Player>(clip::testing::sample_clip(1, 4, true));
+      return std::make_unique<ClipFeed>(std::make_unique<container::FileSource>(folder_ / "clip"));
     };
     return Viewer(
         "dir/some.mkv", open, folder_, [] { return false; }, [this] { return now_; });

@@ -139,10 +139,10 @@ def check_camera(player, home, kinora, clip):
     expect(pixels(player.screenshot()) != home, "hiding a layer changes nothing")
     player.do("key", "1")
     seen = {home}
-    for key in "dnv":
+    for key in "dnvh":
         player.do("key", key)
         seen.add(pixels(player.screenshot()))
-    expect(len(seen) == 4, "the views of depth, normals and confidence are not four different pictures with colour")
+    expect(len(seen) == 5, "the views of depth, normals, confidence and health are not five different pictures with colour")
 
 
 def main():

@@ -22,7 +22,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "clip": ["clip/payloads"],
     "player": ["clip", "fields/rendering", "include/kinora"],
     "player/gl": ["fields/rendering"],
-    "player/http": ["core"],
+    "player/http": ["container"],
     "player/window": ["player"],
 }
 MAKE = {  # from a capture to a clip

@@ -101,7 +101,17 @@ std::string clip_list(const fs::path& root, bool page) {
   return list + (clips.empty() ? "<li>There is no .mkv file in this folder.</li>\n</ul>\n" : "</ul>\n");
 }
 
-void give_file(const fs::path& file, httplib::Response& response) {
+/// Ranges of a file of `size` bytes, each cut at its end; none if nothing of them lies inside.
+std::optional<httplib::Ranges> inside(httplib::Ranges ranges, std::uintmax_t size) {
+  const auto end = static_cast<std::ptrdiff_t>(size);
+  for (auto& [first, last] : ranges) {
+    if (first >= end) return std::nullopt;
+    last = std::min(last, first < 0 ? end : end - 1); // without a first byte it counts from the end
+  }
+  return ranges;
+}
+
+void give_file(const fs::path& file, httplib::Request& request, httplib::Response& response) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
   const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
@@ -112,6 +122,13 @@ void give_file(const fs::path& file, httplib::Response& response) {
   }
   response.set_header("ETag", fmt::format("\"{:x}-{:x}\"", size, changed));
   response.set_header("Accept-Ranges", "bytes");
+  auto ranges = inside(std::exchange(request.ranges, {}), size);
+  if (!ranges) {
+    response.status = 416;
+    response.set_header("Content-Range", fmt::format("bytes */{}", size));
+    return;
+  }
+  request.ranges = std::move(*ranges);
   if (size == 0) { // a content provider of no bytes would never end
     response.set_content("", media_type(file));
     return;
@@ -166,7 +183,8 @@ void answer(httplib::Server& server, const fs::path& root, const fs::path& page)
   });
   server.Get(".*", [root](const httplib::Request& request, httplib::Response& response) {
     if (const auto file = file_of(root, request.path)) {
-      give_file(*file, response);
+      // Its own, and of this call alone: cpp-httplib reads the ranges after it, and cuts none at the file's end.
+      give_file(*file, const_cast<httplib::Request&>(request), response);
     } else {
       no_such_file(response);
     }

@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
+
+#include "container/byte_source.h"
 
 namespace kinora::player {
 
@@ -24,11 +27,22 @@ namespace http {
 void serve_folder(const ServedFolder& served, const std::function<void(int port)>& ready,
                   const std::function<bool()>& stopped);
 
+/// The bytes of a file at http:// or https://, fetched in ranges as they are read, over one connection that is taken up
+/// again where it breaks. A server that gives no ranges is asked for the whole, up to 1 GB. `stopped` is asked while it
+/// waits. Errors, here and from read(): kUsage (no address), kNotRecognised (no such file), kCorruptInput (the file was
+/// changed meanwhile, or the server gives what it was not asked for), kFailure (not to be reached, also after five
+/// tries), kInterrupted.
+std::unique_ptr<container::ByteSource> open_address(const std::string& address, const std::function<bool()>& stopped);
+
 } // namespace http
+
+/// True if `text` begins with http:// or https://.
+bool is_address(const std::string& text);
 
 /// What the module exports, through `extern "C" const HttpFunctions* kinora_functions()`.
 struct HttpFunctions {
   decltype(&http::serve_folder) serve_folder;
+  decltype(&http::open_address) open_address;
 };
 
 /// Thread-safe. Throws Error(kMissingComponent) if the module or cpp-httplib is not installed.

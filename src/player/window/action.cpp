@@ -28,6 +28,8 @@ std::optional<Action> action_of(char32_t character) {
     return Action{kView, 2};
   case U'v':
     return Action{kView, 3};
+  case U'h':
+    return Action{kView, 4};
   case U's':
     return Action{kScreenshot};
   case U'r':

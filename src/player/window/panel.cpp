@@ -40,7 +40,7 @@ void draw_bar(Shown& shown, const Panel& panel) {
 
 void draw_box(Shown& shown, const Panel& panel) {
   using enum Action::Kind;
-  constexpr std::array<const char*, 4> kViews{"colour", "depth", "normal", "confidence"};
+  constexpr std::array<const char*, 5> kViews{"colour", "depth", "normal", "confidence", "health"};
   ImGui::SetNextWindowPos({8, 8});
   ImGui::SetNextWindowBgAlpha(0.6F);
   ImGui::Begin("box", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);

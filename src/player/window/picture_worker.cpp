@@ -21,7 +21,7 @@ ColorImage drawn(const PictureRequest& request) {
   const fields::DrawOptions options = draw_options_for(request.view);
   return painted(request.moving ? request.player->preview(request.camera, request.frame, request.layers, options)
                                 : request.player->draw(request.camera, request.frame, request.layers, options),
-                 request.view);
+                 request.view, request.player->drawn_health(request.frame, request.layers));
 }
 
 } // namespace

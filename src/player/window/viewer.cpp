@@ -19,35 +19,62 @@ constexpr auto kBetweenCameras = 33ms; // of a recording
 
 } // namespace
 
-Viewer::Viewer(const std::filesystem::path& clip, Open open, std::filesystem::path folder,
-               std::function<bool()> stopped, MasterClock seconds)
+Viewer::Viewer(const std::string& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
+               MasterClock seconds)
     : open_(std::move(open)), folder_(std::move(folder)), stopped_(std::move(stopped)), seconds_(std::move(seconds)) {
-  take(open_(clip), clip);
+  start(clip);
+}
+
+// Changes nothing if the clip cannot be opened.
+void Viewer::start(const std::string& clip) {
+  std::unique_ptr<ClipFeed> feed = open_(clip);
+  const ClipSoFar so_far = feed->first(stopped_);
+  feed_ = std::move(feed);
+  const std::filesystem::path path = clip;
+  panel_.title = path.filename().string();
+  name_ = path.stem().string();
+  panel_.layers.clear();
+  panel_.view = 0;
+  clock_.reset();
+  take(so_far);
+  panel_.message = so_far.message;
   clock_->play();
 }
 
-void Viewer::take(std::shared_ptr<const Player> player, const std::filesystem::path& clip) {
-  const clip::Clip& content = player->clip();
-  if (content.times.empty()) {
-    throw Error(ErrorCode::kCorruptInput, fmt::format("{} has no frames to play; make it again", clip.string()));
+// Another part of the same clip, or the first: what a person has chosen stays.
+void Viewer::take(const ClipSoFar& so_far) {
+  const Player& player = *so_far.player;
+  const clip::Clip& content = player.clip();
+  if (!clock_) {
+    clock_.emplace(content.times, seconds_);
+    camera_.reset();
   }
-  clock_.emplace(content.times, seconds_);
-  camera_.emplace(content.capture_camera(0), subject_of(*player, 0));
-  panel_.title = clip.filename().string();
-  panel_.layers.clear();
-  for (const clip::Layer& layer : content.layers) panel_.layers.emplace_back(layer.name, true);
+  if (!camera_ || !camera_->moved()) camera_.emplace(content.capture_camera(0), subject_of(player, 0));
+  clock_->set_times(content.times, !so_far.complete);
+  std::vector<std::pair<std::string, bool>> layers;
+  for (const clip::Layer& layer : content.layers) {
+    const auto known = std::find_if(panel_.layers.begin(), panel_.layers.end(),
+                                    [&](const auto& shown) { return shown.first == layer.name; });
+    layers.emplace_back(layer.name, known == panel_.layers.end() || known->second);
+  }
+  panel_.layers = std::move(layers);
   panel_.first_seconds = content.times.front();
   panel_.last_seconds = content.times.back();
   panel_.frame_count = content.times.size();
-  panel_.frame = 0;
-  panel_.view = 0;
-  name_ = clip.stem().string();
-  player_ = std::move(player);
+  so_far_ = so_far;
   changed_ = true;
 }
 
+void Viewer::take_what_has_come() {
+  if (so_far_.complete) return;
+  const ClipSoFar newest = feed_->newest();
+  if (newest.message != so_far_.message) panel_.message = newest.message;
+  if (newest.player != so_far_.player || newest.complete) take(newest);
+  so_far_ = newest;
+}
+
 std::pair<int, int> Viewer::wanted_size() const {
-  const Intrinsics& capture = player_->clip().intrinsics;
+  const Intrinsics& capture = so_far_.player->clip().intrinsics;
   const double scale = std::min(960.0 / capture.width, 720.0 / capture.height);
   const auto scaled = [&](int size) { return std::max(1, static_cast<int>(std::lround(scale * size))); };
   return {scaled(capture.width), scaled(capture.height)};
@@ -104,7 +131,7 @@ void Viewer::act(const Action& action) {
 }
 
 void Viewer::set_view(int view) {
-  const auto& clip_layers = player_->clip().layers;
+  const auto& clip_layers = so_far_.player->clip().layers;
   if (static_cast<PictureView>(view) == PictureView::kConfidence &&
       std::any_of(clip_layers.begin(), clip_layers.end(), [](const clip::Layer& layer) { return !layer.confidence; })) {
     panel_.message = "this clip does not say how well it was seen: an earlier Kinora made it";
@@ -129,11 +156,9 @@ void Viewer::zoom(double steps) {
   changed_ = true;
 }
 
-void Viewer::open(const std::filesystem::path& clip) {
+void Viewer::open(const std::string& clip) {
   try {
-    take(open_(clip), clip);
-    clock_->play();
-    panel_.message = "";
+    start(clip);
   } catch (const std::exception& error) {
     panel_.message = error.what();
   }
@@ -148,17 +173,18 @@ LayerChoice Viewer::layers() const {
 }
 
 PictureRequest Viewer::wanted(bool moving) const {
-  return {player_,  camera_->camera(width_, height_),      static_cast<double>(panel_.frame),
-          layers(), static_cast<PictureView>(panel_.view), moving};
+  return {so_far_.player, camera_->camera(width_, height_),      static_cast<double>(panel_.frame),
+          layers(),       static_cast<PictureView>(panel_.view), moving};
 }
 
 const Panel& Viewer::panel(int width, int height) {
+  take_what_has_come();
   const std::size_t frame = clock_->frame();
   if (width != width_ || height != height_ || frame != panel_.frame) changed_ = true;
   width_ = std::clamp(width, 1, 8192);
   height_ = std::clamp(height, 1, 8192);
   panel_.frame = frame;
-  camera_->set_home(player_->clip().capture_camera(static_cast<double>(frame)));
+  camera_->set_home(so_far_.player->clip().capture_camera(static_cast<double>(frame)));
   panel_.seconds = clock_->seconds();
   panel_.playing = clock_->playing();
   panel_.loop = clock_->loop();

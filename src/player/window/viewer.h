@@ -5,6 +5,7 @@
 
 #include "player/playback_clock.h"
 #include "player/window/camera_recording.h"
+#include "player/window/clip_feed.h"
 #include "player/window/orbit_camera.h"
 #include "player/window/picture_worker.h"
 #include "player/window/window_functions.h"
@@ -14,11 +15,12 @@ namespace kinora::player::window {
 /// Not thread-safe; draws in a thread of its own.
 class Viewer : public Shown {
 public:
-  using Open = std::function<std::shared_ptr<const Player>(const std::filesystem::path&)>;
+  /// From a path or an address.
+  using Open = std::function<std::unique_ptr<ClipFeed>(const std::string&)>;
 
-  /// Opens `clip`, and what is dropped later, by `open`, whose errors come out of here but not out of a later one.
-  /// Screenshots and camera paths go to `folder`. Ends when `stopped` says so. `seconds`: of the playback.
-  Viewer(const std::filesystem::path& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
+  /// Opens `clip`, and what is dropped later, by `open`; what prevents it comes out of here, but not out of a later
+  /// one. Screenshots and camera paths go to `folder`. Ends when `stopped` says so. `seconds`: of the playback.
+  Viewer(const std::string& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
          MasterClock seconds = steady_clock());
 
   /// Of the picture of a new window, in pixels.
@@ -28,7 +30,7 @@ public:
   void orbit(double right, double down) override;
   void pan(double right, double down) override;
   void zoom(double steps) override;
-  void open(const std::filesystem::path& clip) override;
+  void open(const std::string& clip) override;
   const Panel& panel(int width, int height) override;
   std::shared_ptr<const ColorImage> picture() override { return worker_.newest().image; }
   bool ended() const override { return ended_ || stopped_(); }
@@ -39,7 +41,9 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
-  void take(std::shared_ptr<const Player> player, const std::filesystem::path& clip);
+  void start(const std::string& clip);
+  void take(const ClipSoFar& so_far);
+  void take_what_has_come();
   PictureRequest wanted(bool moving) const;
   LayerChoice layers() const;
   void draw_what_changed();
@@ -52,7 +56,8 @@ private:
   std::filesystem::path folder_;
   std::function<bool()> stopped_;
   MasterClock seconds_;
-  std::shared_ptr<const Player> player_;
+  std::unique_ptr<ClipFeed> feed_;
+  ClipSoFar so_far_;
   std::string name_; ///< of the clip's file, without extension
   std::optional<PlaybackClock> clock_;
   std::optional<OrbitCamera> camera_;

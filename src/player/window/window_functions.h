@@ -2,7 +2,6 @@
 // it.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,7 +34,7 @@ public:
   virtual void orbit(double right, double down) = 0;
   virtual void pan(double right, double down) = 0;
   virtual void zoom(double steps) = 0;
-  virtual void open(const std::filesystem::path& clip) = 0;
+  virtual void open(const std::string& clip) = 0;
   /// Called for every drawing of a window of that many pixels.
   virtual const Panel& panel(int width, int height) = 0;
   /// The newest picture, 4 channels with straight alpha; null while there is none. Another picture is another object.

@@ -1,0 +1,117 @@
+#include "player/window/clip_feed.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+
+#include <fmt/format.h>
+
+#include "clip/clip_io.h"
+#include "clip/missing_parts.h"
+#include "container/reader.h"
+#include "core/error.h"
+
+namespace kinora::player::window {
+namespace {
+
+constexpr std::size_t kPieceBytes = 1 << 17;
+constexpr double kPatience = 0.25;                      // seconds of waiting after which a part is worth making ready
+constexpr std::chrono::milliseconds kBetweenLooks{500}; // at a file that is being written
+
+void rest(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any().wait_for(lock, stop, kBetweenLooks, [] { return false; });
+}
+
+} // namespace
+
+ClipFeed::ClipFeed(std::unique_ptr<container::ByteSource> source, MasterClock seconds)
+    : source_(std::move(source)), seconds_(std::move(seconds)), looked_at_(seconds_()),
+      thread_([this](const std::stop_token& stop) {
+        try {
+          follow(stop);
+        } catch (const std::exception& error) {
+          tell(true, error.what());
+          const std::lock_guard lock(mutex_);
+          fault_ = std::current_exception();
+        }
+      }) {}
+
+ClipSoFar ClipFeed::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+ClipSoFar ClipFeed::first(const std::function<bool()>& stopped) const {
+  constexpr std::chrono::milliseconds kPause{5};
+  while (!stopped()) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (newest_.player) return newest_;
+      if (fault_) std::rethrow_exception(fault_);
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+  throw Error(ErrorCode::kInterrupted, "interrupted before anything could be shown");
+}
+
+void ClipFeed::follow(const std::stop_token& stop) {
+  read_to_end(stop);
+  while (!stop.stop_requested() && !finished()) {
+    make_ready();
+    tell(false, "this is all so far; waiting for more");
+    rest(stop);
+    source_->refresh();
+    read_to_end(stop);
+  }
+  if (stop.stop_requested()) return;
+  make_ready();
+  tell(true, missing_);
+  bytes_ = {};
+}
+
+void ClipFeed::read_to_end(const std::stop_token& stop) {
+  while (!stop.stop_requested() && bytes_.size() < source_->size()) {
+    if (source_->size() > kMaxBytes) {
+      throw Error(ErrorCode::kFailure,
+                  fmt::format("{} is larger than {} MB; cut it with kinora cut", source_->name(), kMaxBytes >> 20));
+    }
+    const std::size_t start = bytes_.size();
+    bytes_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(source_->size(), start + kPieceBytes)));
+    source_->read(start, std::span(bytes_).subspan(start));
+    if (bytes_.size() == source_->size() || seconds_() - looked_at_ < kPatience) continue;
+    make_ready();
+    tell(false, fmt::format("{} % has come", 100 * bytes_.size() / source_->size()));
+  }
+}
+
+bool ClipFeed::finished() const {
+  try {
+    return container::Reader(std::make_unique<container::MemorySource>(bytes_, source_->name())).finished();
+  } catch (const Error&) {
+    return true; // damaged, or no file of ours: nothing will come of it
+  }
+}
+
+void ClipFeed::make_ready() {
+  std::vector<std::string> missing;
+  try {
+    auto bytes = std::make_unique<container::MemorySource>(bytes_, source_->name());
+    auto player = std::make_shared<const Player>(clip::read_whole_parts(std::move(bytes), missing));
+    const std::lock_guard lock(mutex_);
+    newest_.player = std::move(player);
+  } catch (const Error&) {
+    if (bytes_.size() == source_->size() && finished()) throw;
+  }
+  missing_ = missing.empty() ? "" : clip::missing_sentence(source_->name(), missing);
+  looked_at_ = seconds_();
+}
+
+void ClipFeed::tell(bool complete, std::string message) {
+  const std::lock_guard lock(mutex_);
+  newest_.complete = complete;
+  newest_.message = std::move(message);
+}
+
+} // namespace kinora::player::window

@@ -1,0 +1,61 @@
+// A clip that comes bit by bit: over a network, or while it is still being written.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "container/byte_source.h"
+#include "player/playback_clock.h"
+#include "player/player.h"
+
+namespace kinora::player::window {
+
+/// What there is of a clip so far.
+struct ClipSoFar {
+  std::shared_ptr<const Player> player; ///< null while nothing can be shown
+  bool complete = false;                ///< nothing more will come
+  std::string message;                  ///< what is waited for, missing or wrong; empty: there is nothing to say
+};
+
+/// Reads a clip from its first byte on, in a thread of its own, and makes ready what is whole: layers as their fields
+/// come, frames as their motion comes. A file that its writer has not finished is followed. Thread-safe.
+class ClipFeed {
+public:
+  /// Bytes that it takes: a file is held in memory until all of it has come.
+  static constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
+
+  /// `seconds` go on by themselves: a part is made ready only if it has been waited for, so that a file that is read
+  /// at once is made ready once.
+  explicit ClipFeed(std::unique_ptr<container::ByteSource> source, MasterClock seconds = steady_clock());
+
+  ClipSoFar newest() const;
+  /// Waits until there is something to show. Throws what has prevented it, or Error(kInterrupted) once `stopped`.
+  ClipSoFar first(const std::function<bool()>& stopped) const;
+
+private:
+  void follow(const std::stop_token& stop);
+  void read_to_end(const std::stop_token& stop);
+  bool finished() const;
+  void make_ready();
+  void tell(bool complete, std::string message);
+
+  // The thread's own.
+  std::unique_ptr<container::ByteSource> source_;
+  MasterClock seconds_;
+  std::vector<std::byte> bytes_;
+  double looked_at_ = 0; ///< time of the last try to make something ready
+  std::string missing_;  ///< of what was made ready last
+
+  mutable std::mutex mutex_; ///< of what follows
+  ClipSoFar newest_;
+  std::exception_ptr fault_; ///< why nothing can be shown
+  std::jthread thread_;      // last: it ends first
+};
+
+} // namespace kinora::player::window

@@ -1,0 +1,160 @@
+#include "player/window/clip_feed.h"
+
+#include <condition_variable>
+#include <cstring>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "clip/clip_io.h"
+#include "clip/sample_clip.h"
+#include "core/error.h"
+
+namespace kinora::player::window {
+namespace {
+
+/// Bytes that come when the test lets them.
+class SlowSource final : public container::ByteSource {
+public:
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<std::byte> bytes;
+    std::size_t size = 0;    ///< that is told
+    std::size_t allowed = 0; ///< that may be read
+    std::string fault;       ///< of what is read beyond
+    double now = 0;
+  };
+  explicit SlowSource(std::shared_ptr<Shared> shared) : shared_(std::move(shared)), size_(shared_->size) {}
+
+  const std::string& name() const override { return name_; }
+  std::uint64_t size() const override { return size_; }
+  void read(std::uint64_t offset, std::span<std::byte> out) override {
+    std::unique_lock lock(shared_->mutex);
+    shared_->changed.wait(lock, [&] { return offset + out.size() <= shared_->allowed || !shared_->fault.empty(); });
+    if (offset + out.size() > shared_->allowed) throw Error(ErrorCode::kFailure, shared_->fault);
+    std::memcpy(out.data(), shared_->bytes.data() + offset, out.size());
+    shared_->now += 1; // each piece has been waited for
+  }
+  void refresh() override {
+    const std::lock_guard lock(shared_->mutex);
+    size_ = shared_->size;
+  }
+
+private:
+  std::string name_ = "slow.mkv";
+  std::shared_ptr<Shared> shared_;
+  std::uint64_t size_;
+};
+
+bool never() { return false; }
+
+class ClipFeedTest : public ::testing::Test {
+protected:
+  ClipFeedTest() {
+    const auto path =
+        std::filesystem::path(::testing::TempDir()) / ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fields::FieldConfig large = clip::testing::small_config();
+    large.log2_table_size = 18;
+    large.finest_resolution = 1024;
+    clip::Clip clip = clip::testing::sample_clip(1, 40, true);
+    for (clip::Layer& layer : clip.layers) {
+      layer.field = clip::testing::random_field(2, large);
+      layer.confidence.reset();
+    }
+    clip::write_clip(clip, path);
+    std::ifstream file(path, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    shared_->bytes.resize(text.size());
+    std::memcpy(shared_->bytes.data(), text.data(), text.size());
+    shared_->size = text.size();
+    EXPECT_GT(text.size(), std::size_t{2} << 17) << "it is not read in pieces";
+    std::filesystem::remove(path);
+  }
+
+  void allow(std::size_t bytes) {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->allowed = bytes;
+    shared_->changed.notify_all();
+  }
+  void fail_with(const std::string& fault) {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->fault = fault;
+    shared_->changed.notify_all();
+  }
+  std::unique_ptr<ClipFeed> feed() {
+    return std::make_unique<ClipFeed>(std::make_unique<SlowSource>(shared_), [shared = shared_] {
+      const std::lock_guard lock(shared->mutex);
+      return shared->now;
+    });
+  }
+  /// Once `is_there` holds of it.
+  template <class IsThere> static ClipSoFar wait_for(const ClipFeed& feed, const IsThere& is_there) {
+    for (;;) {
+      ClipSoFar now = feed.newest();
+      if (is_there(now)) return now;
+      std::this_thread::yield();
+    }
+  }
+
+  std::shared_ptr<SlowSource::Shared> shared_ = std::make_shared<SlowSource::Shared>();
+};
+
+TEST_F(ClipFeedTest, ShowsLayersBeforeTheFileIsWhole) {
+  const auto feed = this->feed();
+  const std::size_t bytes = shared_->bytes.size();
+  allow(bytes - 1); // all pieces but the last
+  const ClipSoFar first = feed->first(never);
+  EXPECT_FALSE(first.complete);
+  EXPECT_GE(first.player->clip().layers.size(), 1U);
+  EXPECT_NE(first.message.find("% has come"), std::string::npos) << first.message;
+  allow(bytes);
+  const ClipSoFar all = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
+  EXPECT_EQ(all.player->clip().layers.size(), clip::testing::sample_clip(1, 40, true).layers.size());
+  EXPECT_EQ(all.player->frame_count(), 40U);
+  EXPECT_EQ(all.message, "");
+}
+
+TEST_F(ClipFeedTest, KeepsWhatItShowsWhenTheSourceFails) {
+  const auto feed = this->feed();
+  allow(shared_->bytes.size() - 1);
+  const auto shown = feed->first(never).player;
+  fail_with("the server is gone");
+  const ClipSoFar last = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
+  EXPECT_NE(last.player, nullptr);
+  EXPECT_EQ(last.message, "the server is gone");
+}
+
+TEST_F(ClipFeedTest, SaysWhyThereIsNothingToShow) {
+  fail_with("the server is gone");
+  EXPECT_THROW(feed()->first(never), Error);
+  shared_->fault = "";
+  std::fill(shared_->bytes.begin(), shared_->bytes.end(), std::byte{7});
+  allow(shared_->bytes.size());
+  EXPECT_THROW(feed()->first(never), Error);
+}
+
+TEST_F(ClipFeedTest, FollowsAFileThatGrows) {
+  const std::size_t bytes = shared_->bytes.size();
+  shared_->size = bytes * 7 / 8;
+  allow(bytes);
+  const auto feed = this->feed();
+  const ClipSoFar early = wait_for(*feed, [](const ClipSoFar& now) { return now.player && !now.message.empty(); });
+  EXPECT_FALSE(early.complete);
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->size = bytes;
+  }
+  const ClipSoFar all = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
+  EXPECT_EQ(all.player->frame_count(), 40U);
+}
+
+TEST_F(ClipFeedTest, EndsAtOnceWhileItWaits) {
+  shared_->size = shared_->bytes.size() / 2;
+  allow(shared_->bytes.size());
+  const auto feed = this->feed();
+  EXPECT_THROW(feed->first([] { return true; }), Error);
+}
+
+} // namespace
+} // namespace kinora::player::window
