@@ -6,13 +6,16 @@
 
 #include <fmt/format.h>
 
+#include "cli/archive.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/growing_clip.h"
+#include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/quality_text.h"
 #include "cli/text.h"
 #include "core/error.h"
-#include "encode/pipeline.h"
+#include "encode/live/live_encoder.h"
 #include "evaluate/evaluate.h"
 #include "ingest/files/body_mesh.h"
 #include "tracking/body/shape_from_mesh.h"
@@ -24,6 +27,9 @@ using Json = nlohmann::json;
 
 /// Trained frames that the report compares: enough for a mean, few enough to be quick. Held-out ones all are.
 constexpr int kComparedFrames = 10;
+
+/// Of frames that a camera keeps for us in live mode: older ones are not worth following.
+constexpr double kQueueSeconds = 0.05;
 
 struct Options {
   std::filesystem::path capture;
@@ -40,6 +46,10 @@ struct Options {
   std::optional<std::uint64_t> seed;
   std::vector<std::string> changes; ///< of settings: "path=value"
   std::filesystem::path report;
+  bool archive = false;
+  LiveOptions live;
+  std::filesystem::path preview;
+  double preview_every = 2;
 };
 
 class Stopwatch {
@@ -123,6 +133,64 @@ std::string settings_help() {
          encode::list_settings(settings).text();
 }
 
+encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
+                                 Context& context) {
+  ingest::CaptureOptions capture_how = capture_options(options);
+  capture_how.max_depth = how.settings.ingest.max_depth;
+  capture_how.cleaning = how.settings.ingest.cleaning;
+  capture_how.device = make_device(options.live, kQueueSeconds);
+  const auto capture = ingest::Capture::open(context.plugins(), options.capture, capture_how, context.progress);
+  GrowingClipFile file(out);
+  std::optional<LivePreview> preview;
+  if (!options.preview.empty())
+    preview.emplace(options.preview, options.preview_every, context.shared.overwrite, context.plugins());
+  encode::LiveRequest request;
+  if (preview) request.interval = std::min(request.interval, options.preview_every);
+  request.publish = [&](const clip::Clip& clip) {
+    file.write(clip);
+    if (preview) preview->show(clip);
+  };
+  encode::EncodeResult result = encode::encode_live(*capture, request, how, context.progress);
+  result.report["live"]["disconnected"] = capture_how.device->was_disconnected();
+  return result;
+}
+
+/// Of the whole capture; the clip is written, and its name committed.
+encode::EncodeResult encode_file(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
+                                 Context& context) {
+  encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
+  context.progress.stage("writing", 0);
+  if (options.archive) {
+    const Unfinished clip(options.clip, Unfinished::Kind::kFile);
+    clip::write_clip(result.clip, clip.path());
+    write_archive(clip.path(), options.capture, options.format, out.writing_path(), context);
+  } else {
+    clip::write_clip(result.clip, out.writing_path());
+  }
+  out.commit();
+  return result;
+}
+
+/// The clip is written; what else there is to say ends the command.
+void tell_of_early_end(const Json& live, const Options& options, Context& context) {
+  context.flush();
+  if (live["disconnected"].get<bool>()) {
+    throw Error(ErrorCode::kFailure, fmt::format("{}: the camera was disconnected; {} is complete up to there",
+                                                 options.capture.string(), options.clip.string()));
+  }
+  if (live["stopped"].get<bool>())
+    throw Error(ErrorCode::kInterrupted, fmt::format("stopped; {} is complete up to there", options.clip.string()));
+}
+
+std::string live_text(const Json& live) {
+  const Json& latency = live["capture_to_motion_ms"];
+  return fmt::format(
+      "live: {} frames followed, {} lost, {:.1f} frames/s; capture to motion {:.0f} ms (median), {:.0f} ms "
+      "(95 %)\n",
+      live["frames_followed"].get<std::size_t>(), live["frames_lost"].get<std::size_t>(),
+      live["frames_per_second"].get<double>(), latency["median"].get<double>(), latency["p95"].get<double>());
+}
+
 std::string summary(const Json& report) {
   const Json& capture = report["capture"];
   const Json& file = report["file"];
@@ -131,6 +199,7 @@ std::string summary(const Json& report) {
       fmt::format("{}: {}, {} frames ({} held out, {} skipped), {:.2f} s per frame\n", file["path"].get<std::string>(),
                   format_bytes(file["bytes"].get<std::size_t>()), frames, capture["frames_held_out"].get<int>(),
                   capture["skipped"].size(), report["timing"]["total_s"].get<double>() / static_cast<double>(frames));
+  if (report.contains("live")) text += live_text(report["live"]);
   Table table({"layer", "motion", "bytes", "parameters", "why"});
   for (const Json& layer : report["layers"]) {
     table.add({layer["name"], layer["motion"]["kind"], format_bytes(layer["bytes"].get<std::size_t>()),
@@ -160,10 +229,8 @@ void run(const Options& options, Context& context) {
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite, inputs);
 
   const Stopwatch watch;
-  encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
-  context.progress.stage("writing", 0);
-  clip::write_clip(result.clip, out.writing_path());
-  out.commit();
+  encode::EncodeResult result =
+      options.live.live ? encode_live(options, how, out, context) : encode_file(options, how, out, context);
   result.report["timing"]["total_s"] = rounded(watch.seconds());
   result.report["timing"]["ms_per_frame"] =
       rounded(1000 * watch.seconds() / static_cast<double>(result.clip.times.size()));
@@ -172,7 +239,8 @@ void run(const Options& options, Context& context) {
   result.clip = clip::Clip{};
   if (out.can_be_read_back()) {
     clip::Clip clip = clip::read_clip(options.clip, &account);
-    if (report_file || context.shared.json) {
+    const bool was_stopped = options.live.live && context.progress.cancelled();
+    if ((report_file || context.shared.json) && !was_stopped) {
       const Stopwatch evaluation_watch;
       const player::Player player(std::move(clip));
       add_quality(result.report,
@@ -189,6 +257,7 @@ void run(const Options& options, Context& context) {
   } else {
     context.print(summary(result.report));
   }
+  if (options.live.live) tell_of_early_end(result.report["live"], options, context);
 }
 
 } // namespace
@@ -251,6 +320,22 @@ void add_encode(CLI::App& app, Context& context) {
   command
       .add_option("--report", options->report, "Compare the clip with the capture and write all numbers here, as JSON")
       ->type_name("FILE");
+  command.add_flag("--archive", options->archive,
+                   "Keep the whole capture without loss behind the clip, in the same file, as kinora record does");
+  add_live_options(command, options->live,
+                   "Encode the capture while it is replayed at its own pace, as from a camera: frames that cannot be "
+                   "kept up with are lost, and the clip can be read at any moment. It needs masks");
+  command
+      .add_option("--preview", options->preview, "Draw the growing clip from the side now and then: LOOK_0001.png, ...")
+      ->needs("--live")
+      ->type_name("LOOK.png");
+  command.add_option("--every", options->preview_every, "Seconds between two such pictures, at least")
+      ->needs("--preview")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S")
+      ->capture_default_str();
+  for (const char* other : {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive"})
+    command.get_option("--live")->excludes(command.get_option(other));
   context.add_overwrite(command);
 }
 

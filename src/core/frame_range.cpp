@@ -2,11 +2,19 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "core/error.h"
 
 namespace kinora {
+
+int FrameRange::at_or_after(int index) const {
+  if (index <= begin) return begin;
+  const std::int64_t steps = (std::int64_t{index} - begin + step - 1) / step;
+  return static_cast<int>(std::min<std::int64_t>(begin + steps * step, std::numeric_limits<int>::max()));
+}
 
 int FrameRange::count_of(int count) const {
   const int last = end ? std::min(*end, count) : count;

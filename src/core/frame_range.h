@@ -14,6 +14,8 @@ struct FrameRange {
   int step = 1;
 
   bool contains(int index) const { return index >= begin && (!end || index < *end) && (index - begin) % step == 0; }
+  /// The first number of the progression that is not below `index`, whether before `end` or not.
+  int at_or_after(int index) const;
   /// How many of `count` frames it contains.
   int count_of(int count) const;
   /// Which of `count` frames it contains, ascending.

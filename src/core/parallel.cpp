@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <memory>
 #include <thread>
+#include <utility>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
@@ -17,6 +21,8 @@ struct Pool {
   std::unique_ptr<oneapi::tbb::global_control> limit;
   std::unique_ptr<oneapi::tbb::task_arena> arena;
 };
+
+thread_local bool is_serial = false;
 
 Pool& pool() {
   static Pool instance;
@@ -35,6 +41,14 @@ void set_thread_count(int threads) {
   p.arena = std::make_unique<oneapi::tbb::task_arena>(p.threads);
 }
 
+SerialLoops::SerialLoops() : before_(std::exchange(is_serial, true)) {}
+SerialLoops::~SerialLoops() { is_serial = before_; }
+
+void yield_to_other_threads() {
+  constexpr int kNice = 5;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice); // Linux: of the thread. A wish, that may be refused
+}
+
 int thread_count() { return pool().threads; }
 
 void parallel_for(std::size_t count, std::size_t chunk_size, const std::function<void(const Chunk&)>& body) {
@@ -42,7 +56,7 @@ void parallel_for(std::size_t count, std::size_t chunk_size, const std::function
   const auto run = [&](std::size_t index) {
     body({index * chunk_size, std::min(count, (index + 1) * chunk_size), index});
   };
-  if (chunks <= 1 || pool().threads == 1) {
+  if (chunks <= 1 || is_serial || pool().threads == 1) {
     for (std::size_t i = 0; i < chunks; ++i) run(i);
     return;
   }

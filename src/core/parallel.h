@@ -22,6 +22,21 @@ int thread_count();
 /// be shorter. An exception of a body is thrown again here after the loop has stopped. Loops may be nested.
 void parallel_for(std::size_t count, std::size_t chunk_size, const std::function<void(const Chunk&)>& body);
 
+/// While it lives, loops that this thread starts run on it alone. For work beside other work that goes first.
+class SerialLoops {
+public:
+  SerialLoops();
+  ~SerialLoops();
+  SerialLoops(const SerialLoops&) = delete;
+  SerialLoops& operator=(const SerialLoops&) = delete;
+
+private:
+  bool before_;
+};
+
+/// From now on the system gives this thread less time than others where there are too few cores.
+void yield_to_other_threads();
+
 constexpr std::size_t chunk_count(std::size_t count, std::size_t chunk_size) {
   return (count + chunk_size - 1) / chunk_size;
 }

@@ -65,6 +65,13 @@ Json capture_json(const PreparedCapture& prepared, const FramePass& pass) {
           {"skipped", skipped}};
 }
 
+Json clip_metadata(const ingest::CaptureInfo& info, const Json& config, const Json& settings) {
+  Json metadata = {{"encoder", {{"version", KINORA_VERSION}, {"options", config}, {"settings", settings}}},
+                   {"frames_per_second", info.frames_per_second}};
+  if (info.registration) metadata["registration"] = ingest::to_json(*info.registration);
+  return metadata;
+}
+
 Json camera_json(const PreparedCapture& prepared) {
   const CameraPath& camera = *prepared.camera;
   switch (camera.origin) {

@@ -10,6 +10,9 @@ namespace kinora::encode {
 
 /// Of a capture that was read to its end: its format and size, frames used, held out, without mask and skipped.
 nlohmann::json capture_json(const PreparedCapture& prepared, const FramePass& pass);
+/// Of the clip as a whole; layers and timeline bring their own.
+nlohmann::json clip_metadata(const ingest::CaptureInfo& info, const nlohmann::json& config,
+                             const nlohmann::json& settings);
 /// Whether the camera moves, and why.
 nlohmann::json camera_json(const PreparedCapture& prepared);
 /// Exposure, delay and registration of colour and depth, as estimated.

@@ -7,17 +7,6 @@
 namespace kinora::encode {
 namespace {
 
-std::string reason_of(const TrackedLabel& label, const motion::Motion& motion) {
-  if (label.plan.motion == motion::MotionKind::kRigid && motion.kind() == motion::MotionKind::kStill) {
-    return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
-  }
-  if (!label.non_rigidity) return label.plan.why;
-  return fmt::format("{}; it bends, from frame {} on by up to {:.1f} cm, and {}", label.plan.why,
-                     label.non_rigidity->first_frame, 100 * label.non_rigidity->metres,
-                     label.plan.is_specified ? "is kept rigid all the same"
-                                             : "so the bending of a graph is tracked instead");
-}
-
 /// What a draft leaves behind.
 struct Draft {
   fields::Field field;
@@ -62,6 +51,17 @@ void compare_views(const fields::LayerObservations& observations, const fields::
 
 } // namespace
 
+std::string why_it_moves_so(const TrackedLabel& label, const motion::Motion& motion) {
+  if (label.plan.motion == motion::MotionKind::kRigid && motion.kind() == motion::MotionKind::kStill) {
+    return fmt::format("label {} is followed as a rigid object but never moves: no motion is stored", label.plan.label);
+  }
+  if (!label.non_rigidity) return label.plan.why;
+  return fmt::format("{}; it bends, from frame {} on by up to {:.1f} cm, and {}", label.plan.why,
+                     label.non_rigidity->first_frame, 100 * label.non_rigidity->metres,
+                     label.plan.is_specified ? "is kept rigid all the same"
+                                             : "so the bending of a graph is tracked instead");
+}
+
 LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
                          StageTimes& times, Progress& progress) {
   const TrackedLabel& tracked = *job.label;
@@ -72,7 +72,7 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
   layer.name = job.name;
   layer.label = tracked.plan.label;
   layer.joints = tracked.joints();
-  outcome.why = reason_of(tracked, tracked_motion);
+  outcome.why = why_it_moves_so(tracked, tracked_motion);
   outcome.config = fields::choose_field_config(as_tracked, &outcome.requirements);
   const FieldSettings& settings = options.settings.fields;
   outcome.trainer = settings.trainer;

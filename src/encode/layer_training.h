@@ -37,6 +37,9 @@ struct LayerOutcome {
   fields::TrainingReport training;
 };
 
+/// One sentence for the report.
+std::string why_it_moves_so(const TrackedLabel& label, const motion::Motion& motion);
+
 /// Same input, same layer, for any number of threads; only `times` differ. Throws Error: kFailure if the label has no
 /// measured pixel, kInterrupted.
 LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,

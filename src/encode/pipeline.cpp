@@ -8,7 +8,6 @@
 #include "encode/layer_training.h"
 #include "encode/lost_labels.h"
 #include "encode/training_plan.h"
-#include "ingest/depth/registration_json.h"
 
 namespace kinora::encode {
 namespace {
@@ -21,14 +20,6 @@ Json config_json(const PreparedCapture& prepared, const EncodeOptions& options) 
   config["labels_from"] = prepared.labels_from;
   config["joints_from"] = prepared.joints_from;
   return config;
-}
-
-/// Of the clip as a whole; layers and timeline bring their own.
-Json metadata_of(const ingest::CaptureInfo& info, const Json& config, const Json& settings) {
-  Json metadata = {{"encoder", {{"version", KINORA_VERSION}, {"options", config}, {"settings", settings}}},
-                   {"frames_per_second", info.frames_per_second}};
-  if (info.registration) metadata["registration"] = ingest::to_json(*info.registration);
-  return metadata;
 }
 
 // What was held out joins when nothing can be learnt of it any more.
@@ -56,7 +47,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   const Json settings = settings_json(options.settings);
   const Json not_modelled = not_modelled_json(plan.not_modelled);
   clip::Clip& clip = pass.clip;
-  clip.metadata.update(metadata_of(prepared.capture->info(), config, settings));
+  clip.metadata.update(clip_metadata(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {

@@ -20,6 +20,9 @@ public:
   /// The next frame of the timeline.
   void add(const ingest::Frame& frame, StageTimes& times);
 
+  /// All that is followed, as of the last frame.
+  const std::map<int, TrackedLabel>& labels() const { return labels_; }
+
   /// All that was followed, by label in ascending order; it takes the tracker, which can follow nothing more. What was
   /// found late is followed back to where it was before (DeformingTracker::finish).
   std::map<int, TrackedLabel> finish(StageTimes& times) &&;

@@ -26,6 +26,7 @@ motion::Motion with_frames_before(const motion::Motion& motion, const std::vecto
 } // namespace
 
 motion::Motion TrackedLabel::motion() const {
+  if (deforming_tracker) return with_frames_before(deforming_tracker->motion(), poses);
   if (layer) return with_frames_before(layer->motion, poses);
   const bool moves = !poses.empty() && max_displacement() > kStaticDisplacement;
   return moves ? motion::Motion::rigid(poses) : motion::Motion::still();

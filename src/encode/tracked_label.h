@@ -31,7 +31,7 @@ struct TrackedLabel {
   std::unique_ptr<tracking::DeformingTracker> deforming_tracker; ///< if deforming, up to the last frame
   std::optional<tracking::TrackedLayer> layer;                   ///< and after that, unless it was never seen
 
-  /// Over the whole timeline: still if it never left its place by more than tracking can tell.
+  /// Over the whole timeline, or all of it so far: still if it never left its place by more than tracking can tell.
   motion::Motion motion() const;
   /// Of its skeleton over the whole timeline, if it is a person.
   std::optional<motion::JointPaths> joints() const;

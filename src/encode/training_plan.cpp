@@ -29,26 +29,6 @@ std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
   return counts;
 }
 
-// Empty if the label can be modelled.
-std::string why_not_modelled(const TrackedLabel& label) {
-  const auto lost = [](const auto& pose) { return pose.health == motion::Health::kLost; };
-  if (label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost)) {
-    return "too little of it is measured in every frame to follow it";
-  }
-  if (label.plan.motion == motion::MotionKind::kDeforming && !label.layer)
-    return "too little of it is measured in every frame to follow it";
-  return "";
-}
-
-std::string unique_name(const std::string& wanted, const std::vector<LayerJob>& others) {
-  std::string name = wanted;
-  const auto taken = [&] {
-    return std::any_of(others.begin(), others.end(), [&](const LayerJob& job) { return job.name == name; });
-  };
-  for (int i = 2; taken(); ++i) name = fmt::format("{}{}", wanted, i);
-  return name;
-}
-
 std::size_t rays_of_all(const clip::Clip& clip, const EncodeOptions& options) {
   const Intrinsics& camera = clip.intrinsics;
   const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(clip.times.size());
@@ -59,19 +39,34 @@ std::size_t rays_of_all(const clip::Clip& clip, const EncodeOptions& options) {
 
 } // namespace
 
+std::string why_not_followed(const TrackedLabel& label) {
+  const auto lost = [](const auto& pose) { return pose.health == motion::Health::kLost; };
+  const bool is_lost = label.tracker && std::all_of(label.poses.begin(), label.poses.end(), lost);
+  const bool bends = label.plan.motion == motion::MotionKind::kDeforming;
+  const bool was_seen = label.layer || (label.deforming_tracker && label.deforming_tracker->was_seen());
+  return is_lost || (bends && !was_seen) ? "too little of it is measured in every frame to follow it" : "";
+}
+
+std::string unique_name(const std::string& wanted, std::set<std::string>& taken) {
+  std::string name = wanted;
+  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}{}", wanted, i);
+  return name;
+}
+
 TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options) {
   const auto counts = stored_by_label(pass);
   TrainingPlan plan;
   std::vector<double> weights;
+  std::set<std::string> names;
   double sum = 0;
   for (const auto& [number, label] : pass.labels) {
     const auto found = counts.find(number);
-    const std::string why = found == counts.end() ? "it is in no frame that is trained on" : why_not_modelled(label);
+    const std::string why = found == counts.end() ? "it is in no frame that is trained on" : why_not_followed(label);
     if (!why.empty()) {
       plan.not_modelled.push_back({label.plan.name, number, why});
       continue;
     }
-    plan.layers.push_back({&label, unique_name(label.plan.name, plan.layers), 0});
+    plan.layers.push_back({&label, unique_name(label.plan.name, names), 0});
     weights.push_back(std::sqrt(static_cast<double>(found->second)));
     sum += weights.back();
   }

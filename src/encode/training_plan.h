@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct TrainingPlan {
   std::vector<LayerJob> layers; ///< by label, ascending; empty: nothing can be modelled
   std::vector<NotModelled> not_modelled;
 };
+
+/// Empty if the label has a motion; at any moment. One clause.
+std::string why_not_followed(const TrackedLabel& label);
+/// `wanted`, or that with a number if it is taken; it is taken then.
+std::string unique_name(const std::string& wanted, std::set<std::string>& taken);
 
 /// Shares the rays of all layers (EncodeOptions::rays_per_pixel) among those that can be modelled: a layer's share
 /// grows with the square root of its pixels, so that small layers are looked at more closely. The pass must outlive the

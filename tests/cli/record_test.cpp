@@ -154,6 +154,13 @@ TEST_F(Record, ScriptThatIsNoneIsRefusedBeforeAnythingIsWritten) {
   EXPECT_FALSE(fs::exists(path("r.mkv")));
 }
 
+TEST_F(Record, ArchiveHoldsTheCaptureBesideTheClip) {
+  const Said said = run({"encode", capture_, path("clip.mkv"), "--archive", "--preset", "fast", "--frames", "0:2"});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(run({"info", path("clip.mkv")}).out.find("background"), std::string::npos);
+  EXPECT_GE(expect_same_frames(path("clip.mkv"), capture_), 50); // all of them, though two were encoded
+}
+
 /// Where the segments of a finished file end, and how many frames there are up to each.
 std::vector<std::pair<std::uint64_t, int>> segment_ends(const std::string& path) {
   container::Reader reader(path);

@@ -27,6 +27,16 @@ TEST(FrameRange, PartsMayBeLeftOut) {
   }
 }
 
+TEST(FrameRange, TellsWhereItGoesOnAfterAGap) {
+  const FrameRange range = FrameRange::parse("3:10:4"); // 3, 7
+  EXPECT_EQ(range.at_or_after(0), 3);
+  EXPECT_EQ(range.at_or_after(4), 7);
+  EXPECT_EQ(range.at_or_after(7), 7);
+  EXPECT_EQ(range.at_or_after(8), 11); // behind its end
+  constexpr int kLast = std::numeric_limits<int>::max();
+  EXPECT_EQ((FrameRange{1, {}, kLast}.at_or_after(2)), kLast);
+}
+
 TEST(FrameRange, EverythingElseIsAUsageError) {
   for (const char* text :
        {"", "a", "1:b", "1:2:3:4", "-1:", "1:-1", "5:5", "7:3", "0:9:0", "0:9:-1", "1.5:", " 1:2", "99999999999:"}) {

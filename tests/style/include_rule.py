@@ -51,12 +51,13 @@ MAKE = {  # from a capture to a clip
     "fields/sampling": ["ingest/frame", "fields/network", "motion"],
     "fields/training": ["fields/sampling"],
     "fields/planning": ["fields/training", "fields/rendering"],
+    "encode/live": ["encode"],
     "encode": ["clip", "fields/planning", "ingest/joints", "tracking/camera", "tracking/deforming"],
 }
 LOOK = {  # at what was made
     "evaluate": ["player", "ingest/joints"],
     "bake": ["clip", "fields/network", "motion/skinning", "host"],
-    "cli": ["encode", "evaluate", "bake", "record", "player/http", "player/window"],
+    "cli": ["encode/live", "evaluate", "bake", "record", "player/http", "player/window"],
 }
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone

@@ -37,7 +37,7 @@ public:
   PluginCapture(const std::filesystem::path& path, host::FrameReader reader, const CaptureOptions& options,
                 Progress& progress)
       : path_(path.string()), info_(info_of(reader, options)), expected_(options.frames.count_of(info_.frame_count)),
-        progress_(progress), source_(std::move(reader), options) {
+        progress_(progress), source_(std::move(reader), options), device_(options.device) {
     if (expected_ == 0)
       throw Error(ErrorCode::kUsage, fmt::format("{}: has {} frames, none of which lies in the range that starts at {}",
                                                  path_, info_.frame_count, options.frames.begin));
@@ -48,12 +48,17 @@ public:
   const CaptureInfo& info() const override { return info_; }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
 
+  std::size_t dropped() const override { return dropped_; }
+  double age() const override { return device_ ? device_->age(last_time_) : 0; }
+
   std::optional<Frame> next() override {
     while (!ended_) {
       progress_.check();
       SourceResult result = take();
       ended_ = result.end;
       if (ended_) break;
+      dropped_ += result.dropped;
+      last_time_ = result.device_time;
       if (result.has_infrared) warn_of_infrared();
       if (result.problem.empty()) return std::move(result.frame);
       skip(result);
@@ -90,6 +95,9 @@ private:
   int expected_;
   Progress& progress_;
   FrameSource source_;
+  std::shared_ptr<host::SimulatedDevice> device_;
+  std::size_t dropped_ = 0;
+  double last_time_ = 0; ///< the device's
   std::vector<SkippedFrame> skipped_;
   bool ended_ = false;
   bool warned_of_infrared_ = false;

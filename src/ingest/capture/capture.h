@@ -16,7 +16,8 @@
 
 namespace kinora::host {
 class PluginTable;
-}
+class SimulatedDevice;
+} // namespace kinora::host
 
 namespace kinora::ingest {
 
@@ -28,6 +29,7 @@ struct CaptureOptions {
   DepthCleaning cleaning;
   /// The two cameras of a capture that says colour and depth are one camera's; its poses are then the depth camera's.
   std::optional<RegistrationGeometry> registration;
+  std::shared_ptr<host::SimulatedDevice> device; ///< from which the frames come live; null: they are there at once
 };
 
 /// How a label is to be modelled, from the capture's labels.json or from a segmenter.
@@ -70,6 +72,10 @@ public:
   /// Throws Error(kCorruptInput) when more than half of the frames are bad, and Error(kInterrupted).
   virtual std::optional<Frame> next() = 0;
   virtual const std::vector<SkippedFrame>& skipped() const = 0;
+  /// Frames that a device lost before the last one that next() gave.
+  virtual std::size_t dropped() const { return 0; }
+  /// Seconds since the last frame that next() gave was captured; 0 without a device.
+  virtual double age() const { return 0; }
 };
 
 } // namespace kinora::ingest

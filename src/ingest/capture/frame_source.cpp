@@ -84,6 +84,7 @@ RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
     : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), max_depth_(options.max_depth),
       cleaning_(options.cleaning), position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
+  reader_.replay(options.device);
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
   undistortion_ = undistortion_of(info.camera);
@@ -114,18 +115,22 @@ void FrameSource::use_registration(const RegistrationGeometry& given) {
 
 SourceResult FrameSource::next() {
   SourceResult result;
-  result.index = position_;
-  if (position_ >= reader_.info().frame_count || !range_.contains(position_)) {
-    result.end = true;
-    return result;
+  std::optional<host::ReadFrame> read;
+  while (position_ < reader_.info().frame_count && range_.contains(position_)) {
+    reader_.seek(position_);
+    read = reader_.next();
+    if (!read) break;
+    result.dropped += read->dropped_before;
+    result.index = static_cast<int>(reader_.position() - 1);
+    position_ = range_.at_or_after(result.index + 1);
+    if (range_.contains(result.index)) break; // else a device has lost frames up to one between those of the range
+    read.reset();
   }
-  reader_.seek(position_);
-  position_ += range_.step;
-  const std::optional<host::ReadFrame> read = reader_.next();
   if (!read) {
     result.end = true;
     return result;
   }
+  result.device_time = read->frame.time;
   result.problem = read->problem.empty() ? problem_of(read->frame) : read->problem;
   if (!result.problem.empty()) return result;
   result.has_infrared = read->frame.infrared.data != nullptr;

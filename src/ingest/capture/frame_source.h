@@ -11,6 +11,8 @@ namespace kinora::ingest {
 /// What became of one position of the capture.
 struct SourceResult {
   int index = 0;
+  std::size_t dropped = 0; ///< frames that a device lost before this one
+  double device_time = 0;  ///< of the frame, as the plugin gives it
   std::optional<Frame> frame;
   std::string problem;       ///< why there is no frame; empty with a frame and at the end
   bool has_infrared = false; ///< the plugin delivered an infrared image, which no part of Kinora uses

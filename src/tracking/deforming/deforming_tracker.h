@@ -67,6 +67,7 @@ public:
   std::optional<SE3> contact_motion_of(int label) const;
 
   int label() const { return label_; }
+  bool was_seen() const { return seen_.has_value(); }
   /// The motion over all frames so far, as in TrackedLayer. Throws Error(kFailure) before the layer was seen.
   motion::Motion motion() const;
 

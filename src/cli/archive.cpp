@@ -1,0 +1,49 @@
+#include "cli/archive.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "cli/unfinished.h"
+#include "container/recovery.h"
+#include "core/error.h"
+#include "host/frame_reader.h"
+#include "record/recorder.h"
+
+namespace kinora::cli {
+namespace {
+
+void record_all(host::FrameReader& reader, const std::filesystem::path& path, Progress& progress) {
+  const recording::Description description = recording::description_of(reader.info(), reader.format().name);
+  std::optional<record::Recorder> recorder;
+  double last_time = 0;
+  while (const auto read = reader.next()) {
+    progress.check();
+    const KinoraFrame& frame = read->frame;
+    if (!read->problem.empty()) {
+      if (recorder) recorder->write_problem(frame.index, last_time, read->problem);
+      continue;
+    }
+    if (!recorder) recorder.emplace(path, description, frame);
+    if (!recorder->write(frame))
+      progress.warn(fmt::format("frame {} does not fit the first one and is not archived", frame.index));
+    last_time = frame.time;
+    progress.advance(static_cast<std::size_t>(frame.index) + 1, "");
+  }
+  if (!recorder) throw Error(ErrorCode::kCorruptInput, "the capture has no frame that can be archived");
+  recorder->finish();
+}
+
+} // namespace
+
+void write_archive(const std::filesystem::path& clip_file, const std::filesystem::path& capture,
+                   const std::string& format, const std::filesystem::path& output, Context& context) {
+  const host::PluginTable& plugins = context.plugins();
+  host::FrameReader reader(format.empty() ? plugins.recognise(capture) : plugins.find(format), capture, {});
+  const Unfinished recording(output, Unfinished::Kind::kFile);
+  context.progress.stage("archiving", static_cast<std::size_t>(reader.info().frame_count));
+  record_all(reader, recording.path(), context.progress);
+  container::append_file(clip_file, recording.path(), output, context.progress);
+}
+
+} // namespace kinora::cli

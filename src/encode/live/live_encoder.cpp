@@ -1,0 +1,280 @@
+#include "encode/live/live_encoder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "encode/capture_report.h"
+#include "encode/layer_report.h"
+#include "encode/live/live_exchange.h"
+#include "encode/rounding.h"
+
+namespace kinora::encode {
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// The trainer's: says nothing, and is cancelled when the user or the front end wants it to end.
+class StopSign final : public Progress {
+public:
+  StopSign(const LiveExchange& exchange, const Progress& user) : exchange_(exchange), user_(user) {}
+  bool cancelled() const override { return exchange_.is_stopped() || user_.cancelled(); }
+
+private:
+  const LiveExchange& exchange_;
+  const Progress& user_;
+};
+
+/// What is published, and when.
+class Publisher {
+public:
+  Publisher(const LiveRequest& request, Clock::time_point start) : request_(request), start_(start) {}
+
+  bool is_due() const { return !last_ || seconds_since(*last_) > std::max(request_.interval, 9 * cost_); }
+  void publish(const clip::Clip& clip) {
+    if (clip.layers.empty()) return;
+    const Clock::time_point begin = Clock::now();
+    request_.publish(clip);
+    cost_ = seconds_since(begin);
+    last_ = Clock::now();
+    if (count_++ == 0) first_ = seconds_since(start_);
+  }
+  std::size_t count() const { return count_; }
+  double first() const { return first_; } ///< seconds from the start
+
+private:
+  const LiveRequest& request_;
+  Clock::time_point start_;
+  std::optional<Clock::time_point> last_;
+  double cost_ = 0;
+  double first_ = 0;
+  std::size_t count_ = 0;
+};
+
+/// The trainer's thread, from the first snapshot to the last.
+class TrainerThread {
+public:
+  TrainerThread(const LiveRequest& request, const EncodeOptions& options, Json metadata, const KeyFramePool& pool,
+                LiveExchange& exchange, const Progress& user)
+      : request_(request), metadata_(std::move(metadata)), pool_(pool), exchange_(exchange), user_(user),
+        trainer_(options, request.training), publisher_(request, Clock::now()), thread_([this] { run(); }) {}
+  TrainerThread(const TrainerThread&) = delete;
+  TrainerThread& operator=(const TrainerThread&) = delete;
+  ~TrainerThread() {
+    if (!thread_.joinable()) return;
+    exchange_.stop(); // an error on the way
+    exchange_.give(LiveSnapshot{{}, {}, true});
+    thread_.join();
+  }
+
+  /// Waits for its end. Throws what ended it.
+  void join() {
+    thread_.join();
+    exchange_.rethrow();
+  }
+  const LiveTrainer& trainer() const { return trainer_; }
+  const Publisher& publisher() const { return publisher_; }
+  const clip::Clip& clip() const { return clip_; } ///< the last one
+
+private:
+  void run() {
+    const SerialLoops serial;
+    yield_to_other_threads();
+    try {
+      work();
+    } catch (...) {
+      exchange_.fail(std::current_exception());
+    }
+  }
+
+  void work() {
+    StopSign stop(exchange_, user_);
+    std::optional<Clock::time_point> end; // of the capture
+    std::shared_ptr<const LiveSnapshot> snapshot = exchange_.newest();
+    for (;;) {
+      // The last snapshot is trained with once in any case: its motion becomes that of the layers.
+      const bool has_trained = trainer_.train(*snapshot, pool_.frames(), stop);
+      if (snapshot->is_last && !end) end = Clock::now();
+      const bool is_over = end && (!has_trained || stop.cancelled() || seconds_since(*end) >= request_.after_end);
+      if (is_over || publisher_.is_due()) publisher_.publish(clip_of(*snapshot));
+      if (is_over) break;
+      if (!snapshot->is_last) snapshot = exchange_.newest(has_trained ? nullptr : snapshot.get());
+    }
+    clip_ = clip_of(*snapshot);
+  }
+
+  clip::Clip clip_of(const LiveSnapshot& snapshot) const {
+    clip::Clip clip = trainer_.clip(snapshot);
+    clip.metadata.update(metadata_);
+    return clip;
+  }
+
+  const LiveRequest& request_;
+  Json metadata_;
+  const KeyFramePool& pool_;
+  LiveExchange& exchange_;
+  const Progress& user_;
+  LiveTrainer trainer_;
+  Publisher publisher_;
+  clip::Clip clip_;
+  std::thread thread_; ///< last: it uses all the others
+};
+
+/// How the frames were kept up with.
+struct FrontEndLog {
+  std::vector<double> latencies; ///< seconds from a frame's capture to its motion
+  double seconds = 0;            ///< from the first frame to the last motion
+  bool was_stopped = false;      ///< by the user
+};
+
+std::optional<ingest::Frame> next_frame(ingest::Capture& capture, FrontEndLog& log) {
+  try {
+    return capture.next();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInterrupted) throw;
+    log.was_stopped = true;
+    return std::nullopt;
+  }
+}
+
+FrontEndLog follow_frames(ingest::Capture& capture, FrontEnd& front_end, KeyFramePool& pool, LiveExchange& exchange,
+                          StageTimes& times, Progress& progress) {
+  FrontEndLog log;
+  const Clock::time_point start = Clock::now();
+  for (int number = 0;; ++number) {
+    exchange.rethrow();
+    std::optional<ingest::Frame> read = times.measure("wait for a frame", [&] { return next_frame(capture, log); });
+    if (!read) break;
+    const auto frame = std::make_shared<const ingest::Frame>(std::move(*read));
+    if (front_end.add(*frame, false, times)) pool.add({number, frame});
+    log.latencies.push_back(capture.age());
+    if (exchange.wants_snapshot()) {
+      times.measure("tell the trainer",
+                    [&] { exchange.give(snapshot_of(front_end.timeline(), front_end.labels(), false)); });
+    }
+    log.seconds = seconds_since(start);
+    progress.advance(static_cast<std::size_t>(frame->index) + 1,
+                     fmt::format("{:.1f} frames/s, {} lost", (number + 1) / log.seconds, capture.dropped()));
+  }
+  return log;
+}
+
+Json live_json(const ingest::Capture& capture, FrontEndLog log, const TrainerThread& trainer, double after_end) {
+  std::sort(log.latencies.begin(), log.latencies.end());
+  const auto latency = [&](double share) {
+    return round4(1000 *
+                  log.latencies[static_cast<std::size_t>(share * static_cast<double>(log.latencies.size() - 1))]);
+  };
+  Json rounds = Json::object(); // median milliseconds of each stage
+  const Json spent = trainer.trainer().times().json(1);
+  for (const auto& [stage, time] : spent.items()) rounds[stage] = time["ms_per_frame"];
+  return {{"frames_followed", log.latencies.size()},
+          {"frames_lost", capture.dropped()},
+          {"frames_per_second", round4(static_cast<double>(log.latencies.size()) / log.seconds)},
+          {"capture_to_motion_ms", {{"median", latency(0.5)}, {"p95", latency(0.95)}, {"max", latency(1)}}},
+          {"seconds", round4(log.seconds)},
+          {"seconds_after_end", round4(after_end)},
+          {"stopped", log.was_stopped},
+          {"rounds", trainer.trainer().rounds()},
+          {"round_ms", std::move(rounds)},
+          {"fields_begun_anew", trainer.trainer().begun_anew()},
+          {"clips_written", trainer.publisher().count()},
+          {"first_clip_s", round4(trainer.publisher().first())}};
+}
+
+Json capture_json(const ingest::Capture& capture, const clip::Clip& clip, std::size_t unlabelled) {
+  const ingest::CaptureInfo& info = capture.info();
+  Json skipped = Json::array();
+  for (const ingest::SkippedFrame& frame : capture.skipped())
+    skipped.push_back({{"frame", frame.index}, {"reason", frame.reason}});
+  return {{"format", info.format},
+          {"size", {info.intrinsics.width, info.intrinsics.height}},
+          {"frames_in_source", info.frame_count},
+          {"frames_used", clip.times.size()},
+          {"frames_held_out", 0},
+          {"frames_without_mask", unlabelled},
+          {"frames_per_second", info.frames_per_second},
+          {"has_poses", info.has_poses},
+          {"has_masks", info.has_masks},
+          {"skipped", std::move(skipped)}};
+}
+
+void check_masks(const ingest::CaptureInfo& info) {
+  if (info.has_masks) return;
+  throw Error(ErrorCode::kUsage,
+              "live encoding needs masks, for what moves is told from the room by looking ahead; encode the capture "
+              "without --live, or record it and encode the recording");
+}
+
+/// Every label, with what became of it, for the report.
+void add_layers(const std::map<int, TrackedLabel>& labels, const LiveTrainer& trainer, Json& report) {
+  report["layers"] = report["not_modelled"] = Json::array();
+  for (const auto& [number, label] : labels) {
+    const auto found = trainer.outcomes().find(number);
+    if (found != trainer.outcomes().end()) {
+      LayerOutcome outcome = found->second;
+      outcome.why = why_it_moves_so(label, outcome.layer.motion);
+      report["layers"].push_back(layer_json(label, outcome));
+      continue;
+    }
+    const std::string why = why_not_followed(label);
+    report["not_modelled"].push_back({{"name", label.plan.name},
+                                      {"label", number},
+                                      {"why", why.empty() ? "it was not trained before the end" : why}});
+  }
+}
+
+void check_clip(const clip::Clip& clip, bool was_stopped) {
+  if (!clip.layers.empty()) return;
+  const ErrorCode code = was_stopped          ? ErrorCode::kInterrupted
+                         : clip.times.empty() ? ErrorCode::kCorruptInput
+                                              : ErrorCode::kFailure;
+  throw Error(code, clip.times.empty() ? "the capture gave no usable frame, and no clip was made"
+                                       : "nothing in this capture could be modelled so far, and no clip was made");
+}
+
+} // namespace
+
+EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, const EncodeOptions& options,
+                         Progress& progress) {
+  const ingest::CaptureInfo& info = capture.info();
+  check_masks(info);
+  Json config = options.json();
+  config["labels_from"] = "masks";
+  config["joints_from"] = "";
+  const Json settings = settings_json(options.settings);
+  StageTimes times;
+  FrontEnd front_end(info, options, progress);
+  KeyFramePool pool(request.key_frames);
+  LiveExchange exchange;
+  progress.stage("following live", options.expected_frames(info.frame_count));
+  TrainerThread trainer(request, options, clip_metadata(info, config, settings), pool, exchange, progress);
+  FrontEndLog log = follow_frames(capture, front_end, pool, exchange, times, progress);
+  if (log.was_stopped) exchange.stop();
+  const Clock::time_point end = Clock::now();
+  const std::size_t unlabelled = front_end.unlabelled();
+  const clip::Clip timeline = front_end.timeline();
+  const std::map<int, TrackedLabel> labels = std::move(front_end).finish(times);
+  exchange.give(snapshot_of(timeline, labels, true));
+  trainer.join();
+  log.was_stopped |= progress.cancelled();
+  check_clip(trainer.clip(), log.was_stopped);
+  Json report = {{"schema", "kinora.encode/1"},
+                 {"version", KINORA_VERSION},
+                 {"config", config},
+                 {"settings", settings},
+                 {"capture", capture_json(capture, timeline, unlabelled)},
+                 {"live", live_json(capture, log, trainer, seconds_since(end))},
+                 {"timing", {{"stages", times.json(timeline.times.size())}}}};
+  add_layers(labels, trainer.trainer(), report);
+  return {trainer.clip(), std::move(report)};
+}
+
+} // namespace kinora::encode

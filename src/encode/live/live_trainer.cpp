@@ -1,0 +1,145 @@
+#include "encode/live/live_trainer.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "encode/layer_report.h"
+#include "fields/training/view_confidence.h"
+
+namespace kinora::encode {
+namespace {
+
+/// How many of the stored pixels tell of a layer.
+std::size_t measured_pixels(const fields::LayerObservations& layer) {
+  std::size_t count = 0;
+  for (const fields::StoredFrame& frame : layer.pixels.frames()) {
+    if (layer.is_lost(frame)) continue;
+    for (std::size_t i = frame.begin; i < frame.end; ++i) {
+      const fields::StoredPixel& pixel = layer.pixels.pixels()[i];
+      if (layer.is_foreground(pixel) && pixel.depth.is_measured()) ++count;
+    }
+  }
+  return count;
+}
+
+bool contains(const fields::FieldBox& outer, const fields::FieldBox& inner) {
+  const auto low = inner.origin - outer.origin;
+  const auto high = low + Eigen::Vector3d::Constant(inner.side - outer.side);
+  return (low.array() >= 0).all() && (high.array() <= 0).all();
+}
+
+fields::FieldConfig with_spare_room(fields::FieldConfig config, double share) {
+  const double spare = share * config.box.side;
+  config.box.origin -= Eigen::Vector3d::Constant(spare / 2);
+  config.box.side += spare;
+  config.finest_resolution = std::min(static_cast<int>(config.finest_resolution * (1 + share)), 2048);
+  return config;
+}
+
+/// Whether points of the motion's canonical space are where they were.
+bool has_same_canonical_space(const motion::Motion& before, const motion::Motion& now) {
+  constexpr double kSame = 1e-6; // metres
+  const auto& old_graph = before.graph();
+  const auto& graph = now.graph();
+  if ((old_graph == nullptr) != (graph == nullptr)) return false;
+  if (graph == nullptr) return true;
+  if (graph->nodes().size() < old_graph->nodes().size()) return false;
+  for (std::size_t i = 0; i < old_graph->nodes().size(); ++i) {
+    if ((graph->nodes()[i] - old_graph->nodes()[i]).norm() > kSame) return false;
+  }
+  return true;
+}
+
+} // namespace
+
+struct LiveTrainer::Share {
+  int label;
+  std::size_t pixels; ///< that tell of it
+  std::size_t rays;
+};
+
+bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, Progress& progress) {
+  fields::PixelStore pixels(config_.pixels_per_frame * frames.size(), frames.size());
+  times_.measure("store pixels", [&] {
+    for (const KeyFrame& key_frame : frames) {
+      const bool is_known = static_cast<std::size_t>(key_frame.number) < snapshot.timeline.times.size();
+      if (is_known) pixels.add(*key_frame.frame, key_frame.number);
+    }
+  });
+  std::vector<Share> shares;
+  double sum = 0;
+  for (const auto& [label, known] : snapshot.labels) {
+    const std::size_t count = measured_pixels({pixels, label, known.motion});
+    if (count == 0) continue;
+    shares.push_back({label, count, 0});
+    sum += std::sqrt(static_cast<double>(count));
+  }
+  const std::size_t rays = outcomes_.empty() ? config_.first_rays : config_.rays;
+  for (Share& share : shares) {
+    const double part = std::sqrt(static_cast<double>(share.pixels)) / sum;
+    share.rays = static_cast<std::size_t>(part * static_cast<double>(rays));
+  }
+  try {
+    for (const Share& share : shares) {
+      times_.measure("train " + snapshot.labels.at(share.label).name,
+                     [&] { train_layer(share, snapshot, pixels, progress); });
+    }
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInterrupted) throw;
+  }
+  // What is not seen now has the motion that is known now, if its field is of that canonical space.
+  for (auto entry = outcomes_.begin(); entry != outcomes_.end();) {
+    const auto known = snapshot.labels.find(entry->first);
+    const bool stays =
+        known != snapshot.labels.end() && has_same_canonical_space(entry->second.layer.motion, known->second.motion);
+    if (stays) entry->second.layer.motion = known->second.motion;
+    entry = stays ? std::next(entry) : outcomes_.erase(entry);
+  }
+  ++rounds_;
+  return !shares.empty();
+}
+
+void LiveTrainer::train_layer(const Share& share, const LiveSnapshot& snapshot, const fields::PixelStore& pixels,
+                              Progress& progress) {
+  const LabelSnapshot& known = snapshot.labels.at(share.label);
+  const fields::LayerObservations observations{pixels, share.label, known.motion};
+  fields::FieldRequirements requirements;
+  const fields::FieldConfig wanted = fields::choose_field_config(observations, &requirements);
+  const auto found = outcomes_.find(share.label);
+  const bool goes_on = found != outcomes_.end() && contains(found->second.config.box, wanted.box) &&
+                       has_same_canonical_space(found->second.layer.motion, known.motion);
+  if (found != outcomes_.end() && !goes_on) ++begun_anew_;
+  LayerOutcome next;
+  next.requirements = requirements;
+  next.config = goes_on ? found->second.config : with_spare_room(wanted, config_.spare);
+  next.trainer = settings_.trainer;
+  next.trainer.rays = share.rays;
+  next.trainer.seed += rounds_;
+  next.trainer.max_log2_table_size = 0; // tables stay as they are
+  next.consistency = fields::measure_view_consistency(observations);
+  fields::adapt_to(next.consistency, settings_.trainer, next.trainer);
+  next.trainer.carve_free_space = false; // it is slow, and a later round may see otherwise
+  next.layer = {known.name, share.label, {}, known.motion, std::nullopt, std::nullopt};
+  next.layer.field = fields::train_field(observations, next.config, next.trainer, progress, &next.training,
+                                         goes_on ? &found->second.layer.field : nullptr);
+  next.layer.confidence = fields::view_confidence(observations, next.layer.field);
+  if (goes_on) {
+    next.training.rays += found->second.training.rays;
+    next.training.samples += found->second.training.samples;
+    next.training.steps += found->second.training.steps;
+  }
+  outcomes_.insert_or_assign(share.label, std::move(next));
+}
+
+clip::Clip LiveTrainer::clip(const LiveSnapshot& snapshot) const {
+  clip::Clip clip = snapshot.timeline;
+  for (const auto& [label, outcome] : outcomes_) {
+    clip.metadata["layers"][outcome.layer.name] = layer_metadata(outcome);
+    clip.layers.push_back(outcome.layer);
+    if (const auto known = snapshot.labels.find(label); known != snapshot.labels.end())
+      clip.layers.back().joints = known->second.joints;
+  }
+  return clip;
+}
+
+} // namespace kinora::encode
