@@ -1,8 +1,10 @@
-// kinora encode --detector on somebody whose joints have colours that a network of one layer knows.
+// kinora encode --detector on somebody whose joints have colours that a network of one layer knows, and --body.
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
+#include "clip/clip_io.h"
 #include "core/image_codec.h"
+#include "ingest/files/body_file.h"
 #include "ingest/onnx/tiny_detector.h"
 #include "tracking/body/joint_observations.h"
 #include "tracking/body/synthetic_body.h"
@@ -93,6 +95,25 @@ TEST_F(Detector, NeedsNobody) {
   }
   const Said said = encode({path("a.mkv"), "--detector", path("pose.onnx")});
   EXPECT_EQ(said.code, 0) << said.err;
+}
+
+TEST_F(Detector, ABodyOfTheUsersChangesThePersonsMeasures) {
+  ingest::testing::write_npz(path("body.npz"), ingest::testing::body_file());
+  const auto thigh_of = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> all{path("a.mkv"), "--overwrite"};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(encode(all).code, 0);
+    for (const clip::Layer& layer : clip::read_clip(path("a.mkv")).layers) {
+      if (!layer.joints) continue;
+      const auto& last = layer.joints->positions.back();
+      return (last[tracking::kLeftKnee] - last[tracking::kLeftHip]).norm();
+    }
+    return 0.0;
+  };
+  const double average = thigh_of({});
+  const double told = thigh_of({"--body", path("body.npz")});
+  EXPECT_GT(average, 0);
+  EXPECT_GT(std::abs(told - average), 0.005) << told << " and " << average << " m";
 }
 
 TEST_F(Detector, ThatIsNoneIsRefusedBeforeAnyWork) {

@@ -1,7 +1,10 @@
 // kinora encode and eval on small captures, whole and damaged.
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
+#include "clip/clip_io.h"
 #include "end_to_end/box_capture.h"
 #include "ingest/onnx/tiny_network.h"
 #include "support/source_folder.h"
@@ -24,6 +27,11 @@ protected:
     return run_kinora(folder_, words);
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  std::vector<std::string> layers_of(const std::string& name) const {
+    std::vector<std::string> names;
+    for (const clip::Layer& layer : clip::read_clip(path(name)).layers) names.push_back(layer.name);
+    return names;
+  }
 
   TemporaryFolder capture_;
   TemporaryFolder folder_;
@@ -64,19 +72,74 @@ TEST_F(Encode, RefusesABodyThatIsNoneBeforeAnyWork) {
 }
 
 TEST_F(Encode, LabelsComeFromWhomeverTheUserAsks) {
-  // Red pixels are a person.
-  std::ofstream(path("net.onnx"), std::ios::binary) << onnx::convolution(1, {1, -1, 0}, {0});
-  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
-      {{}, "masks"}, {{"--no-masks"}, "motion"}, {{"--segmenter", path("net.onnx")}, "network net.onnx"}};
-  for (const auto& [words, from] : cases) {
-    std::vector<std::string> all{path("c.mkv"), "--overwrite", "--json"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Said said = encode(all);
-    ASSERT_EQ(said.code, 0) << from << ": " << said.err;
-    EXPECT_EQ(Json::parse(said.out).at("config").at("labels_from"), from);
+  const auto nothing = onnx::convolution(1, {0, 0, 0}, {0});
+  const auto somebody_everywhere = onnx::convolution(1, {0, 0, 0}, {1});
+  folder_.write("nothing.onnx", nothing);
+  folder_.write("somebody.onnx", somebody_everywhere);
+  struct Case {
+    std::vector<std::string> words;
+    std::string from;
+    std::vector<std::string> layers;
+  };
+  const std::vector<Case> cases{{{}, "masks", {"background", "person", "object"}},
+                                {{"--segmenter", path("nothing.onnx")}, "network nothing.onnx", {"background"}},
+                                {{"--segmenter", path("somebody.onnx")}, "network somebody.onnx", {"person"}}};
+  for (const Case& asked : cases) {
+    SCOPED_TRACE(asked.from);
+    std::vector<std::string> words{path("c.mkv"), "--overwrite", "--json"};
+    words.insert(words.end(), asked.words.begin(), asked.words.end());
+    const Said said = encode(words);
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(Json::parse(said.out).at("config").at("labels_from"), asked.from);
+    EXPECT_EQ(layers_of("c.mkv"), asked.layers);
   }
   expect_error(encode({path("d.mkv"), "--segmenter", path("c.mkv")}), 4, "c.mkv");
   EXPECT_FALSE(fs::exists(path("d.mkv")));
+}
+
+TEST_F(Encode, NoMasksIsAsIfThereWereNone) {
+  ASSERT_EQ(encode({path("a.mkv"), "--no-masks"}).code, 0);
+  ASSERT_EQ(encode({path("c.mkv")}).code, 0);
+  fs::remove_all(capture_.path() / "mask");
+  ASSERT_EQ(encode({path("b.mkv")}).code, 0);
+  EXPECT_TRUE(contents_of(path("a.mkv")) == contents_of(path("b.mkv")));
+  EXPECT_NE(layers_of("a.mkv"), layers_of("c.mkv"));
+}
+
+TEST_F(Encode, FramesAreThoseOfTheRange) {
+  ASSERT_EQ(encode({path("c.mkv"), "--frames", "1:4:2"}).code, 0);
+  const clip::Clip clip = clip::read_clip(path("c.mkv"));
+  EXPECT_EQ(clip.capture_frames, (std::vector<int>{1, 3}));
+  ASSERT_EQ(clip.times.size(), 2U);
+  EXPECT_NEAR(clip.times[1] - clip.times[0], 2 / 30.0, 1e-6);
+}
+
+TEST_F(Encode, AnotherSeedTrainsOtherFields) {
+  ASSERT_EQ(encode({path("a.mkv"), "--seed", "5"}).code, 0);
+  ASSERT_EQ(encode({path("b.mkv"), "--seed", "6"}).code, 0);
+  const clip::Clip a = clip::read_clip(path("a.mkv"));
+  const clip::Clip b = clip::read_clip(path("b.mkv"));
+  ASSERT_EQ(a.layers.size(), b.layers.size());
+  for (std::size_t i = 0; i < a.layers.size(); ++i) {
+    EXPECT_FALSE(std::ranges::equal(a.layers[i].field.table, b.layers[i].field.table)) << a.layers[i].name;
+  }
+}
+
+TEST_F(Encode, KeepsHowWellEachSideWasSeen) {
+  ASSERT_EQ(encode({path("c.mkv")}).code, 0);
+  for (const clip::Layer& layer : clip::read_clip(path("c.mkv")).layers) {
+    ASSERT_TRUE(layer.confidence) << layer.name;
+    const auto seen = [](const auto& levels) { return std::ranges::max(levels) > fields::Confidence::kMax / 3; };
+    EXPECT_TRUE(std::ranges::any_of(layer.confidence->levels(), seen)) << layer.name;
+  }
+}
+
+TEST_F(Encode, DepthBeyondTheLimitThatIsSetIsNotBelieved) {
+  const Said said = encode({path("c.mkv"), "--json", "--set", "ingest.max_depth=1.5"}); // the wall is at 2 m
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Said usual = encode({path("d.mkv"), "--json"});
+  EXPECT_LT(Json::parse(said.out).at("capture").at("stored_pixels"),
+            Json::parse(usual.out).at("capture").at("stored_pixels"));
 }
 
 TEST_F(Encode, SameBytesForOneThreadAndTwo) {

@@ -1,13 +1,11 @@
 // Motion aligned through a field: a bending sheet whose nodes were tracked a little beside their true places.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/parallel.h"
 #include "encode/motion_refinement.h"
 #include "fields/sampling/contour_pixels.h"
-#include "fields/scenes/bending_sheet.h"
 #include "fields/training/trainer.h"
+#include "sheet_astray.h"
 
 namespace kinora::encode {
 namespace {
@@ -15,42 +13,10 @@ namespace {
 using fields::Performance;
 using motion::Motion;
 
-constexpr double kSpacing = 0.06;
-
-std::vector<tracking::GraphEdge> edges_of(const motion::DeformationGraph& graph) {
-  std::vector<tracking::GraphEdge> edges;
-  const auto& nodes = graph.nodes();
-  for (int a = 0; a < static_cast<int>(nodes.size()); ++a) {
-    for (int b = a + 1; b < static_cast<int>(nodes.size()); ++b) {
-      const double distance = (nodes[static_cast<std::size_t>(a)] - nodes[static_cast<std::size_t>(b)]).norm();
-      if (distance < 1.5 * kSpacing) edges.push_back({a, b});
-    }
-  }
-  return edges;
-}
-
-// Each frame beside the truth, another way every time: what all frames share would be the canonical space's own place.
-Motion astray(const Motion& truth, double metres) {
-  std::vector<Motion::Deformation> deformations = truth.deformations();
-  for (std::size_t f = 0; f < deformations.size(); ++f) {
-    const double angle = 2.4 * static_cast<double>(f);
-    const Eigen::Translation3d aside(metres * std::cos(angle), metres * std::sin(angle), 0);
-    for (DualQuaternion& node : deformations[f].node_to_world) node = DualQuaternion::from(SE3(aside * node.to_se3()));
-  }
-  return Motion::deforming(truth.graph(), std::move(deformations));
-}
-
-// Root mean square distance of a frame's nodes from their true places, metres.
-double error_of(const Motion& motion, const Motion& truth, std::size_t frame) {
-  const auto& nodes = truth.graph()->nodes();
-  double sum = 0;
-  for (std::size_t n = 0; n < nodes.size(); ++n) {
-    sum += (motion.deformations()[frame].node_to_world[n].to_se3() * nodes[n] -
-            truth.deformations()[frame].node_to_world[n].to_se3() * nodes[n])
-               .squaredNorm();
-  }
-  return std::sqrt(sum / static_cast<double>(nodes.size()));
-}
+using testing::astray;
+using testing::edges_of;
+using testing::error_of;
+using testing::kSpacing;
 
 fields::Field draft_of(const Performance& performance, const Motion& motion) {
   fields::TrainerConfig trainer;

@@ -1,18 +1,24 @@
 // Somebody carries a box behind a screen, and comes out with it elsewhere: the camera sees the arm down to the wrist.
+#include "encode/scene_tracker.h"
+
 #include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "core/sensor_noise.h"
 #include "tracking/body/synthetic_body.h"
-#include "tracking/deforming/deforming_tracker.h"
 #include "tracking/scenes/synthetic_scene.h"
 
-namespace kinora::tracking {
+namespace kinora::encode {
 namespace {
 
 using Vec = Eigen::Vector3d;
-using testing::Shape;
-using testing::ShapeKind;
+using tracking::BodyState;
+using tracking::kRightElbow;
+using tracking::kRightShoulder;
+using tracking::kRightWrist;
+using tracking::testing::BodyScene;
+using tracking::testing::Shape;
+using tracking::testing::ShapeKind;
 
 // Of 24 × 12 × 9 cm; the hand holds one end of it.
 const Shape kBox{ShapeKind::kBox, {0.12, 0.06, 0.045}, true};
@@ -28,12 +34,12 @@ double phase(int frame, int from, int to) {
 
 // The right arm waves, goes down behind the screen, swings there towards the body, and then bends.
 BodyState person_at(int frame) {
-  BodyState state = testing::standing(0);
+  BodyState state = tracking::testing::standing(0);
   const double lowered =
       0.35 + 0.2 * std::sin(0.5 * std::min(frame, 12)) + 0.75 * phase(frame, 12, 20) + 0.3 * phase(frame, 20, 30);
   const double forwards = 0.2 + 0.3 * phase(frame, 20, 30);
-  state.pose.angles.segment<3>(joints()[kRightShoulder].first_angle) = Vec(0, forwards, lowered);
-  state.pose.angles[joints()[kRightElbow].first_angle] = 0.2 + 1.7 * phase(frame, 30, 40);
+  state.pose.angles.segment<3>(tracking::joints()[kRightShoulder].first_angle) = Vec(0, forwards, lowered);
+  state.pose.angles[tracking::joints()[kRightElbow].first_angle] = 0.2 + 1.7 * phase(frame, 30, 40);
   return state;
 }
 
@@ -43,7 +49,7 @@ SE3 box_at(int frame, bool is_let_go) {
 }
 
 ingest::Frame frame_at(int frame, bool is_let_go) {
-  testing::BodyScene scene;
+  BodyScene scene;
   scene.width = 320;
   scene.height = 240;
   scene.focal = 300;
@@ -77,21 +83,15 @@ ingest::Frame frame_at(int frame, bool is_let_go) {
   return picture;
 }
 
-/// The box's poses, followed as a scene is.
+/// The box's poses, where it and the person are followed together.
 std::vector<motion::Motion::Pose> follow(bool is_let_go) {
-  RigidTracker box(2);
-  DeformingTracker person(1);
-  std::vector<motion::Motion::Pose> poses;
-  for (int i = 0; i < kFrames; ++i) {
-    const ingest::Frame frame = frame_at(i, is_let_go);
-    auto missed = box.track(frame).missed;
-    const auto object = nearby_object(box);
-    person.track(frame, std::span(object ? &*object : nullptr, object ? 1 : 0));
-    const auto motion = person.contact_motion_of(2);
-    if (missed && motion) box.move_with_contact(frame, std::move(*missed), *motion);
-    poses.push_back(box.poses().back());
-  }
-  return poses;
+  ingest::CaptureInfo capture;
+  capture.labels[2] = {"box", "rigid", ""};
+  Progress progress;
+  StageTimes times;
+  SceneTracker scene(capture, {}, progress);
+  for (int i = 0; i < kFrames; ++i) scene.add(frame_at(i, is_let_go), times);
+  return std::move(scene).finish(times).at(2).poses;
 }
 
 TEST(HeldObject, GoesWithTheHandThatHoldsItWhileItIsHidden) {
@@ -120,4 +120,4 @@ TEST(HeldObject, StaysBehindOnceTheCameraSeesThatItIsNotInTheHand) {
 }
 
 } // namespace
-} // namespace kinora::tracking
+} // namespace kinora::encode
