@@ -7,6 +7,7 @@
 #include "common/capture_info.h"
 #include "common/frame_pairs.h"
 #include "ros/camera_topics.h"
+#include "ros/messages.h"
 
 namespace kinora::formats {
 
