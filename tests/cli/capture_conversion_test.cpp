@@ -117,10 +117,15 @@ void expect_same(const CopiedCapture& before, const CopiedCapture& after, const 
     EXPECT_EQ(a.jpeg, b.jpeg);
     EXPECT_EQ(a.depth, b.depth);
     EXPECT_EQ(a.depth_unit, b.depth_unit);
-    if (target.times) EXPECT_NEAR(a.time - before.frames[0].time, b.time - after.frames[0].time, 1e-9);
-    if (target.poses && a.has_pose)
+    if (target.times) {
+      EXPECT_NEAR(a.time - before.frames[0].time, b.time - after.frames[0].time, 1e-9);
+    }
+    if (target.poses && a.has_pose) {
       for (std::size_t k = 0; k < 16; ++k) EXPECT_NEAR(a.pose[k], b.pose[k], 1e-12);
-    if (target.masks) EXPECT_EQ(a.labels, b.labels);
+    }
+    if (target.masks) {
+      EXPECT_EQ(a.labels, b.labels);
+    }
     if (!target.rest) continue;
     EXPECT_EQ(a.time, b.time);
     EXPECT_EQ(a.infrared, b.infrared);
