@@ -137,7 +137,7 @@ ColorImage LensMap::straighten(const ColorImage& image) const {
       for (int c = 0; c < 3; ++c) {
         const float above = (1 - a) * image.at(u, v, c) + a * image.at(u + 1, v, c);
         const float below = (1 - a) * image.at(u, v + 1, c) + a * image.at(u + 1, v + 1, c);
-        to[c] = static_cast<std::uint8_t>((1 - b) * above + b * below + 0.5F);
+        to[c] = static_cast<std::uint8_t>(std::lround((1 - b) * above + b * below));
       }
     }
     to += 3;
@@ -149,7 +149,8 @@ DepthImage16 LensMap::straighten(const DepthImage16& image) const {
   DepthImage16 out(width_, height_);
   for (std::size_t i = 0; i < sources_.size(); ++i)
     if (sources_[i].u >= 0)
-      out.data()[i] = image.at(static_cast<int>(sources_[i].u + 0.5F), static_cast<int>(sources_[i].v + 0.5F));
+      out.data()[i] =
+          image.at(static_cast<int>(std::lround(sources_[i].u)), static_cast<int>(std::lround(sources_[i].v)));
   return out;
 }
 

@@ -51,7 +51,7 @@ void DataSetWriter::write(const KinoraPicture& picture) {
   if (picture.has_camera == 0 || picture.metric_depth.data == nullptr)
     throw Error(ErrorCode::kUsage, std::string("the picture \"") + picture.name + "\" has no camera or no depth");
   const auto put = [&](const std::string& kind, std::span<const std::byte> bytes) {
-    const std::string name = kind + "/" + picture.name + ".png";
+    std::string name = kind + "/" + picture.name + ".png";
     const fs::path path = path_inside(folder_ / kind, picture.name + std::string(".png"));
     make_folder(path.parent_path());
     write_file(path, bytes);

@@ -115,10 +115,11 @@ KinoraPlayerStatus kinora_player_resize_camera(KinoraPlayerCamera* camera, int32
 typedef int32_t KinoraPlayerView;
 enum {
   KINORA_PLAYER_COLOR = 0,
-  KINORA_PLAYER_DEPTH = 1,     /* grey: near is bright, from the nearest to the farthest of the picture */
-  KINORA_PLAYER_NORMAL = 2,    /* of the camera: x right, y up, z back, as colours */
-  KINORA_PLAYER_CONFIDENCE = 3, /* red where no camera saw what is shown, over yellow, to green where they saw it well */
-  KINORA_PLAYER_HEALTH = 4      /* at this time: green where a layer was tracked, yellow where held, red where lost */
+  KINORA_PLAYER_DEPTH = 1,  /* grey: near is bright, from the nearest to the farthest of the picture */
+  KINORA_PLAYER_NORMAL = 2, /* of the camera: x right, y up, z back, as colours */
+  KINORA_PLAYER_CONFIDENCE =
+      3,                   /* red where no camera saw what is shown, over yellow, to green where they saw it well */
+  KINORA_PLAYER_HEALTH = 4 /* at this time: green where a layer was tracked, yellow where held, red where lost */
 };
 
 /* The caller's buffers, each for width x height pixels of the camera, rows from the top; NULL: not wanted. */
