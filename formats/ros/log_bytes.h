@@ -1,6 +1,7 @@
 // Where records are read from: the file itself, or a chunk of it that was unpacked.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/byte_reader.h"

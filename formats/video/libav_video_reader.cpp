@@ -1,5 +1,6 @@
 #include "video/libav_video_reader.h"
 
+#include <cmath>
 #include <cstring>
 
 #include "core/error.h"
@@ -75,7 +76,7 @@ bool LibavVideoReader::next_frame() {
 void LibavVideoReader::go_to(std::size_t number) {
   if (number >= next_ && number - next_ <= kStepsWithoutSeek) return;
   const AVStream& stream = *input_->streams[stream_.number];
-  const auto timestamp = static_cast<std::int64_t>(stream_.times[number] / av_q2d(stream.time_base) + 0.5);
+  const auto timestamp = std::llround(stream_.times[number] / av_q2d(stream.time_base));
   if (number == 0 || av_seek_frame(input_.get(), stream_.number, timestamp, AVSEEK_FLAG_BACKWARD) < 0) open();
   frame_waits_ = drained_ = false;
   if (decoder_) avcodec_flush_buffers(decoder_.get());

@@ -162,15 +162,17 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
   head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
   head.duration_ns = clip.description.times_ns.back();
-  // As in a file that was not cut: what is for all frames of a layer, then frame by frame what moves.
+  // As in a file that was not cut: frame by frame what moves, and behind the first what is for all frames of a layer.
   std::vector<const Payload*> payloads;
-  std::vector<const Payload*> moving;
+  std::vector<const Payload*> lasting;
   for (const Role& role : roles_of(clip.description)) {
-    auto& list = role.per_frame || role.layer.empty() ? moving : payloads;
+    auto& list = role.per_frame || role.layer.empty() ? payloads : lasting;
     for (const Payload& payload : clip.payloads.at(role.id)) list.push_back(&payload);
   }
-  std::ranges::stable_sort(moving, {}, [](const Payload* payload) { return payload->time_ns; });
-  payloads.insert(payloads.end(), moving.begin(), moving.end());
+  std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
+  const auto second = std::ranges::find_if(
+      payloads, [&clip](const Payload* payload) { return payload->time_ns != clip.description.times_ns.front(); });
+  payloads.insert(second, lasting.begin(), lasting.end());
   container::Writer writer(path, head);
   for (const Payload* payload : payloads) writer.write(payload->track, payload->time_ns, payload->key, payload->bytes);
   writer.finish();
