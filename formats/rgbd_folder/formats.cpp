@@ -58,7 +58,7 @@ constexpr KinoraFormat numbered_format() {
 constexpr KinoraFormat transforms_format() {
   KinoraFormat format = folder_format<list_transforms, probe_transforms>(
       "transforms", "transforms.json with depth: data sets of nerfstudio and instant-ngp",
-      KINORA_READS_POSES | KINORA_WRITES_TIMES | KINORA_WRITES_POSES);
+      KINORA_READS_POSES | KINORA_READS_MASKS | KINORA_WRITES_TIMES | KINORA_WRITES_POSES);
   format.options = kTransformsOptions;
   format.option_count = std::size(kTransformsOptions);
   set_writer<FolderWriter, open_folder_writer<FolderLayout::kTransforms>>(format);
