@@ -64,7 +64,7 @@ class Player:
 
     def find(self):
         expect(self.process.poll() is None, f"it ended: {self.process.returncode} {self.process.stderr.read() if self.process.poll() else ''}")
-        found = subprocess.run(["xdotool", "search", "--name", "Kinora"], env=self.environment, capture_output=True,
+        found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", "Kinora"], env=self.environment, capture_output=True,
                                text=True, check=False).stdout.split()
         return found[-1] if found else None
 
