@@ -85,7 +85,6 @@ public:
 
 private:
   void run() {
-    const SerialLoops serial;
     yield_to_other_threads();
     try {
       work();
@@ -96,9 +95,11 @@ private:
 
   void work() {
     StopSign stop(exchange_, user_);
-    std::optional<Clock::time_point> end; // of the capture
+    std::optional<SerialLoops> serial(std::in_place); // while there are frames to follow
+    std::optional<Clock::time_point> end;             // of the capture
     std::shared_ptr<const LiveSnapshot> snapshot = exchange_.newest();
     for (;;) {
+      if (snapshot->is_last) serial.reset();
       // The last snapshot is trained with once in any case: its motion becomes that of the layers.
       const bool has_trained = trainer_.train(*snapshot, pool_.frames(), stop);
       if (snapshot->is_last && !end) end = Clock::now();

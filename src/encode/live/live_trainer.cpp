@@ -1,5 +1,6 @@
 #include "encode/live/live_trainer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -79,13 +80,9 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
     const double part = std::sqrt(static_cast<double>(share.pixels)) / sum;
     share.rays = static_cast<std::size_t>(part * static_cast<double>(rays));
   }
-  try {
-    for (const Share& share : shares) {
-      times_.measure("train " + snapshot.labels.at(share.label).name,
-                     [&] { train_layer(share, snapshot, pixels, progress); });
-    }
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kInterrupted) throw;
+  for (const Share& share : shares) {
+    times_.measure("train " + snapshot.labels.at(share.label).name,
+                   [&] { train_layer(share, snapshot, pixels, progress); });
   }
   // What is not seen now has the motion that is known now, if its field is of that canonical space.
   for (auto entry = outcomes_.begin(); entry != outcomes_.end();) {
@@ -102,26 +99,35 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
 void LiveTrainer::train_layer(const Share& share, const LiveSnapshot& snapshot, const fields::PixelStore& pixels,
                               Progress& progress) {
   const LabelSnapshot& known = snapshot.labels.at(share.label);
+  const auto found = outcomes_.find(share.label);
+  const bool is_of_this_space =
+      found != outcomes_.end() && has_same_canonical_space(found->second.layer.motion, known.motion);
+  const bool is_needed = snapshot.is_last && !is_of_this_space; // else the last clip would not have the layer
+  if (progress.cancelled() && !is_needed) return;
   const fields::LayerObservations observations{pixels, share.label, known.motion};
   fields::FieldRequirements requirements;
   const fields::FieldConfig wanted = fields::choose_field_config(observations, &requirements);
-  const auto found = outcomes_.find(share.label);
-  const bool goes_on = found != outcomes_.end() && contains(found->second.config.box, wanted.box) &&
-                       has_same_canonical_space(found->second.layer.motion, known.motion);
+  const bool goes_on = is_of_this_space && contains(found->second.config.box, wanted.box);
   if (found != outcomes_.end() && !goes_on) ++begun_anew_;
   LayerOutcome next;
   next.requirements = requirements;
   next.config = goes_on ? found->second.config : with_spare_room(wanted, config_.spare);
   next.trainer = settings_.trainer;
-  next.trainer.rays = share.rays;
+  next.trainer.rays = progress.cancelled() ? std::min(share.rays, config_.first_rays) : share.rays;
   next.trainer.seed += rounds_;
   next.trainer.max_log2_table_size = 0; // tables stay as they are
   next.consistency = fields::measure_view_consistency(observations);
   fields::adapt_to(next.consistency, settings_.trainer, next.trainer);
   next.trainer.carve_free_space = false; // it is slow, and a later round may see otherwise
   next.layer = {known.name, share.label, {}, known.motion, std::nullopt, std::nullopt};
-  next.layer.field = fields::train_field(observations, next.config, next.trainer, progress, &next.training,
-                                         goes_on ? &found->second.layer.field : nullptr);
+  Progress to_the_end;
+  try {
+    next.layer.field = fields::train_field(observations, next.config, next.trainer, is_needed ? to_the_end : progress,
+                                           &next.training, goes_on ? &found->second.layer.field : nullptr);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kInterrupted) throw;
+    return;
+  }
   next.layer.confidence = fields::view_confidence(observations, next.layer.field);
   if (goes_on) {
     next.training.rays += found->second.training.rays;

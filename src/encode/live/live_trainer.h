@@ -26,7 +26,8 @@ public:
       : settings_(options.settings.fields), config_(config) {}
 
   /// Trains every layer that the frames show. A field whose layer is no longer in the space that it fills, or is
-  /// deformed from another pose, is begun anew. Ends early when `progress` is cancelled; what was learnt before stays.
+  /// deformed from another pose, is begun anew. Ends early when `progress` is cancelled; what was learnt before stays,
+  /// and with the last snapshot those that must be begun anew are, with few rays.
   /// False if there is nothing to train.
   bool train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, Progress& progress);
 
