@@ -134,14 +134,6 @@ TEST_F(Encode, KeepsHowWellEachSideWasSeen) {
   }
 }
 
-TEST_F(Encode, DepthBeyondTheLimitThatIsSetIsNotBelieved) {
-  const Said said = encode({path("c.mkv"), "--json", "--set", "ingest.max_depth=1.5"}); // the wall is at 2 m
-  ASSERT_EQ(said.code, 0) << said.err;
-  const Said usual = encode({path("d.mkv"), "--json"});
-  EXPECT_LT(Json::parse(said.out).at("capture").at("stored_pixels"),
-            Json::parse(usual.out).at("capture").at("stored_pixels"));
-}
-
 TEST_F(Encode, SameBytesForOneThreadAndTwo) {
   ASSERT_EQ(encode({path("a.mkv"), "--threads", "1"}).code, 0);
   ASSERT_EQ(encode({path("b.mkv"), "--threads", "2"}).code, 0);
