@@ -1,5 +1,6 @@
 // A video beside a depth video, both made by ffmpeg.
 #include <cstdlib>
+#include <cstring>
 
 #include <gtest/gtest.h>
 
