@@ -134,6 +134,11 @@ TEST_F(Encode, KeepsHowWellEachSideWasSeen) {
   }
 }
 
+TEST_F(Encode, DepthBeyondTheLimitThatIsSetIsNotBelieved) {
+  expect_error(encode({path("c.mkv"), "--set", "ingest.max_depth=0.9"}), 4, "nothing is measured within 0.9 m");
+  EXPECT_FALSE(fs::exists(path("c.mkv")));
+}
+
 TEST_F(Encode, SameBytesForOneThreadAndTwo) {
   ASSERT_EQ(encode({path("a.mkv"), "--threads", "1"}).code, 0);
   ASSERT_EQ(encode({path("b.mkv"), "--threads", "2"}).code, 0);
