@@ -3,6 +3,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include <Eigen/Geometry>
+
 #include "common/number_text.h"
 #include "core/error.h"
 #include "core/linear_light.h"
@@ -50,14 +52,26 @@ std::string extent_of(const std::vector<Eigen::Vector3f>& points) {
   return list_of_points({low, high});
 }
 
-/// USD's vectors are rows.
-std::string matrix_text(const SE3& transform) {
-  std::string text = "( ";
-  for (int row = 0; row < 4; ++row) {
-    if (row > 0) text += ", ";
-    append_vector(text, transform.matrix().col(row), kTransformDecimals);
+std::string text_of(const Eigen::Vector3d& vector) {
+  std::string text;
+  append_vector(text, vector, kTransformDecimals);
+  return text;
+}
+
+/// w x y z of all transforms, each in the hemisphere of the one before so that tools interpolate the short way.
+std::vector<std::string> rotations_of(const BlendedMesh& mesh) {
+  std::vector<std::string> rotations;
+  Eigen::Vector4d last(1, 0, 0, 0);
+  for (std::size_t i = 0; i < mesh.times().size(); ++i) {
+    const Eigen::Quaterniond q(mesh.transform(i).linear());
+    Eigen::Vector4d values(q.w(), q.x(), q.y(), q.z());
+    if (values.dot(last) < 0) values = -values;
+    std::string text;
+    append_vector(text, values, kTransformDecimals);
+    rotations.push_back(std::move(text));
+    last = values;
   }
-  return text + " )";
+  return rotations;
 }
 
 /// `text` with every NAME and every TEXTURE replaced.
@@ -226,9 +240,12 @@ void UsdText::put_motion(const BlendedMesh& mesh) {
     put(list_of_points(mesh.positions));
     put("\n");
     if (mesh.motion() == MeshMotion::kStill) return;
-    put("        matrix4d xformOp:transform.timeSamples = {\n");
-    for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], matrix_text(mesh.transform(i)));
-    put("        }\n        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n");
+    put("        double3 xformOp:translate.timeSamples = {\n");
+    for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], text_of(mesh.transform(i).translation()));
+    put("        }\n        quatf xformOp:orient.timeSamples = {\n");
+    const std::vector<std::string> rotations = rotations_of(mesh);
+    for (std::size_t i = 0; i < times.size(); ++i) put_sample(times[i], rotations[i]);
+    put("        }\n        uniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:orient\"]\n");
     return;
   }
   put("        float3[] extent.timeSamples = {\n");

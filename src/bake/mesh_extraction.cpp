@@ -1,6 +1,8 @@
 #include "bake/mesh_extraction.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "bake/simplification.h"
 #include "bake/texture_baking.h"
@@ -30,9 +32,46 @@ int resolution_for(std::size_t wanted, std::size_t faces, int resolution, int fi
   return std::clamp(static_cast<int>(std::floor(resolution * scale)), std::min(kCoarsest, finest), finest);
 }
 
+/// The density (extinction per metre) at which the surface is. Fields that were trained briefly are soft: where no cell
+/// is as opaque as asked, the surface would be in pieces.
+double surface_level(const FieldSampler& sampler, double opacity, const Progress& progress) {
+  constexpr double kShare = 0.9;
+  constexpr std::size_t kSide = 128;
+  const fields::FieldConfig& config = sampler.field().config;
+  std::vector<std::vector<float>> slices(kSide);
+  parallel_for(kSide, 1, [&](const Chunk& chunk) {
+    progress.check();
+    std::vector<Eigen::Vector3d> points;
+    for (std::size_t i = 0; i < kSide * kSide; ++i) {
+      const Eigen::Vector3d at(static_cast<double>(i % kSide), static_cast<double>(i / kSide),
+                               static_cast<double>(chunk.begin));
+      const Eigen::Vector3d point =
+          config.box.origin + (at + Eigen::Vector3d::Constant(0.5)) * (config.box.side / static_cast<double>(kSide));
+      if (sampler.occupied(point)) points.push_back(point);
+    }
+    FieldSamples samples;
+    sampler.evaluate(points, samples);
+    slices[chunk.begin] = std::move(samples.density);
+  });
+  std::vector<float> densities;
+  for (const std::vector<float>& slice : slices) densities.insert(densities.end(), slice.begin(), slice.end());
+  std::sort(densities.begin(), densities.end(), std::greater<>());
+  const auto opacity_of = [&config](float density) { return 1 - std::exp(-density * config.cell_size()); };
+  double total = 0;
+  for (const float density : densities) total += opacity_of(density);
+  double above = 0;
+  const double level = -std::log(1 - opacity) / config.cell_size();
+  for (const float density : densities) {
+    above += opacity_of(density);
+    if (above < kShare * total) continue;
+    return std::min<double>(level, density);
+  }
+  return level;
+}
+
 Triangles triangulate(const FieldSampler& sampler, const MeshExtractionOptions& options, const Progress& progress) {
   const fields::FieldConfig& config = sampler.field().config;
-  const double level = -std::log(1 - options.opacity) / config.cell_size();
+  const double level = surface_level(sampler, options.opacity, progress);
   const auto at = [&](int resolution) {
     Triangles triangles = surface_nets(sampler, level, resolution, progress);
     remove_small_components(triangles, options.min_component_share);

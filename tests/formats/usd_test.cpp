@@ -67,7 +67,10 @@ TEST_F(UsdTest, ARigidMeshHasATransformForEachFrame) {
   expect_in(usd, "timeCodesPerSecond = 25");
   expect_in(usd, "endTimeCode = 2");
   expect_in(usd, "points = [(-1, 0, 2)"); // in the joint's space
-  expect_in(usd, "2: ( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (3, 0, 0, 1) )");
+  expect_in(
+      usd,
+      "translate.timeSamples = {\n            0: (1, 0, 0),\n            1: (2, 0, 0),\n            2: (3, 0, 0),");
+  expect_in(usd, "orient.timeSamples = {\n            0: (1, 0, 0, 0),");
 }
 
 TEST_F(UsdTest, ASkinnedMeshHasItsPointsForEachFrame) {
