@@ -43,7 +43,8 @@ double surface_level(const FieldSampler& sampler, double opacity, const Progress
     progress.check();
     std::vector<Eigen::Vector3d> points;
     for (std::size_t i = 0; i < kSide * kSide; ++i) {
-      const Eigen::Vector3d at(static_cast<double>(i % kSide), static_cast<double>(i / kSide),
+      const std::size_t row = i / kSide;
+      const Eigen::Vector3d at(static_cast<double>(i % kSide), static_cast<double>(row),
                                static_cast<double>(chunk.begin));
       const Eigen::Vector3d point =
           config.box.origin + (at + Eigen::Vector3d::Constant(0.5)) * (config.box.side / static_cast<double>(kSide));
