@@ -155,7 +155,13 @@ void give_page_file(const fs::path& file, const httplib::Request& request, httpl
   std::ifstream plain(file, std::ios::binary);
   std::istream& stream = packed.is_open() ? packed : plain;
   response.set_header("Vary", "Accept-Encoding");
-  response.set_content({std::istreambuf_iterator<char>(stream), {}}, media_type(file));
+  const auto bytes =
+      std::make_shared<const std::string>(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>{});
+  // As a string cpp-httplib would compress it, once more.
+  response.set_content_provider(bytes->size(), media_type(file),
+                                [bytes](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                                  return sink.write(bytes->data() + offset, length);
+                                });
 }
 
 void no_such_file(httplib::Response& response) {
