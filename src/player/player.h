@@ -53,9 +53,11 @@ public:
   /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
+  /// The layers that are drawn, as they are at a frame: for a renderer of one's own (player/gl).
+  std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
+
 private:
   bool is_drawn(std::size_t layer, double frame) const { return frame >= static_cast<double>(first_frames_.at(layer)); }
-  std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
   fields::PosedField posed(std::size_t layer, double frame) const;
 
   clip::Clip clip_;

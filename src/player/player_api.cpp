@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -15,20 +14,8 @@
 #include "clip/clip_io.h"
 #include "core/error.h"
 #include "player/picture_view.h"
-#include "player/playback_clock.h"
-#include "player/player.h"
+#include "player/player_handle.h"
 #include "player/subject.h"
-
-struct KinoraPlayer {
-  explicit KinoraPlayer(kinora::clip::Clip clip, std::uint64_t file_bytes)
-      : player(std::move(clip)), bytes(file_bytes), clock(player.clip().times) {}
-
-  kinora::player::Player player;
-  std::uint64_t bytes;
-  std::atomic<std::uint64_t> cancellations = 0;
-  mutable std::mutex clock_mutex;
-  kinora::player::PlaybackClock clock;
-};
 
 namespace kinora::player {
 namespace {

@@ -6,7 +6,7 @@ import { listenToPointers, viewAfterKey } from "./gestures.js";
 import { formatPlace, type Place } from "./link.js";
 import { MediaAttributes } from "./media.js";
 import { makeMenu } from "./menu.js";
-import type { Layer, Picture, ViewName } from "./messages.js";
+import type { DrawnBy, Layer, Picture, ViewName } from "./messages.js";
 import { fetchClip } from "./source.js";
 import { Stage } from "./stage.js";
 import { stateOfArrival, Surface } from "./surface.js";
@@ -179,6 +179,14 @@ export class KinoraPlayerElement extends MediaAttributes {
   get place(): string {
     return formatPlace(this.currentTime, this.camera);
   }
+  /** Who draws, from the next clip on: "auto", "cpu" or "webgl". */
+  get drawnBy(): DrawnBy {
+    const stated = this.getAttribute("drawn-by");
+    return stated === "cpu" || stated === "webgl" ? stated : "auto";
+  }
+  set drawnBy(by: DrawnBy) {
+    this.setAttribute("drawn-by", by);
+  }
   /** The open clip: for those who draw it themselves. */
   get stage(): Stage | null {
     return this.#stage;
@@ -210,7 +218,7 @@ export class KinoraPlayerElement extends MediaAttributes {
         ended: () => this.#ended(),
         failed: (fault: Fault) => this.#fail(fault),
       };
-      const stage = await Stage.open(arriving, name, this.#surface.canvas, signal, events);
+      const stage = await Stage.open(arriving, name, this.drawnBy, this.#surface.canvas, signal, events);
       if (signal.aborted) return stage.close();
       this.#start(stage);
     } catch (thrown) {

@@ -7,6 +7,20 @@ declare module "kinora-module" {
     HEAPF64: Float64Array<ArrayBuffer>;
     UTF8ToString(address: number): string;
     stringToUTF8(text: string, address: number, maxBytes: number): void;
+    GL: {
+      registerContext(context: WebGL2RenderingContext, attributes: { majorVersion: number; minorVersion: number }): number;
+      makeContextCurrent(handle: number): boolean;
+    };
+    _module_gl_open(): number;
+    _module_gl_error(): number;
+    _module_gl_draw(
+      renderer: number,
+      player: number,
+      seconds: number,
+      camera: number,
+      visible: number,
+      color: number,
+    ): number;
     _malloc(bytes: number): number;
     _free(address: number): void;
     _kinora_player_open_memory(bytes: number, size: number, name: number, player: number): number;

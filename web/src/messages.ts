@@ -38,10 +38,14 @@ export interface Picture {
   color: Uint8ClampedArray<ArrayBuffer>; // sRGB and straight alpha
   depth: Float32Array<ArrayBuffer> | null; // metres; 0: nothing
   milliseconds: number;
+  by: "cpu" | "webgl";
 }
 
+/** Who draws: the GPU where there is one that draws faster than the CPU; the CPU; WebGL in any case. */
+export type DrawnBy = "auto" | "cpu" | "webgl";
+
 export type Call =
-  | { kind: "open"; clip: Blob; name: string }
+  | { kind: "open"; clip: Blob; name: string; by: DrawnBy }
   | { kind: "subject"; time: number }
   | { kind: "captureCamera"; time: number }
   | { kind: "draw"; request: DrawRequest };

@@ -2,7 +2,8 @@
 import createModule, { type KinoraModule } from "kinora-module";
 import { fitted, type Camera, type Vector } from "./camera.js";
 import { faultOfStatus } from "./faults.js";
-import { views, type ClipInfo, type DrawRequest, type Layer, type Picture } from "./messages.js";
+import { GpuDrawing } from "./gpu.js";
+import { views, type ClipInfo, type DrawnBy, type DrawRequest, type Layer, type Picture } from "./messages.js";
 
 const cameraNumbers = 22;
 
@@ -10,10 +11,11 @@ export class ClipPlayer {
   private constructor(
     private readonly module: KinoraModule,
     private readonly player: number,
+    private readonly gpu: GpuDrawing | null,
   ) {}
 
   /** Throws a Fault if the bytes are no clip. */
-  static async open(wasm: ArrayBuffer, bytes: ArrayBuffer, name: string): Promise<ClipPlayer> {
+  static async open(wasm: ArrayBuffer, bytes: ArrayBuffer, name: string, by: DrawnBy): Promise<ClipPlayer> {
     const module = await createModule({ wasmBinary: wasm });
     const out = module._malloc(4);
     const text = module._malloc(4 * name.length + 1);
@@ -24,7 +26,7 @@ export class ClipPlayer {
     const player = module.HEAPU32[out >> 2]!;
     for (const p of [clip, text, out]) module._free(p);
     if (status !== 0) throw faultOfStatus(status, module.UTF8ToString(module._kinora_player_error()));
-    return new ClipPlayer(module, player);
+    return new ClipPlayer(module, player, by === "cpu" ? null : GpuDrawing.open(module, by === "webgl"));
   }
 
   info(): ClipInfo {
@@ -63,14 +65,17 @@ export class ClipPlayer {
         numbers >> 3,
       );
       const view = views.indexOf(request.view);
-      this.check(
-        m._module_draw(this.player, request.time, numbers, visible, view, Number(request.preview), color, depth),
-      );
+      const byGpu = view === 0 && !request.withDepth && this.gpu?.draw(this.player, request.time, numbers, visible, color);
+      if (!byGpu) {
+        const preview = Number(request.preview);
+        this.check(m._module_draw(this.player, request.time, numbers, visible, view, preview, color, depth));
+      }
       return {
         camera,
         color: new Uint8ClampedArray(m.HEAPU8.slice(color, color + 4 * pixels).buffer),
         depth: depth ? m.HEAPF32.slice(depth >> 2, (depth >> 2) + pixels) : null,
         milliseconds: performance.now() - started,
+        by: byGpu ? "webgl" : "cpu",
       };
     } finally {
       for (const p of [color, depth, visible, numbers]) m._free(p);

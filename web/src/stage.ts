@@ -3,7 +3,7 @@ import { poseOf, type Camera, type Vector, type View } from "./camera.js";
 import { frameAt, PlaybackClock } from "./clock.js";
 import { Drawer } from "./drawer.js";
 import { FaultCode, type Fault } from "./faults.js";
-import type { ClipInfo, DrawRequest, Picture, ViewName } from "./messages.js";
+import type { ClipInfo, DrawnBy, DrawRequest, Picture, ViewName } from "./messages.js";
 import { Resolution, withPixels, type Size } from "./resolution.js";
 
 const mostDrawers = 2;
@@ -40,6 +40,7 @@ export class Stage {
   #shown = this.#asked;
   #cameraMoved = -Infinity;
   #lastMilliseconds = 0;
+  #byGpu = false;
   #late = false;
   #lateSince = 0;
   #animation = 0;
@@ -67,6 +68,7 @@ export class Stage {
   static async open(
     arriving: Promise<Blob>,
     name: string,
+    by: DrawnBy,
     canvas: HTMLCanvasElement,
     signal: AbortSignal,
     events: StageEvents,
@@ -77,12 +79,12 @@ export class Stage {
       const clip = await arriving;
       signal.throwIfAborted();
       events.opening();
-      const info = await first.ask({ kind: "open", clip, name });
+      const info = await first.ask({ kind: "open", clip, name, by });
       const capture = await first.ask({ kind: "captureCamera", time: info.times[0]! });
       const subject = await first.ask({ kind: "subject", time: info.times[0]! });
       const stage = new Stage(info, capture, subject, first, canvas, events);
       stage.#animate();
-      void stage.#addDrawers(clip, name, signal);
+      void stage.#addDrawers(clip, name, by, signal);
       return stage;
     } catch (thrown) {
       first.close();
@@ -127,13 +129,14 @@ export class Stage {
   }
 
   /** Each has the clip for itself: threads that share memory need pages that are isolated, which few are. */
-  async #addDrawers(clip: Blob, name: string, signal: AbortSignal): Promise<void> {
+  async #addDrawers(clip: Blob, name: string, by: DrawnBy, signal: AbortSignal): Promise<void> {
     while (this.#drawers.length < Stage.drawers && !signal.aborted) {
       while (this.#shown.number === 0 && !signal.aborted) await new Promise((resolve) => setTimeout(resolve, 50));
+      if (this.#byGpu) return; // there is one, and it is fast enough
       const drawer = new Drawer();
       signal.addEventListener("abort", () => drawer.close());
       try {
-        await drawer.ask({ kind: "open", clip, name });
+        await drawer.ask({ kind: "open", clip, name, by });
       } catch {
         drawer.close(); // one less: slower, and no fault
         return;
@@ -200,6 +203,7 @@ export class Stage {
     }
     if (asked.number < this.#shown.number) return; // a later one was faster
     this.#shown = asked;
+    this.#byGpu = picture.by === "webgl";
     this.#lateSince = performance.now();
     const { width, height } = picture.camera;
     if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });

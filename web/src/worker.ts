@@ -1,7 +1,7 @@
 // The worker: one clip, decoded and drawn beside the page's own thread.
 import { asFault, Fault, FaultCode } from "./faults.js";
 import { ClipPlayer } from "./module.js";
-import type { Answer, Call, ClipInfo, Picture, Question, Results } from "./messages.js";
+import type { Answer, Call, ClipInfo, DrawnBy, Picture, Question, Results } from "./messages.js";
 
 let player: ClipPlayer | null = null;
 // Comes while the clip does.
@@ -11,15 +11,15 @@ const wasm = fetch(address).then(
   () => null,
 );
 
-async function open(clip: Blob, name: string): Promise<ClipInfo> {
+async function open(clip: Blob, name: string, by: DrawnBy): Promise<ClipInfo> {
   const code = await wasm;
   if (!code) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
-  player = await ClipPlayer.open(code, await clip.arrayBuffer(), name);
+  player = await ClipPlayer.open(code, await clip.arrayBuffer(), name, by);
   return player.info();
 }
 
 async function answerTo(call: Call): Promise<Results[keyof Results]> {
-  if (call.kind === "open") return open(call.clip, call.name);
+  if (call.kind === "open") return open(call.clip, call.name, call.by);
   if (!player) throw new Fault(FaultCode.aborted, "no clip is open");
   if (call.kind === "subject") return player.subject(call.time);
   if (call.kind === "captureCamera") return player.captureCamera(call.time);
