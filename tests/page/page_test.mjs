@@ -212,6 +212,33 @@ claim("on a phone one finger turns and two come nearer", async (world) => {
   await closed(page);
 });
 
+claim("WebGL draws the picture of the CPU", async (world) => {
+  const page = await opened(world, "carry_box.mkv", {}, "#t=0.2");
+  await shown(page);
+  const [by, similarity] = await page.evaluate(async (src) => {
+    const first = document.querySelector("kinora-player");
+    const second = Object.assign(document.createElement("kinora-player"), { src, drawnBy: "webgl" });
+    const ready = new Promise((resolve) => second.addEventListener("loadedmetadata", resolve));
+    second.hidden = true; // a program that draws in the GPU's place takes long: one small picture is enough
+    document.body.append(second);
+    await ready;
+    const camera = { pose: null, width: 160, height: 120 };
+    const request = { ...first.stage.wanted, camera, preview: true, withDepth: false };
+    const [cpu, webgl] = await Promise.all([first, second].map((player) => player.stage.draw(request)));
+    let sum = 0;
+    for (let i = 0; i < cpu.color.length; i += 4) {
+      for (let c = 0; c < 3; ++c) {
+        sum += ((cpu.color[i + c] * cpu.color[i + 3] - webgl.color[i + c] * webgl.color[i + 3]) / 255) ** 2;
+      }
+    }
+    return [webgl.by, 10 * Math.log10(255 ** 2 / (sum / (0.75 * cpu.color.length)))];
+  }, `${world.served.address}carry_box.mkv`);
+  console.log(`  ${similarity.toFixed(1)} dB`);
+  assert.equal(by, "webgl");
+  assert.ok(similarity >= 36, `${similarity} dB`);
+  await closed(page);
+});
+
 claim("in a scene of three.js it hides what is behind it and is hidden by what is before it", async (world) => {
   const page = await world.browser.newPage({ viewport: { width: 320, height: 240 } });
   page.setDefaultTimeout(90000);
