@@ -12,17 +12,6 @@ namespace kinora::clip {
 
 namespace {
 
-// To the nearest integer, halves up; not for a divisor of 0.
-std::int64_t rounded_quotient(std::int64_t a, std::int64_t b) {
-  if (b < 0) {
-    a = -a;
-    b = -b;
-  }
-  a += b / 2;
-  const std::int64_t quotient = a / b;
-  return a % b < 0 ? quotient - 1 : quotient;
-}
-
 WideQuaternion widened(const std::array<std::int32_t, 4>& q) { return {q[0], q[1], q[2], q[3]}; }
 
 WideQuaternion product(const WideQuaternion& a, const WideQuaternion& b) {
@@ -79,7 +68,17 @@ std::vector<RestPosition> quantise_rest(std::span<const Eigen::Vector3d> canonic
 
 Eigen::Vector3d dequantise(const RestPosition& rest) { return Eigen::Vector3d(rest[0], rest[1], rest[2]) / kRestUnits; }
 
-NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest) {
+std::int64_t rounded_quotient(std::int64_t a, std::int64_t b) {
+  if (b < 0) {
+    a = -a;
+    b = -b;
+  }
+  a += b / 2;
+  const std::int64_t quotient = a / b;
+  return a % b < 0 ? quotient - 1 : quotient;
+}
+
+NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest, const NodeSteps& steps) {
   constexpr double kTolerance = 1e-3;
   const Eigen::Quaterniond& q = node_to_world.real;
   if (!(std::abs(q.squaredNorm() - 1) < kTolerance)) {
@@ -88,16 +87,23 @@ NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest
   NodeState state;
   const Eigen::Vector3d position = node_to_world.to_se3() * dequantise(rest);
   for (int a = 0; a < 3; ++a) {
-    state.position[static_cast<std::size_t>(a)] = to_units(position[a], kLiveUnits, kFarthestLive);
+    state.position[static_cast<std::size_t>(a)] =
+        steps.position * to_units(position[a], kLiveUnits / steps.position, kFarthestLive / steps.position);
   }
   const Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());
-  const double scale = kQuaternionUnits / wxyz.cwiseAbs().maxCoeff();
+  const double scale = kQuaternionUnits / wxyz.cwiseAbs().maxCoeff() / steps.rotation;
   WideQuaternion rounded{};
   for (int c = 0; c < 4; ++c) rounded[static_cast<std::size_t>(c)] = std::lrint(wxyz[c] * scale);
   // q and −q are the same rotation: the largest component is positive.
   const int sign = rounded[largest_component(rounded)] < 0 ? -1 : 1;
-  for (std::size_t c = 0; c < 4; ++c) state.rotation[c] = static_cast<std::int32_t>(sign * rounded[c]);
+  for (std::size_t c = 0; c < 4; ++c) state.rotation[c] = static_cast<std::int32_t>(sign * steps.rotation * rounded[c]);
   return state;
+}
+
+bool is_multiple_of(const NodeState& state, const NodeSteps& steps) {
+  const auto is_multiple = [](std::int32_t step) { return [step](std::int32_t number) { return number % step == 0; }; };
+  return std::all_of(state.position.begin(), state.position.end(), is_multiple(steps.position)) &&
+         std::all_of(state.rotation.begin(), state.rotation.end(), is_multiple(steps.rotation));
 }
 
 DualQuaternion dequantise(const NodeState& state, const RestPosition& rest) {

@@ -31,14 +31,23 @@ struct NodeState {
                                        0}; ///< w x y z; the first of the largest is kQuaternionUnits
 };
 
+/// A state's numbers are multiples of these: position in 1/kLiveUnits, rotation in 1/kQuaternionUnits (a power of two).
+struct NodeSteps {
+  std::int32_t position = 1;
+  std::int32_t rotation = 1;
+};
+inline constexpr NodeSteps kFineSteps{1, 1};
+inline constexpr NodeSteps kCoarseSteps{4, 8};
+
 /// Throws Error(kFailure) if a position is not finite or too far away.
 RestPosition quantise_rest(const Eigen::Vector3d& canonical);
 std::vector<RestPosition> quantise_rest(std::span<const Eigen::Vector3d> canonical);
 Eigen::Vector3d dequantise(const RestPosition& rest);
 
 /// Throws Error(kFailure) if the transform is not finite, not of unit length, or carries the node too far away.
-/// quantise(dequantise(s)) = s.
-NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest);
+/// quantise(dequantise(s)) = s by the steps of s, and by finer ones that divide them.
+NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest, const NodeSteps& steps);
+bool is_multiple_of(const NodeState& state, const NodeSteps& steps);
 DualQuaternion dequantise(const NodeState& state, const RestPosition& rest);
 
 /// The first of the components that are largest in size.
@@ -49,6 +58,9 @@ template <class Integer> std::size_t largest_component(const std::array<Integer,
   }
   return largest;
 }
+
+/// a / b to the nearest integer, halves up; b is not 0.
+std::int64_t rounded_quotient(std::int64_t a, std::int64_t b);
 
 using WideQuaternion = std::array<std::int64_t, 4>; ///< w x y z, of any length
 
@@ -74,6 +86,10 @@ public:
   const std::vector<NodeState>& rest() const { return rest_; }
   /// Every node once, each near one that comes before it.
   const std::vector<std::uint32_t>& order() const { return order_; }
+  /// Those nearest to node `i` among the nodes before it, nearest first; at most NodePrediction::kMax.
+  std::span<const std::uint32_t> neighbours(std::size_t i) const {
+    return std::span(neighbours_[i].nodes).first(neighbours_[i].count);
+  }
   /// Of node `i`; those before it in the order are known in `now`.
   NodePrediction predict(std::size_t i, std::span<const NodeState> reference, std::span<const NodeState> now) const;
 

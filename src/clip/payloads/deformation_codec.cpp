@@ -18,7 +18,8 @@ using motion::Motion;
 namespace {
 
 constexpr std::uint8_t kGraphVersion = 1;
-constexpr std::uint8_t kPayloadVersion = 1;
+constexpr std::uint8_t kAllFineVersion = 1;
+constexpr std::uint8_t kPayloadVersion = 2;
 constexpr std::size_t kGraphHeaderBytes = 24;
 constexpr std::size_t kNodeBytes = 12;
 constexpr std::size_t kPayloadHeaderBytes = 2;
@@ -30,35 +31,6 @@ constexpr double kLargestRadius = 1e3;
 }
 
 bool is_radius(double metres) { return metres >= kSmallestRadius && metres <= kLargestRadius; }
-
-// A number is coded as its difference to a prediction. (An enemy's sum may wrap, but not into what is_valid() accepts.)
-template <class Coder>
-std::int32_t code_difference(Coder& coder, IntegerModel& model, std::int32_t prediction, std::int32_t value) {
-  const auto difference = static_cast<std::uint32_t>(code_integer(coder, model, value - prediction));
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(prediction) + difference);
-}
-
-template <class Coder>
-std::size_t code_face(Coder& coder, DeformationModels& models, std::size_t predicted, std::size_t face) {
-  if (coder.code(models.same_face, face == predicted)) return predicted;
-  const bool high = coder.code(models.face[0], (face & 2U) != 0);
-  const bool low = coder.code(models.face[high ? 2 : 1], (face & 1U) != 0);
-  return (high ? 2U : 0U) + (low ? 1U : 0U);
-}
-
-template <class Coder>
-void code_node(Coder& coder, DeformationModels& models, const NodePrediction& prediction, NodeState& node) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    node.position[a] = code_difference(coder, models.position[a], prediction.position[a], node.position[a]);
-  }
-  const std::size_t face = code_face(coder, models, prediction.face(), largest_component(node.rotation));
-  node.rotation[face] = kQuaternionUnits;
-  for (std::size_t c = 0, m = 0; c < 4; ++c) {
-    if (c == face) continue;
-    const std::int32_t predicted = prediction.component(face, c);
-    node.rotation[c] = code_difference(coder, models.rotation[m++], predicted, node.rotation[c]);
-  }
-}
 
 bool is_valid(const NodeState& node) {
   const auto is_near = [](std::int32_t coordinate) {
@@ -131,11 +103,17 @@ DeformationCoding::DeformationCoding(const DeformationGraph& graph)
     : rest_(quantise_rest(graph.nodes())), predictor_(rest_) {}
 
 template <class Coder>
-void DeformationCoding::code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& location) {
-  if (key) models_ = {};
+void DeformationCoding::code(Coder& coder, bool key, bool all_fine, std::vector<NodeState>& nodes,
+                             const std::string& location) {
+  if (key) {
+    models_ = {};
+    surprises_.assign(rest_.size(), {});
+  }
   const std::vector<NodeState>& reference = key ? predictor_.rest() : last_;
+  NodeSyntax<Coder> syntax(coder, models_, all_fine);
   for (const std::uint32_t i : predictor_.order()) {
-    code_node(coder, models_, predictor_.predict(i, reference, nodes), nodes[i]);
+    const PerNumber<std::size_t> activity = activity_around(predictor_.neighbours(i), i, surprises_);
+    surprises_[i] = syntax.code(predictor_.predict(i, reference, nodes), activity, nodes[i]);
     if (!is_valid(nodes[i])) reject(location, fmt::format("node {} is turned or moved impossibly", i));
   }
   last_ = nodes;
@@ -143,13 +121,12 @@ void DeformationCoding::code(Coder& coder, bool key, std::vector<NodeState>& nod
 
 DeformationEncoder::Coded DeformationEncoder::encode(const Motion::Deformation& deformation) {
   const bool key = frame_++ % kKeyInterval == 0;
-  std::vector<NodeState> nodes;
-  for (std::size_t i = 0; i < rest_.size(); ++i) nodes.push_back(quantise(deformation.node_to_world.at(i), rest_[i]));
+  std::vector<NodeState> nodes = rounding_.rounded(deformation.node_to_world, rest_);
   Bytes out;
   put(out, kPayloadVersion);
   put(out, static_cast<std::uint8_t>(deformation.health));
   RangeEncoder coder;
-  code(coder, key, nodes, "a deformation");
+  code(coder, key, false, nodes, "a deformation");
   const Bytes coded = coder.finish();
   out.insert(out.end(), coded.begin(), coded.end());
   return {key, std::move(out)};
@@ -158,9 +135,10 @@ DeformationEncoder::Coded DeformationEncoder::encode(const Motion::Deformation& 
 Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payload, bool key,
                                                const std::string& location) {
   if (payload.size() < kPayloadHeaderBytes) reject(location, "a deformation is too short");
-  if (const auto version = get<std::uint8_t>(payload, 0); version != kPayloadVersion) {
-    reject(location,
-           fmt::format("a deformation has version {}; this Kinora reads version {}", version, kPayloadVersion));
+  const auto version = get<std::uint8_t>(payload, 0);
+  if (version != kAllFineVersion && version != kPayloadVersion) {
+    reject(location, fmt::format("a deformation has version {}; this Kinora reads versions {} and {}", version,
+                                 kAllFineVersion, kPayloadVersion));
   }
   const auto health = get<std::uint8_t>(payload, 1);
   if (health > static_cast<std::uint8_t>(motion::Health::kLost)) {
@@ -169,7 +147,7 @@ Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payloa
   if (!key && !started_) reject(location, "a deformation without an earlier one to which it refers");
   RangeDecoder coder(payload.subspan(kPayloadHeaderBytes), location);
   std::vector<NodeState> nodes(rest_.size());
-  code(coder, key, nodes, location);
+  code(coder, key, version == kAllFineVersion, nodes, location);
   coder.finish();
   started_ = true;
   Motion::Deformation deformation;

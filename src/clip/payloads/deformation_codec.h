@@ -2,15 +2,15 @@
 // docs/container.md specifies them.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "clip/coding/node_quantiser.h"
-#include "clip/coding/range_coder.h"
 #include "clip/coding/zstd_codec.h"
+#include "clip/payloads/deformation_rounding.h"
+#include "clip/payloads/deformation_syntax.h"
 #include "motion/motion.h"
 
 namespace kinora::clip {
@@ -31,34 +31,28 @@ std::shared_ptr<const motion::DeformationGraph> decode_graph(std::span<const std
 /// Memory that a motion takes once it is decoded.
 std::uint64_t decoding_memory(const motion::DeformationGraph& graph, std::size_t frames);
 
-/// What has been learnt about the differences since the last key payload.
-struct DeformationModels {
-  std::array<IntegerModel, 3> position;
-  std::array<IntegerModel, 3> rotation;
-  BitModel same_face;
-  std::array<BitModel, 3> face;
-};
-
 /// What writer and reader know after each payload, and the syntax of one, which is the same for both.
 class DeformationCoding {
 protected:
   explicit DeformationCoding(const motion::DeformationGraph& graph);
-  template <class Coder> void code(Coder& coder, bool key, std::vector<NodeState>& nodes, const std::string& location);
+  /// `all_fine`: version 1 of payloads.
+  template <class Coder>
+  void code(Coder& coder, bool key, bool all_fine, std::vector<NodeState>& nodes, const std::string& location);
 
   std::vector<RestPosition> rest_;
 
 private:
   NodePredictor predictor_;
   std::vector<NodeState> last_;
+  std::vector<NodeSurprise> surprises_; // the last of each node
   DeformationModels models_;
 };
 
-/// Deformations, frame after frame, into payloads: positions of nodes to 0.06 mm for each axis, rotations to 10⁻³ rad.
-/// Not thread-safe.
+/// Deformations, frame after frame, into payloads, rounded as DeformationRounding does. Not thread-safe.
 class DeformationEncoder : DeformationCoding {
 public:
   /// Throws Error(kFailure) if the graph cannot be stored.
-  explicit DeformationEncoder(const motion::DeformationGraph& graph) : DeformationCoding(graph) {}
+  explicit DeformationEncoder(const motion::DeformationGraph& graph) : DeformationCoding(graph), rounding_(graph) {}
 
   struct Coded {
     bool key;
@@ -68,6 +62,7 @@ public:
   Coded encode(const motion::Motion::Deformation& deformation);
 
 private:
+  DeformationRounding rounding_;
   std::size_t frame_ = 0;
 };
 

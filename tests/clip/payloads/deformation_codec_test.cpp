@@ -86,7 +86,14 @@ std::vector<Motion> hard_motions() {
   return motions;
 }
 
-TEST(DeformationCodec, KeepsNodesToSixHundredthsOfAMillimetreAndAMilliradian) {
+/// A point at a node or, along one axis, at a weight radius from it.
+Eigen::Vector3d point_about(const DeformationGraph& graph, std::size_t node, int direction) {
+  const Eigen::Vector3d& position = graph.nodes()[node];
+  if (direction == 6) return position;
+  return position + (direction % 2 == 0 ? 1 : -1) * graph.weight_radius() * Eigen::Vector3d::Unit(direction / 2);
+}
+
+TEST(DeformationCodec, KeepsNodesToHalfAMillimetreAndSevenMilliradians) {
   for (const Motion& motion : hard_motions()) {
     const Motion back = load(store(motion));
     ASSERT_EQ(back.deformations().size(), motion.deformations().size());
@@ -96,8 +103,27 @@ TEST(DeformationCodec, KeepsNodesToSixHundredthsOfAMillimetreAndAMilliradian) {
         const SE3 a = motion.deformations()[f].node_to_world[i].to_se3();
         const SE3 b = back.deformations()[f].node_to_world[i].to_se3();
         const Eigen::Vector3d error = b * back.graph()->nodes()[i] - a * motion.graph()->nodes()[i];
-        EXPECT_LE(error.cwiseAbs().maxCoeff(), 0.5 / kLiveUnits + 1e-6);
-        EXPECT_LE(rotation_angle(a.inverse() * b), 1e-3);
+        EXPECT_LE(error.norm(), kLargestMotionError);
+        EXPECT_LE(rotation_angle(a.inverse() * b), 7e-3);
+      }
+    }
+  }
+}
+
+TEST(DeformationCodec, KeepsPointsAboutNodesToHalfAMillimetre) {
+  WalkerOptions options;
+  options.frames = 40;
+  const Motion motion = walker(options);
+  const Motion back = load(store(motion));
+  for (std::size_t f = 0; f < motion.deformations().size(); ++f) {
+    const motion::Warp a = motion.warp(static_cast<double>(f));
+    const motion::Warp b = back.warp(static_cast<double>(f));
+    for (std::size_t i = 0; i < motion.graph()->nodes().size(); ++i) {
+      for (int direction = 0; direction < 7; ++direction) {
+        const Eigen::Vector3d point = point_about(*motion.graph(), i, direction);
+        const motion::Influence influence = motion.graph()->influence(point);
+        if (influence.count == 0) continue;
+        EXPECT_LE((a.at(influence) * point - b.at(influence) * point).norm(), kLargestMotionError + 2e-6);
       }
     }
   }
@@ -132,7 +158,7 @@ TEST(DeformationCodec, TakesLittleRoomForAWalker) {
   WalkerOptions options; // 450 nodes
   const Motion motion = walker(options);
   const Stored stored = store(motion);
-  EXPECT_LT(bytes_of(stored) / options.frames, 1800U);
+  EXPECT_LT(bytes_of(stored) / options.frames, 900U);
   const Motion back = load(stored);
   Random random(3);
   double sum = 0;
@@ -143,12 +169,12 @@ TEST(DeformationCodec, TakesLittleRoomForAWalker) {
     const auto wanted = motion.warp(frame).to_world(point);
     const auto got = back.warp(frame).to_world(point);
     if (!wanted || !got) continue;
-    EXPECT_LT((*got - *wanted).norm(), 0.3e-3);
+    EXPECT_LT((*got - *wanted).norm(), 0.6e-3);
     sum += (*got - *wanted).norm();
     ++count;
   }
   EXPECT_GT(count, 1900);
-  EXPECT_LT(sum / count, 0.05e-3);
+  EXPECT_LT(sum / count, 0.2e-3);
 }
 
 TEST(DeformationCodec, TakesHardlyAnyRoomWhenALayerIsHeld) {
@@ -201,7 +227,7 @@ TEST(DeformationCodec, RejectsPayloadsThatAreNotWhole) {
   longer.resize(good.size() + 8);
   expect_corrupt(longer);
   Bytes other = good;
-  other[0] = std::byte{2}; // version
+  other[0] = std::byte{3}; // version
   expect_corrupt(other);
   other = good;
   other[1] = std::byte{3}; // health

@@ -1,0 +1,96 @@
+// The syntax of a deformation's nodes, for writer and reader. docs/container.md specifies it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <span>
+
+#include "clip/coding/node_quantiser.h"
+#include "clip/coding/range_coder.h"
+
+namespace kinora::clip {
+
+/// One for each number of a node that is coded: position x, y, z, then three components of the rotation.
+template <class T> using PerNumber = std::array<T, 6>;
+
+/// Sizes of the differences to what was expected of a node, in steps of kCoarseSteps.
+using NodeSurprise = PerNumber<std::uint32_t>;
+
+/// What has been learnt about the differences since the last key payload.
+struct DeformationModels {
+  static constexpr std::size_t kActivities = 6; ///< classes of coarse nodes, by how large differences were around them
+  static constexpr std::size_t kFine = kActivities;
+  PerNumber<std::array<IntegerModel, kActivities + 1>> difference;
+  BitModel fine;
+  BitModel same_face;
+  std::array<BitModel, 3> face;
+};
+
+/// How large the differences were around a node, as classes: those of its neighbours, and its own in the payload
+/// before.
+inline PerNumber<std::size_t> activity_around(std::span<const std::uint32_t> neighbours, std::size_t node,
+                                              std::span<const NodeSurprise> surprises) {
+  PerNumber<std::size_t> activity{};
+  for (std::size_t n = 0; n < activity.size(); ++n) {
+    std::uint64_t sum = surprises[node][n];
+    for (const std::uint32_t neighbour : neighbours) sum += surprises[neighbour][n];
+    activity[n] = std::min<std::size_t>(DeformationModels::kActivities - 1, std::bit_width(sum));
+  }
+  return activity;
+}
+
+/// One node's syntax. Coders are RangeEncoder and RangeDecoder.
+template <class Coder> class NodeSyntax {
+public:
+  /// `all_fine`: version 1, which knows neither steps nor activities.
+  NodeSyntax(Coder& coder, DeformationModels& models, bool all_fine)
+      : coder_(coder), models_(models), all_fine_(all_fine) {}
+
+  /// Writes or reads `node`.
+  NodeSurprise code(const NodePrediction& prediction, const PerNumber<std::size_t>& activity, NodeState& node) {
+    const bool fine = all_fine_ || coder_.code(models_.fine, !is_multiple_of(node, kCoarseSteps));
+    const NodeSteps& steps = fine ? kFineSteps : kCoarseSteps;
+    const auto model = [&](std::size_t n) -> IntegerModel& {
+      return models_.difference[n][all_fine_ ? 0 : fine ? DeformationModels::kFine : activity[n]];
+    };
+    NodeSurprise surprise{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::uint32_t size = number(model(a), prediction.position[a], steps.position, node.position[a]);
+      surprise[a] = size / static_cast<std::uint32_t>(kCoarseSteps.position / steps.position);
+    }
+    const std::size_t face = code_face(prediction.face(), largest_component(node.rotation));
+    node.rotation[face] = kQuaternionUnits;
+    for (std::size_t c = 0, n = 3; c < 4; ++c) {
+      if (c == face) continue;
+      const std::uint32_t size = number(model(n), prediction.component(face, c), steps.rotation, node.rotation[c]);
+      surprise[n++] = size / static_cast<std::uint32_t>(kCoarseSteps.rotation / steps.rotation);
+    }
+    return surprise;
+  }
+
+private:
+  // Writes or reads `value` as its difference to a prediction, in steps; returns the difference's size. What an enemy
+  // makes too large stays too large: whoever asked refuses it.
+  std::uint32_t number(IntegerModel& model, std::int32_t prediction, std::int32_t step, std::int32_t& value) {
+    constexpr std::int64_t kTooLarge = std::int64_t{1} << 30;
+    const std::int64_t expected = rounded_quotient(prediction, step);
+    const std::int32_t difference = code_integer(coder_, model, static_cast<std::int32_t>(value / step - expected));
+    value = static_cast<std::int32_t>(std::clamp((expected + difference) * step, -kTooLarge, kTooLarge));
+    return static_cast<std::uint32_t>(std::abs(std::int64_t{difference}));
+  }
+
+  std::size_t code_face(std::size_t predicted, std::size_t face) {
+    if (coder_.code(models_.same_face, face == predicted)) return predicted;
+    const bool high = coder_.code(models_.face[0], (face & 2U) != 0);
+    const bool low = coder_.code(models_.face[high ? 2 : 1], (face & 1U) != 0);
+    return (high ? 2U : 0U) + (low ? 1U : 0U);
+  }
+
+  Coder& coder_;
+  DeformationModels& models_;
+  bool all_fine_;
+};
+
+} // namespace kinora::clip
