@@ -80,9 +80,10 @@ endfunction()
 add_custom_target(sanitized_tests)
 add_custom_target(threaded_tests)
 
-# kinora_test(name SOURCES a.cpp … [LINK lib …] [LABELS l …] [TIMEOUT s]): GoogleTest program, one CTest entry per test.
+# kinora_test(name SOURCES a.cpp … [LINK lib …] [LABELS l …] [TIMEOUT s] [FIXTURE f]): GoogleTest program, one CTest entry
+# per test; FIXTURE names what another test has to set up before (CTest's FIXTURES_SETUP).
 function(kinora_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "SOURCES;LINK;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS")
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE kinora_flags ${arg_LINK} kinora_test_support Eigen3::Eigen GTest::gtest_main)
   kinora_use_pch(${name})
@@ -96,10 +97,13 @@ function(kinora_test name)
     add_dependencies(threaded_tests ${name})
   endif()
   string(REPLACE ";" "\\;" labels "${arg_LABELS}") # one value through gtest_discover_tests, a list again in CTest
+  if(arg_FIXTURE)
+    set(fixture FIXTURES_REQUIRED ${arg_FIXTURE})
+  endif()
   include(GoogleTest)
   gtest_discover_tests(
     ${name}
     TEST_PREFIX ${name}.
     DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${labels}")
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} ${fixture} LABELS "${labels}")
 endfunction()

@@ -1,0 +1,162 @@
+// What foreign programs make of Kinora's files, compared with what kinora render draws.
+#include <nlohmann/json.hpp>
+
+#include <gtest/gtest.h>
+
+#include "cli/run_kinora.h"
+#include "core/camera.h"
+#include "core/image_codec.h"
+#include "core/metrics.h"
+#include "support/source_folder.h"
+
+namespace kinora::interop {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr std::array<int, 3> kFrames{0, 3, 7}; ///< of the clip
+constexpr double kFramesPerSecond = 30;
+
+bool runs(const std::string& command) { return std::system((command + " > /dev/null 2>&1").c_str()) == 0; }
+
+fs::path script(const char* name) { return test::source_folder() / "tests/interop" / name; }
+
+/// Of samples/carry_box.
+Intrinsics intrinsics() { return Intrinsics{640, 480, 525, 525, 319.5, 239.5}.resized(kWidth, kHeight); }
+
+/// A folder of this test's own, which stays there to be looked at.
+class Interop : public testing::Test {
+protected:
+  Interop() : folder_(fs::path(KINORA_INTEROP_FOLDER) / testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+
+  void kinora(std::vector<std::string> words) const {
+    const test::Said said = test::Running(folder_, std::move(words)).finish();
+    ASSERT_EQ(said.code, 0) << said.err;
+  }
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  static std::string clip() { return (fs::path(KINORA_INTEROP_FOLDER) / "clip.mkv").string(); }
+
+  /// Pictures of the same from kinora render, as reference/00000N.png.
+  void draw_reference() const {
+    kinora({"render", clip(), path("reference").string(), "--layers", "person,object", "--size", "320x240"});
+  }
+  void run_script(const std::string& command, const Json& job) const {
+    std::ofstream(path("job.json")) << job.dump(1);
+    const std::string all = command + " '" + path("job.json").string() + "' > '" + path("log.txt").string() + "' 2>&1";
+    ASSERT_EQ(std::system(all.c_str()), 0) << test::contents_of(path("log.txt"));
+  }
+  static Json camera() {
+    const Intrinsics c = intrinsics();
+    return {{"w", c.width}, {"h", c.height}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}};
+  }
+  static Json times() {
+    Json times = Json::array();
+    for (const int frame : kFrames) times.push_back(frame / kFramesPerSecond);
+    return times;
+  }
+
+  static ColorImage read(const fs::path& file) {
+    const std::string bytes = test::contents_of(file);
+    return decode_color(std::as_bytes(std::span(bytes)), file.string());
+  }
+  /// A picture with transparency, as `out`_0.png and so on, against the reference.
+  void expect_same(const std::string& out, std::size_t pictures, double min_psnr) const {
+    for (std::size_t i = 0; i < pictures; ++i) {
+      const ColorImage made = read(path(out + "_" + std::to_string(i) + ".png"));
+      const ColorImage reference = read(path("reference/" + test::six_digits(kFrames[i]) + ".png"));
+      ASSERT_EQ(made.channels(), 4);
+      ASSERT_EQ(reference.channels(), 4);
+      ColorImage truth(reference.width(), reference.height(), 3);
+      LabelImage mask(reference.width(), reference.height());
+      for (std::size_t k = 0; k < reference.pixel_count(); ++k) {
+        std::copy_n(reference.data() + 4 * k, 3, truth.data() + 3 * k);
+        mask.data()[k] = reference.data()[4 * k + 3] > 127 ? 1 : 0;
+      }
+      const ImageMetrics metrics = compare_images(made, truth, mask);
+      std::printf("%s, frame %d: IoU %.3f, %.1f dB inside\n", out.c_str(), kFrames[i], metrics.iou,
+                  metrics.psnr_inside);
+      EXPECT_GE(metrics.iou, 0.9) << out << ", frame " << kFrames[i];
+      EXPECT_GE(metrics.psnr_inside, min_psnr) << out << ", frame " << kFrames[i];
+    }
+  }
+
+  fs::path folder_;
+};
+
+/// Blender 3.4's importer needs NumPy, which Debian only recommends.
+bool has_blender() { return runs("blender --version") && runs("/usr/bin/python3 -c 'import numpy'"); }
+
+std::string blender() {
+  return "blender -b --factory-startup --python-exit-code 1 --python '" + script("render_in_blender.py").string() +
+         "' --";
+}
+
+TEST_F(Interop, BlenderDrawsTheAnimatedMeshAsKinoraDoes) {
+  if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
+  draw_reference();
+  kinora({"convert", clip(), path("clip.glb").string(), "-O", "layers=person,object"});
+  run_script(blender(), {{"camera", camera()},
+                         {"fps", kFramesPerSecond},
+                         {"frames", kFrames},
+                         {"samples", 16},
+                         {"views", {{{"file", path("clip.glb").string()}, {"out", path("glb").string()}}}}});
+  expect_same("glb", kFrames.size(), 22);
+}
+
+TEST_F(Interop, BlenderDrawsTheVolumesAsKinoraDoes) {
+  if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
+  draw_reference();
+  kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object"});
+  Json files = Json::array();
+  for (const int frame : kFrames) files.push_back(path("clip_000" + std::to_string(frame + 1) + ".vdb").string());
+  run_script(blender(), {{"camera", camera()},
+                         {"fps", kFramesPerSecond},
+                         {"frames", kFrames},
+                         {"samples", 8},
+                         {"views", {{{"files", files}, {"out", path("vdb").string()}}}}});
+  expect_same("vdb", kFrames.size(), 22);
+}
+
+bool has_three() {
+  return runs("chromium --version") && runs("node --version") && fs::exists(script("node_modules/three"));
+}
+
+std::string three() { return "node '" + script("view_in_three.mjs").string() + "'"; }
+
+TEST_F(Interop, ThreeDrawsPlainMeshoptAndDracoFilesAsKinoraDoes) {
+  if (!has_three()) GTEST_SKIP() << "chromium, node or three.js is not installed; run tests/interop/install";
+  draw_reference();
+  Json views = Json::array();
+  for (const char* compression : {"none", "meshopt", "draco"}) {
+    const std::string name = std::string(compression) + ".glb";
+    kinora({"convert", clip(), path(name).string(), "-O", "layers=person,object", "-O",
+            std::string("compression=") + compression});
+    views.push_back({{"file", name}, {"out", compression}});
+  }
+  run_script(three(), {{"camera", camera()}, {"times", times()}, {"views", views}});
+  for (const char* compression : {"none", "meshopt", "draco"}) expect_same(compression, kFrames.size(), 22);
+}
+
+/// Its loader takes each mesh at its first time sample: so each frame is a file.
+TEST_F(Interop, ThreeDrawsUsdFilesAsKinoraDoes) {
+  if (!has_three()) GTEST_SKIP() << "chromium, node or three.js is not installed; run tests/interop/install";
+  draw_reference();
+  for (std::size_t i = 0; i < kFrames.size(); ++i) {
+    const std::string name = "usd " + std::to_string(i) + ".usda";
+    kinora({"convert", clip(), path(name).string(), "-O", "layers=person,object", "--frames",
+            std::to_string(kFrames[i]) + ":" + std::to_string(kFrames[i] + 1)});
+    const std::string out = "usd" + std::to_string(i);
+    run_script(three(), {{"camera", camera()}, {"times", {0}}, {"views", {{{"file", name}, {"out", out}}}}});
+    fs::rename(path(out + "_0.png"), path("usd_" + std::to_string(i) + ".png"));
+  }
+  expect_same("usd", kFrames.size(), 22);
+}
+
+} // namespace
+} // namespace kinora::interop
