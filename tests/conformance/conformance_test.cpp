@@ -1,5 +1,5 @@
 // Files of every version that was ever written, and what they must decode to: no later version may break them.
-#include "conformance/expected_fields.h"
+#include "conformance/expected.h"
 
 #include <gtest/gtest.h>
 
@@ -9,16 +9,22 @@
 namespace kinora::conformance {
 namespace {
 
-void expect_fields(const ExpectedFields& expected) {
+class Conformance : public testing::TestWithParam<Expected> {};
+
+TEST_P(Conformance, DecodesToTheSameBits) {
+  const Expected& expected = GetParam();
   const clip::Clip clip = clip::read_clip(test::source_folder() / "tests" / "conformance" / expected.file);
   ASSERT_EQ(clip.layers.size(), expected.layers.size());
   EXPECT_EQ(clip.times.size(), expected.frames);
   for (std::size_t l = 0; l < expected.layers.size(); ++l) {
-    EXPECT_EQ(checksums(clip.layers[l].field), expected.layers[l]) << clip.layers[l].name;
+    EXPECT_EQ(checksums(clip.layers[l]), expected.layers[l]) << expected.holds << ": " << clip.layers[l].name;
   }
 }
 
-TEST(Conformance, FieldsOfVersions3And4DecodeToTheSameBits) { expect_fields(kExpectedFields[0]); }
+INSTANTIATE_TEST_SUITE_P(Corpus, Conformance, testing::ValuesIn(kExpected), [](const auto& entry) {
+  const std::string file = entry.param.file;
+  return file.substr(0, file.find('.'));
+});
 
 } // namespace
 } // namespace kinora::conformance

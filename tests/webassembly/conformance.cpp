@@ -6,18 +6,18 @@
 #include <fmt/format.h>
 
 #include "clip/clip_io.h"
-#include "conformance/expected_fields.h"
+#include "conformance/expected.h"
 
 int main(int count, char** words) {
   using namespace kinora; // NOLINT: a program of one function
   if (count != 2) return 2;
   try {
     bool same = true;
-    for (const conformance::ExpectedFields& expected : conformance::kExpectedFields) {
+    for (const conformance::Expected& expected : conformance::kExpected) {
       const clip::Clip clip = clip::read_clip(std::filesystem::path(words[1]) / expected.file);
       same &= clip.layers.size() == expected.layers.size() && clip.times.size() == expected.frames;
       for (std::size_t i = 0; same && i < clip.layers.size(); ++i) {
-        same = conformance::checksums(clip.layers[i].field) == expected.layers[i];
+        same = conformance::checksums(clip.layers[i]) == expected.layers[i];
       }
       fmt::print("{}: {}\n", expected.file, same ? "the same bits" : "other bits");
     }

@@ -1,0 +1,64 @@
+// What the files of this folder decode to: bits that no later version, and no machine, may change.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "clip/clip.h"
+#include "clip/coding/node_quantiser.h"
+#include "container/crc32c.h"
+
+namespace kinora::conformance {
+
+/// Of table, density net, colour net as little-endian floats, and of the integers that a deforming layer's nodes have.
+using Checksums = std::array<std::uint32_t, 4>;
+
+template <class Values> std::uint32_t checksum_of(const Values& values) {
+  return container::crc32c(std::as_bytes(std::span(values)));
+}
+
+/// 0 of a layer that does not deform.
+inline std::uint32_t checksum_of_motion(const motion::Motion& motion) {
+  if (motion.kind() != motion::MotionKind::kDeforming) return 0;
+  const std::vector<clip::RestPosition> rest = clip::quantise_rest(motion.graph()->nodes());
+  std::vector<std::int32_t> numbers;
+  for (const motion::Motion::Deformation& deformation : motion.deformations()) {
+    numbers.push_back(static_cast<std::int32_t>(deformation.health));
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const clip::NodeState state = clip::quantise(deformation.node_to_world[i], rest[i], clip::kFineSteps);
+      numbers.insert(numbers.end(), state.position.begin(), state.position.end());
+      numbers.insert(numbers.end(), state.rotation.begin(), state.rotation.end());
+    }
+  }
+  return checksum_of(numbers);
+}
+
+inline Checksums checksums(const clip::Layer& layer) {
+  return {checksum_of(layer.field.table), checksum_of(layer.field.density_net), checksum_of(layer.field.color_net),
+          checksum_of_motion(layer.motion)};
+}
+
+struct Expected {
+  const char* file;
+  const char* holds;
+  std::size_t frames;
+  std::array<Checksums, 3> layers;
+};
+
+inline constexpr std::array<Expected, 2> kExpected{
+    {{"clip_fields_3_and_4.mkv",
+      "fields of versions 3 and 4, a deformation of version 1",
+      4,
+      {{{0x713C3E6F, 0x9F46A76E, 0x62145567, 0},
+        {0x8AD07818, 0x37BF03A1, 0x5BF0AF95, 0},
+        {0xD7BE131F, 0xF1CFE6F4, 0x3176A5A6, 0xB70F9054}}}},
+     {"clip_fields_5_deformation_2.mkv",
+      "fields of version 5, a deformation of version 2 with two key payloads",
+      33,
+      {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
+        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0},
+        {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}}}};
+
+} // namespace kinora::conformance
