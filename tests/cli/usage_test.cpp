@@ -225,9 +225,10 @@ TEST_F(Tool, MotionOfADeformingLayerHasItsNodes) {
       const SE3 expected = walker.deformations()[f].node_to_world[i].to_se3();
       const auto p = frame["nodes"][i].at("position").get<std::array<double, 3>>();
       const auto q = frame["nodes"][i].at("rotation").get<std::array<double, 4>>();
-      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - expected * walker.graph()->nodes()[i]).norm(), 2e-4);
+      // As deformations are rounded (docs/container.md).
+      EXPECT_LE((Eigen::Vector3d(p[0], p[1], p[2]) - expected * walker.graph()->nodes()[i]).norm(), 5e-4);
       EXPECT_LE(Eigen::Quaterniond(q[0], q[1], q[2], q[3]).angularDistance(Eigen::Quaterniond(expected.linear())),
-                2e-3);
+                7e-3);
     }
   }
 }

@@ -43,7 +43,7 @@ std::size_t opaque_pixels(const Picture& picture) {
   return count;
 }
 
-TEST(BentLayer, LosesLessThanHalfADecibelWhenItIsStored) {
+TEST(BentLayer, LosesLessThanThreeQuartersOfADecibelWhenItIsStored) {
   const Performance performance;
   const Field field = learn(performance, 300'000);
   clip::Clip clip;
@@ -58,7 +58,8 @@ TEST(BentLayer, LosesLessThanHalfADecibelWhenItIsStored) {
   const clip::Clip stored = clip::as_stored(clip);
   const double unstored_psnr = psnr_of(field, performance.motion);
   EXPECT_GT(unstored_psnr, 20); // there is something to lose
-  EXPECT_GT(psnr_of(stored.layers[0].field, stored.layers[0].motion), unstored_psnr - 0.5);
+  // Of 37.9 dB: half a decibel by rounding the field, 0.16 by rounding the motion to half a millimetre.
+  EXPECT_GT(psnr_of(stored.layers[0].field, stored.layers[0].motion), unstored_psnr - 0.75);
 }
 
 TEST(BentLayer, IsDrawnAlikeOnEveryInstructionSet) {
