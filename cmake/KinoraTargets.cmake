@@ -25,6 +25,10 @@ if(NOT EMSCRIPTEN)
   # For programs too: a precompiled header serves only those who agree on it.
   target_compile_options(kinora_flags INTERFACE -fPIC -fno-semantic-interposition)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # The compiler tidies its memory up less often: an eighth of its time.
+  target_compile_options(kinora_flags INTERFACE --param=ggc-min-heapsize=500000)
+endif()
 target_compile_options(
   kinora_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
                          -Werror -fno-math-errno -ffp-contract=off)
@@ -43,7 +47,7 @@ function(kinora_use_pch target)
       file(TOUCH ${CMAKE_BINARY_DIR}/pch.cpp)
     endif()
     add_library(kinora_pch OBJECT ${CMAKE_BINARY_DIR}/pch.cpp)
-    target_link_libraries(kinora_pch PRIVATE kinora_flags Eigen3::Eigen)
+    target_link_libraries(kinora_pch PRIVATE kinora_flags Eigen3::Eigen nlohmann_json::nlohmann_json)
     target_include_directories(kinora_pch PRIVATE ${PROJECT_SOURCE_DIR}/cmake)
     target_precompile_headers(kinora_pch PRIVATE <pch.h>)
   endif()
