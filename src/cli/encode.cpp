@@ -151,6 +151,7 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
     if (preview) preview->show(clip);
   };
   encode::EncodeResult result = encode::encode_live(*capture, request, how, context.progress);
+  file.finish(result.clip);
   result.report["live"]["disconnected"] = capture_how.device->was_disconnected();
   return result;
 }

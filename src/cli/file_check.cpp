@@ -28,7 +28,7 @@ FileCheck check_file(const std::filesystem::path& path, Progress& progress) {
   };
   for (const container::StoredAttachment& attachment : reader.attachments())
     note([&] { reader.read_attachment(attachment); });
-  if (check.kind == clip::kClipKind) note([&] { clip::read_clip(path); });
+  if (check.kind == clip::kClipKind || check.kind == clip::kLiveClipKind) note([&] { clip::read_clip(path); });
   if (check.kind == recording::kRecordingKind || reader.find_attachment(recording::kDescriptionName) != nullptr) {
     note([&] {
       recording::RecordingFile file(path);

@@ -12,21 +12,48 @@
 namespace kinora::cli {
 
 void GrowingClipFile::write(const clip::Clip& clip) {
-  if (!first_.can_be_read_back() || !is_there_) {
-    clip::write_clip(clip, first_.writing_path());
-    first_.commit();
-    is_there_ = true;
+  if (!output_.can_be_read_back()) return; // a device: nobody follows it
+  if (!live_) {
+    live_.emplace(output_.writing_path(), clip.intrinsics);
+    live_->write(clip);
+    output_.commit();
     return;
   }
-  Unfinished next(first_.path(), Unfinished::Kind::kFile);
-  clip::write_clip(clip, next.path());
+  try {
+    live_->write(clip);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnwritableOutput) throw;
+    live_->finish_at_last_update();
+    tell_what_is_there(error);
+  }
+}
+
+void GrowingClipFile::finish(const clip::Clip& clip) {
+  if (!live_) {
+    clip::write_clip(clip, output_.writing_path());
+    output_.commit();
+    return;
+  }
+  live_->finish(); // whoever follows it sees that this is all
+  Unfinished whole(output_.path(), Unfinished::Kind::kFile);
+  try {
+    clip::write_clip(clip, whole.path());
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnwritableOutput) throw;
+    tell_what_is_there(error);
+  }
   std::error_code error;
-  std::filesystem::rename(next.path(), first_.path(), error);
+  std::filesystem::rename(whole.path(), output_.path(), error);
   if (error) {
     throw Error(ErrorCode::kUnwritableOutput,
-                fmt::format("{} cannot be written: {}", first_.path().string(), error.message()));
+                fmt::format("{} cannot be written: {}", output_.path().string(), error.message()));
   }
-  next.keep();
+  whole.keep();
+}
+
+void GrowingClipFile::tell_what_is_there(const Error& error) const {
+  throw Error(ErrorCode::kUnwritableOutput,
+              fmt::format("{}; {} is complete up to there and can be read", error.what(), output_.path().string()));
 }
 
 LivePreview::LivePreview(std::filesystem::path pattern, double every, bool overwrite, const host::PluginTable& plugins)

@@ -1,4 +1,4 @@
-// A clip that is written again and again while it grows, and pictures of it.
+// A clip that can be read while it grows, and pictures of it.
 #pragma once
 
 #include <chrono>
@@ -7,22 +7,28 @@
 
 #include "cli/context.h"
 #include "cli/output_file.h"
-#include "clip/clip.h"
+#include "clip/live_clip_writer.h"
+#include "core/error.h"
 
 namespace kinora::cli {
 
-/// At any moment there is a whole file under the name, from the first write on: each stands in for the one before in
-/// one step. Not thread-safe.
+/// A live clip under the output's name from the first write on, which others may follow, and in the end a clip in its
+/// place. Not thread-safe.
 class GrowingClipFile {
 public:
-  /// `first`: of that name, not committed yet.
-  explicit GrowingClipFile(OutputFile& first) : first_(first) {}
-  /// Throws Error(kUnwritableOutput): what was written before stays.
+  /// `output`: not committed yet.
+  explicit GrowingClipFile(OutputFile& output) : output_(output) {}
+  /// The clip as it is now; it is on the disk when this returns. Throws Error(kUnwritableOutput): what was written
+  /// before stays, and is complete.
   void write(const clip::Clip& clip);
+  /// The clip as it stays, as if it had been encoded at once. Throws as above.
+  void finish(const clip::Clip& clip);
 
 private:
-  OutputFile& first_;
-  bool is_there_ = false;
+  [[noreturn]] void tell_what_is_there(const Error& error) const;
+
+  OutputFile& output_;
+  std::optional<clip::LiveClipWriter> live_;
 };
 
 /// How the last frame looks from the side, now and then: PATTERN_0001.png, … Not thread-safe.

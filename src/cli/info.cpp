@@ -9,6 +9,8 @@
 #include "cli/commands.h"
 #include "cli/file_check.h"
 #include "cli/text.h"
+#include "clip/codec_ids.h"
+#include "container/reader.h"
 #include "core/error.h"
 #include "ingest/capture/capture.h"
 
@@ -47,20 +49,22 @@ Json clip_json(const fs::path& path, Context& context) {
   clip::ByteAccount account;
   std::vector<std::string> missing;
   const clip::Clip clip = open_clip(path, context.progress, &account, &missing);
-  Json out = {{"schema", "kinora.info/1"},
-              {"path", path.string()},
-              {"kind", "clip"},
-              {"bytes", account.total},
-              {"frames", clip.times.size()},
-              {"bytes_per_frame", per_frame(account.total, clip.times.size())},
-              {"frames_per_second", frames_per_second(clip)},
-              {"duration_s", clip.times.back() - clip.times.front()},
-              {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
-              {"intrinsics", intrinsics_json(clip.intrinsics)},
-              {"layers", Json::array()},
-              {"parts", Json::array()},
-              {"missing", missing},
-              {"metadata", clip.metadata}};
+  Json out = {
+      {"schema", "kinora.info/1"},
+      {"path", path.string()},
+      {"kind", "clip"},
+      {"live", container::Reader(path, container::Reading::kSalvage).tag(container::kKindTag) == clip::kLiveClipKind},
+      {"bytes", account.total},
+      {"frames", clip.times.size()},
+      {"bytes_per_frame", per_frame(account.total, clip.times.size())},
+      {"frames_per_second", frames_per_second(clip)},
+      {"duration_s", clip.times.back() - clip.times.front()},
+      {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
+      {"intrinsics", intrinsics_json(clip.intrinsics)},
+      {"layers", Json::array()},
+      {"parts", Json::array()},
+      {"missing", missing},
+      {"metadata", clip.metadata}};
   for (const clip::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
   for (const auto& entry : account.entries) out["parts"].push_back({{"name", entry.name}, {"bytes", entry.bytes}});
   return out;
@@ -135,12 +139,13 @@ std::string size_text(const Json& info) {
 }
 
 std::string clip_text(const Json& info) {
-  std::string text = fmt::format("{}: a Kinora clip (volumetric video), {}, {} per frame\n{} frames, {:.2f} s at "
-                                 "{:.4g} frames/s; taken by a {} camera of {}\n",
-                                 info["path"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()),
-                                 format_bytes(info["bytes_per_frame"].get<std::size_t>()), info["frames"].get<int>(),
-                                 info["duration_s"].get<double>(), info["frames_per_second"].get<double>(),
-                                 info["camera"].get<std::string>(), size_text(info));
+  std::string text = fmt::format(
+      "{}: a Kinora clip (volumetric video){}, {}, {} per frame\n{} frames, {:.2f} s at "
+      "{:.4g} frames/s; taken by a {} camera of {}\n",
+      info["path"].get<std::string>(), info["live"].get<bool>() ? ", live: as of its last update" : "",
+      format_bytes(info["bytes"].get<std::size_t>()), format_bytes(info["bytes_per_frame"].get<std::size_t>()),
+      info["frames"].get<int>(), info["duration_s"].get<double>(), info["frames_per_second"].get<double>(),
+      info["camera"].get<std::string>(), size_text(info));
   Table table({"layer", "motion", "nodes", "tracked", "held", "lost", "parameters"});
   for (const Json& layer : info["layers"]) {
     const Json& health = layer["frames"];

@@ -9,6 +9,9 @@
 #include "cli/file_check.h"
 #include "cli/output_file.h"
 #include "cli/text.h"
+#include "clip/clip_io.h"
+#include "clip/codec_ids.h"
+#include "container/reader.h"
 #include "container/recovery.h"
 #include "core/error.h"
 
@@ -38,6 +41,8 @@ void run_recover(const Options& options, Context& context) {
   OutputFile out(options.output, context.shared.overwrite, {options.input});
   context.progress.stage("recovering", 0);
   const container::Recovery recovery = container::recover(options.input, out.writing_path(), context.progress);
+  if (container::Reader(out.writing_path()).tag(container::kKindTag) == clip::kLiveClipKind)
+    clip::write_clip(clip::read_clip(out.writing_path()), out.writing_path()); // its last update becomes a clip
   const FileCheck check = check_file(out.writing_path(), context.progress);
   out.commit();
   const std::vector<std::string> lost = losses_of(recovery);
@@ -53,10 +58,11 @@ void run_recover(const Options& options, Context& context) {
   }
   std::string text = fmt::format("{}: a {} with {} checked payloads and {} pictures or sounds\n",
                                  options.output.string(), check.kind, recovery.payloads, recovery.blocks);
-  text += lost.empty() ? "Nothing was lost.\n" : "Lost:\n";
+  if (!lost.empty()) text += "Lost:\n";
   for (const std::string& sentence : lost) text += "  " + sentence + "\n";
   if (!check.damage.empty()) text += "Not whole in what was saved:\n";
   for (const std::string& sentence : check.damage) text += "  " + sentence + "\n";
+  if (lost.empty() && check.damage.empty()) text += "Nothing was lost.\n";
   context.print(text);
 }
 

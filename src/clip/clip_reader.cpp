@@ -10,6 +10,7 @@
 #include "clip/clip_io.h"
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
+#include "clip/live_clip_reader.h"
 #include "clip/missing_parts.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
@@ -65,6 +66,7 @@ public:
 
   Clip read() {
     check_kind();
+    if (is_live()) return read_live();
     if (reader_.truncated() && missing_ == nullptr) {
       corrupt(fmt::format("byte {}: the file is cut short here; fetch it again", reader_.file_bytes()));
     }
@@ -153,11 +155,34 @@ private:
       if (reader_.truncated()) corrupt("the file is cut short before it says what it is; fetch it again");
       not_recognised("it is a Matroska file of another kind");
     }
-    if (*kind != kClipKind) not_recognised(fmt::format("it says that it is a {}", *kind));
+    if (*kind != kClipKind && *kind != kLiveClipKind) not_recognised(fmt::format("it says that it is a {}", *kind));
     const std::string version = reader_.tag(container::kVersionTag).value_or("(none)");
     if (version != std::to_string(container::kFileVersion)) {
       not_recognised(fmt::format("its layout has version {}; use a newer Kinora", version));
     }
+  }
+
+  bool is_live() const { return reader_.tag(container::kKindTag) == kLiveClipKind; }
+
+  /// Where it ends while it is written, or where its writer was killed, is no damage: the last whole update counts.
+  Clip read_live() {
+    const Intrinsics intrinsics = parse_intrinsics(attachment(kCalibrationFile), place_of(kCalibrationFile));
+    LiveClipDecoder decoder(reader_.name(), budget_);
+    std::size_t passed_over = 0;
+    try {
+      Payload payload;
+      while (reader_.next(payload)) {
+        if (payload.track != kUpdateTrack) continue;
+        bytes_[payload.track] += static_cast<std::size_t>(payload.stored_bytes);
+        if (!decoder.take(std::move(payload))) ++passed_over;
+      }
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCorruptInput || !reader_.truncated()) throw;
+    }
+    Clip clip = decoder.decode(intrinsics);
+    if (passed_over > 0 && missing_ == nullptr) corrupt(fmt::format("{} updates lack what they change", passed_over));
+    if (missing_ != nullptr && !reader_.damage().empty()) report_damage();
+    return clip;
   }
 
   Bytes attachment(const char* attachment_name) {

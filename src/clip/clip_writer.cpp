@@ -1,12 +1,12 @@
 // write_clip: what stands in which track and attachment.
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "clip/clip_description.h"
 #include "clip/clip_io.h"
+#include "clip/clip_layout.h"
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
 #include "clip/payloads/confidence_codec.h"
@@ -23,84 +23,13 @@ namespace {
 
 using container::Payload;
 
-[[noreturn]] void refuse(const std::string& why) {
-  throw Error(ErrorCode::kFailure, fmt::format("a clip cannot be stored: {}", why));
-}
-
-std::vector<std::int64_t> times_in_ns(const std::vector<double>& times) {
-  constexpr double kNanoseconds = 1e9;
-  constexpr double kLongest = 1e6; // seconds; far beyond, a double in seconds is coarser than a nanosecond
-  std::vector<std::int64_t> result;
-  for (const double time : times) {
-    if (!(time >= 0 && time < kLongest)) refuse(fmt::format("the time {} s is out of range", time));
-    result.push_back(std::llrint(time * kNanoseconds));
-    if (result.size() > 1 && result.back() <= result[result.size() - 2]) refuse("the frames' times do not increase");
-  }
-  return result;
-}
-
-bool is_utf8(const std::string& text) {
-  try {
-    nlohmann::json(text).dump();
-  } catch (const nlohmann::json::type_error&) {
-    return false;
-  }
-  return true;
-}
-
-void check(const Clip& clip) {
-  const std::size_t frames = clip.times.size();
-  if (frames == 0) refuse("it has no frame");
-  if (clip.capture_frames.size() != frames || clip.held_out.size() != frames) {
-    refuse("its frames, their numbers in the capture and their held-out marks differ in number");
-  }
-  if (clip.camera_to_world.size() != 1 && clip.camera_to_world.size() != frames) {
-    refuse(fmt::format("{} camera poses for {} frames", clip.camera_to_world.size(), frames));
-  }
-  std::set<std::string> names;
-  for (const Layer& layer : clip.layers) {
-    if (!is_utf8(layer.name)) refuse("a layer's name is not UTF-8");
-    if (!names.insert(layer.name).second) refuse(fmt::format("two layers are named {}", layer.name));
-    const std::size_t moved = std::max(layer.motion.poses().size(), layer.motion.deformations().size());
-    if (layer.motion.kind() != motion::MotionKind::kStill && moved != frames) {
-      refuse(fmt::format("layer {} moves in {} of {} frames", layer.name, moved, frames));
-    }
-    if (layer.joints &&
-        (layer.motion.kind() != motion::MotionKind::kDeforming || layer.joints->positions.size() != frames)) {
-      refuse(fmt::format("the joints of layer {} are not of its motion", layer.name));
-    }
-    if (layer.confidence &&
-        layer.confidence->blocks().words() != fields::Confidence(layer.field.occupancy).blocks().words()) {
-      refuse(fmt::format("the confidence of layer {} is of another field", layer.name));
-    }
-  }
-}
-
-ClipDescription describe(const Clip& clip) {
-  ClipDescription description;
-  description.times_ns = times_in_ns(clip.times);
-  description.capture_frames = clip.capture_frames;
-  description.held_out = clip.held_out;
-  description.camera_moves = clip.camera_to_world.size() > 1;
-  std::uint16_t next_track = 1;
-  description.camera_track = next_track++;
-  for (const Layer& layer : clip.layers) {
-    LayerDescription entry{layer.name, layer.label, layer.motion.kind(), next_track++, 0};
-    if (entry.kind != motion::MotionKind::kStill) entry.motion_track = next_track++;
-    if (layer.confidence) entry.confidence_track = next_track++;
-    if (layer.joints) entry.joints_track = next_track++;
-    description.layers.push_back(std::move(entry));
-  }
-  return description;
-}
-
 // As the reader will, so that no file is written that cannot be read.
 void check_readable(const Bytes& clip_json, const Bytes& calibration) {
   try {
     parse_clip_description(clip_json, kClipFile);
     parse_intrinsics(calibration, kCalibrationFile);
   } catch (const Error& error) {
-    refuse(error.what());
+    refuse_to_store(error.what());
   }
 }
 
@@ -132,24 +61,6 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
   head.duration_ns = description.times_ns.back();
   return head;
 }
-
-Bytes encode_camera(const SE3& camera_to_world) { return encode_pose({camera_to_world, motion::Health::kTracked}); }
-
-// Motion of one layer as payloads, one for each frame.
-class MotionEncoder {
-public:
-  explicit MotionEncoder(const motion::Motion& motion) : motion_(motion) {
-    if (motion.graph()) deformation_.emplace(*motion.graph());
-  }
-  DeformationEncoder::Coded encode(std::size_t frame) {
-    if (deformation_) return deformation_->encode(motion_.deformations()[frame]);
-    return {true, encode_pose(motion_.poses()[frame])};
-  }
-
-private:
-  const motion::Motion& motion_;
-  std::optional<DeformationEncoder> deformation_;
-};
 
 // In the order of the file: by time; at the first, where camera and layers are comes before the fields, so that each
 // layer can be shown when its field has come.
@@ -192,17 +103,17 @@ void check_memory(const Clip& clip, const std::vector<Payload>& payloads) {
   AllocationBudget budget(bytes);
   for (const Layer& layer : clip.layers) {
     if (!budget.try_take(decoding_memory(layer.field.config))) {
-      refuse(fmt::format("the table of layer {} is far larger than what is in it; train it with a smaller table",
-                         layer.name));
+      refuse_to_store(fmt::format(
+          "the table of layer {} is far larger than what is in it; train it with a smaller table", layer.name));
     }
     if (layer.confidence && !budget.try_take(decoding_memory(*layer.confidence))) {
-      refuse(fmt::format("layer {} fills far more space than its field needs; train it again", layer.name));
+      refuse_to_store(fmt::format("layer {} fills far more space than its field needs; train it again", layer.name));
     }
     if (layer.joints && !budget.try_take(decoding_memory(*layer.joints))) {
-      refuse(fmt::format("layer {} has far more joints than its motion needs", layer.name));
+      refuse_to_store(fmt::format("layer {} has far more joints than its motion needs", layer.name));
     }
     if (layer.motion.graph() && !budget.try_take(decoding_memory(*layer.motion.graph(), clip.times.size()))) {
-      refuse(fmt::format("layer {} has far more nodes than its motion needs; give it fewer", layer.name));
+      refuse_to_store(fmt::format("layer {} has far more nodes than its motion needs; give it fewer", layer.name));
     }
   }
 }
@@ -237,7 +148,7 @@ motion::Motion stored_motion(const Layer& layer) {
 } // namespace
 
 void write_clip(const Clip& clip, const std::filesystem::path& path) {
-  check(clip);
+  check_storable(clip);
   const ClipDescription description = describe(clip);
   const container::FileHead head = head_of(clip, description);
   const std::vector<Payload> payloads = payloads_of(clip, description);
@@ -248,7 +159,7 @@ void write_clip(const Clip& clip, const std::filesystem::path& path) {
 }
 
 Clip as_stored(const Clip& clip) {
-  check(clip);
+  check_storable(clip);
   Clip stored = clip;
   for (SE3& pose : stored.camera_to_world) pose = decode_pose(encode_camera(pose), "camera").canonical_to_world;
   for (Layer& layer : stored.layers) {

@@ -127,10 +127,18 @@ std::vector<std::byte> RecordingFile::decode(std::size_t frame, Stream stream, c
   }
 }
 
+/// That were recorded, as the numbers of those beside them say: what the camera lost is known.
+static std::int64_t frames_missing_between(const FrameRecord& before, const FrameRecord& after) {
+  return after.index - before.index - 1 - static_cast<std::int64_t>(after.dropped_before);
+}
+
 std::vector<std::string> check_recording(RecordingFile& file, const std::function<void(std::size_t)>& before_frame) {
   std::vector<std::string> damaged;
   for (std::size_t i = 0; i < file.frame_count(); ++i) {
     before_frame(i);
+    if (const std::int64_t missing = i == 0 ? 0 : frames_missing_between(file.record(i - 1), file.record(i));
+        missing > 0)
+      damaged.push_back(fmt::format("the recording lacks {} frames before frame {}", missing, file.record(i).index));
     try {
       for (std::size_t s = 0; s < kStreams; ++s) {
         const auto stream = static_cast<Stream>(s);

@@ -67,7 +67,8 @@ private:
   std::map<Stream, std::pair<PictureShape, std::unique_ptr<LosslessDecoder>>> decoders_;
 };
 
-/// Every picture of every frame, read, checked and decoded. Returns a sentence for each frame that is damaged.
+/// Every picture of every frame, read, checked and decoded. Returns a sentence for each frame that is damaged, and for
+/// each gap in the frames' numbers that the camera's own losses do not explain.
 std::vector<std::string> check_recording(RecordingFile& file, const std::function<void(std::size_t)>& before_frame);
 
 /// The shape that a stream's pictures have.

@@ -1,10 +1,11 @@
 // kinora record, recover and validate, as a user runs them.
 #include <algorithm>
 
-#include <sys/resource.h>
-
 #include "cli/run_kinora.h"
+#include "cli/small_disk.h"
+#include "container/reader.h"
 #include "container/recovery.h"
+#include "container/writer.h"
 #include "host/frame_reader.h"
 #include "host/plugin_table.h"
 #include "recording/recording_file.h"
@@ -73,6 +74,43 @@ TEST_F(Record, CutFileIsRecoveredUpToTheCut) {
   EXPECT_GE(expect_same_frames(path("saved.mkv"), capture_), 10);
 }
 
+/// Writes all of a recording but a part of its middle, whose bytes are gone without a trace.
+void leave_out_middle(const std::string& whole, const std::string& without) {
+  container::Reader reader(whole);
+  container::FileHead head;
+  head.kind = recording::kRecordingKind;
+  for (std::size_t t = 0; t < reader.tracks().size(); ++t) {
+    head.tracks.push_back(reader.tracks()[t].track);
+    if (!reader.tracks()[t].ours) head.tracks.back().id = static_cast<std::uint16_t>(1000 + t);
+  }
+  for (const container::StoredAttachment& file : reader.attachments())
+    head.attachments.push_back({file.name, file.media_type, file.description, reader.read_attachment(file)});
+  container::WriterOptions any_order; // blocks' times are rounded
+  any_order.any_order = true;
+  container::Writer writer(without, head, any_order);
+  container::StoredBlock block;
+  while (reader.next_block(block)) {
+    if (block.time_ns > 250'000'000 && block.time_ns < 350'000'000) continue;
+    if (reader.tracks()[block.track].ours) {
+      const container::Payload payload = reader.read_payload(block);
+      writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
+    } else {
+      writer.write(static_cast<std::uint16_t>(1000 + block.track), block.time_ns, block.key, reader.read_block(block));
+    }
+  }
+  writer.finish();
+}
+
+TEST_F(Record, FramesThatAreGoneWithoutATraceAreNoticed) {
+  ASSERT_EQ(run({"record", capture_, path("r.mkv"), "--duration", "0.6"}).code, 0);
+  leave_out_middle(path("r.mkv"), path("less.mkv"));
+  expect_error(run({"validate", path("less.mkv")}), 4, "lacks 3 frames");
+  const Said said = run({"recover", path("less.mkv"), path("saved.mkv")});
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_NE(said.out.find("lacks 3 frames"), std::string::npos) << said.out;
+  EXPECT_EQ(said.out.find("Nothing was lost"), std::string::npos) << said.out;
+}
+
 TEST_F(Record, FlippedBitInAPictureIsFound) {
   ASSERT_EQ(run({"record", capture_, path("r.mkv"), "--duration", "0.3"}).code, 0);
   std::fstream file(path("r.mkv"), std::ios::in | std::ios::out | std::ios::binary);
@@ -90,26 +128,6 @@ TEST_F(Record, ExistingFileIsNotReplaced) {
   expect_error(run({"record", capture_, path("r.mkv")}), 5, "--overwrite");
   EXPECT_EQ(contents_of(path("r.mkv")), "precious");
 }
-
-/// Files of programs that are started meanwhile end at this size, as on a disk that is full then.
-class SmallDisk {
-public:
-  explicit SmallDisk(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &old_limit_);
-    const rlimit limit{bytes, old_limit_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &old_limit_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-
-private:
-  void (*old_handler_)(int);
-  rlimit old_limit_{};
-};
 
 TEST_F(Record, FullDiskLeavesACompleteRecordingOfWhatFitted) {
   ASSERT_EQ(run({"record", capture_, path("whole.mkv"), "--duration", "1.2"}).code, 0);

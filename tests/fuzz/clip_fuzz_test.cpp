@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "clip/clip_io.h"
+#include "clip/live_clip_writer.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -24,7 +25,7 @@ using container::testing::TemporaryFolder;
 void write_mutated(const std::filesystem::path& path, const std::filesystem::path& to, Random& random) {
   container::Reader reader(path);
   container::FileHead head;
-  head.kind = "clip";
+  head.kind = reader.tag(container::kKindTag).value();
   for (const container::StoredTrack& stored : reader.tracks()) {
     head.tracks.push_back(stored.track);
     clip::Bytes& graph = head.tracks.back().private_data;
@@ -51,6 +52,28 @@ TEST(ClipFuzz, ReaderRefusesOrReadsClipsOfHostileWriters) {
   clip::write_clip(clip::testing::bending_clip(1, 4, true), folder / "a.mkv");
   for (std::uint64_t i = 0; i < 300; ++i) {
     Random random(7, i);
+    write_mutated(folder / "a.mkv", folder / "b.mkv", random);
+    try {
+      clip::read_clip(folder / "b.mkv");
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.code() == ErrorCode::kCorruptInput || error.code() == ErrorCode::kNotRecognised)
+          << i << ": " << error.what();
+    }
+  }
+}
+
+TEST(ClipFuzz, ReaderRefusesOrReadsLiveClipsOfHostileWriters) {
+  const TemporaryFolder folder;
+  clip::Clip clip = clip::testing::bending_clip(2, 5, true);
+  {
+    clip::LiveClipWriter writer(folder / "a.mkv", clip.intrinsics);
+    for (int update = 0; update < 5; ++update) {
+      clip.layers.front().field.table[7] += 0.2F;
+      writer.write(clip);
+    }
+  }
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    Random random(17, i);
     write_mutated(folder / "a.mkv", folder / "b.mkv", random);
     try {
       clip::read_clip(folder / "b.mkv");

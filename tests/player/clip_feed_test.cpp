@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "clip/clip_io.h"
+#include "clip/live_clip_writer.h"
 #include "clip/sample_clip.h"
 #include "core/error.h"
 
@@ -147,6 +148,28 @@ TEST_F(ClipFeedTest, FollowsAFileThatGrows) {
   }
   const ClipSoFar all = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
   EXPECT_EQ(all.player->frame_count(), 40U);
+}
+
+TEST(LiveClipFeed, FollowsWhatAnEncoderWrites) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "live_clip_feed.mkv";
+  const clip::Clip later = clip::testing::sample_clip(3, 9, false);
+  clip::Clip early = clip::testing::sample_clip(3, 4, false);
+  clip::LiveClipWriter writer(path, early.intrinsics);
+  writer.write(early);
+  const ClipFeed feed(std::make_unique<container::FileSource>(path));
+  const ClipSoFar first = feed.first(never);
+  EXPECT_FALSE(first.complete);
+  EXPECT_EQ(first.player->frame_count(), 4U);
+  writer.write(later);
+  ClipSoFar now;
+  do now = feed.newest();
+  while (now.player->frame_count() == 4U);
+  EXPECT_EQ(now.player->frame_count(), 9U);
+  writer.finish();
+  do now = feed.newest();
+  while (!now.complete);
+  EXPECT_EQ(now.player->frame_count(), 9U);
+  std::filesystem::remove(path);
 }
 
 TEST_F(ClipFeedTest, EndsAtOnceWhileItWaits) {

@@ -21,6 +21,15 @@ Bytes encode_field(const fields::Field& field);
 /// Throws Error(kCorruptInput) naming `location`.
 fields::Field decode_field(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
 
+/// The same as differences to the integers of `base`, a field of the same configuration, as it was decoded: small if
+/// training has changed little since. Throws Error(kFailure) also if the configurations differ.
+Bytes encode_field_difference(const fields::Field& field, const fields::Field& base);
+
+/// What decode_field(encode_field(field)) would give. Throws Error(kCorruptInput) naming `location`, also if the base
+/// has another configuration.
+fields::Field decode_field_difference(std::span<const std::byte> payload, const fields::Field& base,
+                                      const std::string& location, AllocationBudget& budget);
+
 /// Bytes that decode_field takes from its budget.
 std::uint64_t decoding_memory(const fields::FieldConfig& config);
 

@@ -13,7 +13,7 @@ namespace kinora::encode {
 struct LiveRequest {
   /// Called now and then with the clip as it is, and last with the clip as it stays. On the trainer's thread.
   std::function<void(const clip::Clip&)> publish;
-  double interval = 2; ///< seconds between two calls, at least; they take no more than a tenth of the time
+  double interval = 1; ///< seconds between two calls, at least; they take no more than a tenth of the time
   /// Seconds of training after the last frame, unless the user stopped: more or less, as a round lasts.
   double after_end = 2;
   std::size_t key_frames = 24;

@@ -59,7 +59,7 @@ ClipSoFar ClipFeed::first(const std::function<bool()>& stopped) const {
 void ClipFeed::follow(const std::stop_token& stop) {
   read_to_end(stop);
   while (!stop.stop_requested() && !finished()) {
-    make_ready();
+    if (bytes_.size() != ready_bytes_) make_ready();
     tell(false, "this is all so far; waiting for more");
     rest(stop);
     source_->refresh();
@@ -104,6 +104,7 @@ void ClipFeed::make_ready() {
   } catch (const Error&) {
     if (bytes_.size() == source_->size() && finished()) throw;
   }
+  ready_bytes_ = bytes_.size();
   missing_ = missing.empty() ? "" : clip::missing_sentence(source_->name(), missing);
   looked_at_ = seconds_();
 }

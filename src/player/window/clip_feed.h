@@ -49,8 +49,9 @@ private:
   std::unique_ptr<container::ByteSource> source_;
   MasterClock seconds_;
   std::vector<std::byte> bytes_;
-  double looked_at_ = 0; ///< time of the last try to make something ready
-  std::string missing_;  ///< of what was made ready last
+  double looked_at_ = 0;        ///< time of the last try to make something ready
+  std::size_t ready_bytes_ = 0; ///< that were there then
+  std::string missing_;         ///< of what was made ready last
 
   mutable std::mutex mutex_; ///< of what follows
   ClipSoFar newest_;

@@ -81,6 +81,47 @@ TEST(FieldCodec, EncodesWhatItDecodedToTheSameBytes) {
   }
 }
 
+/// The same field after a bit more training.
+Field trained_on(Field field, std::uint64_t seed) {
+  Random random(seed, 4);
+  for (float& value : field.table) {
+    if (random.below(4) == 0) value *= 1.3F;
+  }
+  for (float& value : field.density_net) value += static_cast<float>(0.02 * random.normal());
+  field.occupancy.set(1, 2, 3, !field.occupancy.at(1, 2, 3));
+  return field;
+}
+
+TEST(FieldCodec, DifferenceGivesTheFieldItselfInFewerBytes) {
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Field base = quantised(random_field(seed));
+    const Field field = trained_on(random_field(seed), seed);
+    const Bytes difference = encode_field_difference(field, base);
+    AllocationBudget budget(difference.size());
+    const Field back = decode_field_difference(difference, base, kLocation, budget);
+    const Field expected = quantised(field);
+    EXPECT_EQ(back.table, expected.table) << seed;
+    EXPECT_EQ(back.density_net, expected.density_net) << seed;
+    EXPECT_EQ(back.color_net, expected.color_net) << seed;
+    EXPECT_EQ(back.occupancy.words(), expected.occupancy.words()) << seed;
+    EXPECT_EQ(back.sharpness, expected.sharpness) << seed;
+    EXPECT_LT(difference.size(), encode_field(field).size() * 3 / 4) << seed;
+  }
+}
+
+TEST(FieldCodec, DifferenceNeedsItsBase) {
+  const Field base = quantised(random_field(2));
+  const Bytes difference = encode_field_difference(base, base);
+  EXPECT_LT(difference.size(), encode_field(base).size() / 20);
+  expect_corrupt(difference);
+  Field other(testing::small_config());
+  other.config.box.side *= 2;
+  EXPECT_THROW(encode_field_difference(base, other), Error);
+  AllocationBudget budget(difference.size());
+  EXPECT_THROW(decode_field_difference(difference, other, kLocation, budget), Error);
+  EXPECT_THROW(decode_field_difference(encode_field(base), base, kLocation, budget), Error); // it is none
+}
+
 TEST(FieldCodec, KeepsGeometryAndSharpness) {
   EXPECT_EQ(decode(encode_field(random_field(2))).config.geometry, fields::Geometry::kDensity);
   const Field field = random_field(3);
