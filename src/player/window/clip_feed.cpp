@@ -63,6 +63,7 @@ void ClipFeed::follow(const std::stop_token& stop) {
     tell(false, "this is all so far; waiting for more");
     rest(stop);
     source_->refresh();
+    read_head_again();
     read_to_end(stop);
   }
   if (stop.stop_requested()) return;
@@ -84,6 +85,11 @@ void ClipFeed::read_to_end(const std::stop_token& stop) {
     make_ready();
     tell(false, fmt::format("{} % has come", 100 * bytes_.size() / source_->size()));
   }
+}
+
+void ClipFeed::read_head_again() {
+  constexpr std::size_t kHeadBytes = 4096; // it says how long the file is, once its writer knows
+  source_->read(0, std::span(bytes_).first(std::min(bytes_.size(), kHeadBytes)));
 }
 
 bool ClipFeed::finished() const {

@@ -41,6 +41,7 @@ public:
 private:
   void follow(const std::stop_token& stop);
   void read_to_end(const std::stop_token& stop);
+  void read_head_again();
   bool finished() const;
   void make_ready();
   void tell(bool complete, std::string message);
