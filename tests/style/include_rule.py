@@ -62,9 +62,10 @@ LOOK = {  # at what was made
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
     "formats/common": ["core", "include/kinora"],
+    "formats/kinora_clip": ["formats/common", "player"],
     "formats/kinora_recording": ["formats/common", "record"],
     "formats/*": ["formats/common"],  # one folder per format; none sees another
-    "formats": ["formats/*", "formats/kinora_recording"],  # the table of the formats that come with Kinora
+    "formats": ["formats/*", "formats/kinora_clip", "formats/kinora_recording"],  # the table of the formats that come with Kinora
 }
 RULES = PLAY | MAKE | LOOK | FORMATS
 

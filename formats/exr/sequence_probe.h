@@ -1,0 +1,17 @@
+// Telling a folder of OpenEXR frames without the OpenEXR library.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "kinora/plugin.h"
+
+namespace kinora::formats {
+
+/// The .exr files of a folder, in the order of the numbers in their names; empty if there is no such folder.
+std::vector<std::filesystem::path> exr_files(const std::filesystem::path& folder);
+
+/// As the plugin interface's `probe`, but that it may throw Error: a folder whose first file has colour and depth.
+void probe_exr_sequence(const char* path, KinoraProbe* answer);
+
+} // namespace kinora::formats
