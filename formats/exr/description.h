@@ -27,7 +27,8 @@ constexpr KinoraFormat exr_description() {
 }
 
 inline constexpr KinoraOption kExrSequenceOptions[] = {
-    kExrOptions[1], {"masks", "bool", "true", "Read the labels of the channel id where there is one.", nullptr}};
+    {"compression", "piz|zip|none", "piz", "Without loss: by wavelets, in blocks of 16 rows, or not at all.", nullptr},
+    {"masks", "bool", "true", "Read the labels of the channel id where there is one.", nullptr}};
 
 /// Without functions but those that are given.
 constexpr KinoraFormat exr_sequence_description() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
@@ -17,6 +18,7 @@
 #include "core/error.h"
 #include "core/linear_light.h"
 #include "exr/channel_names.h"
+#include "exr/sequence_probe.h"
 
 namespace kinora::formats {
 namespace fs = std::filesystem;
@@ -25,8 +27,18 @@ namespace {
 
 constexpr int kMaxSide = 16384;
 
+/// The library looks at these when it has read a header, before it allocates anything for pixels.
+void limit_sizes() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);
+    Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
+  });
+}
+
 /// Calls, and names the file in what the library throws.
 template <class Call> auto named(const fs::path& path, const Call& call) {
+  limit_sizes();
   try {
     return call();
   } catch (const Error&) {
@@ -143,6 +155,20 @@ void check_window(const Imath::Box2i& window, const fs::path& path) {
     fail(path, "its window is absurdly far from the picture");
 }
 
+/// Before anything is allocated: the library believes every size.
+void check_bytes(const Imf::Header& header, const fs::path& path) {
+  constexpr std::uint64_t kMaxPixelsPerByte = 512;                  // as for JPEG; of a packed picture of one colour
+  constexpr std::uint64_t kMaxEmptyPixels = std::uint64_t{1} << 24; // around a small window
+  const auto pixels = [](const Imath::Box2i& window) {
+    return static_cast<std::uint64_t>(window.max.x - window.min.x + 1) *
+           static_cast<std::uint64_t>(window.max.y - window.min.y + 1);
+  };
+  const std::uint64_t stored = pixels(header.dataWindow());
+  if (stored / kMaxPixelsPerByte > fs::file_size(path) ||
+      pixels(header.displayWindow()) > std::max(stored, kMaxEmptyPixels))
+    fail(path, "has far fewer bytes than a picture of its size");
+}
+
 std::uint16_t units_of(float metres, std::optional<double> unit) {
   if (!unit) return depth_units(static_cast<double>(metres));
   const double units = std::round(static_cast<double>(metres) / *unit);
@@ -160,11 +186,13 @@ LabelImage read_bytes(ExrPixels& pixels, const std::string& name, int width, int
 } // namespace
 
 ExrHead read_exr_head(const fs::path& path) {
+  (void)exr_channel_names(path);
   return named(path, [&] {
     const Imf::InputFile file(path.c_str());
     const Imf::Header& header = file.header();
     check_window(header.displayWindow(), path);
     check_window(header.dataWindow(), path);
+    check_bytes(header, path);
     ExrHead head;
     head.width = header.displayWindow().max.x - header.displayWindow().min.x + 1;
     head.height = header.displayWindow().max.y - header.displayWindow().min.y + 1;

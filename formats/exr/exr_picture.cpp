@@ -1,5 +1,6 @@
 #include "exr/exr_picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -86,14 +87,23 @@ void ExrPicture::add_slice(const char* name, Imf::PixelType type, char* values, 
 
 void ExrPicture::add_colors(const ColorImage& color) {
   static const std::array<float, 256> linear = linear_table();
+  static const std::array<half, 256> opaque = [] {
+    std::array<half, 256> codes;
+    std::ranges::copy(linear, codes.begin());
+    return codes;
+  }();
   const std::size_t channels = static_cast<std::size_t>(color.channels());
   const char* const names[] = {"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
     std::vector<half> values(color.pixel_count());
+    if (channels == 3) {
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = opaque[color.data()[3 * i + c]];
+      add(names[c], std::move(values));
+      continue;
+    }
     for (std::size_t i = 0; i < values.size(); ++i) {
       const std::uint8_t* pixel = color.data() + channels * i;
-      const float alpha = channels == 4 ? static_cast<float>(pixel[3]) / 255 : 1;
-      values[i] = linear[pixel[c]] * alpha;
+      values[i] = linear[pixel[c]] * (static_cast<float>(pixel[3]) / 255);
     }
     add(names[c], std::move(values));
   }

@@ -10,13 +10,13 @@
 namespace kinora::formats {
 namespace {
 
-ExrCompression compression_of(const OptionMap& options) {
-  return compression_called(option_text(options, "compression", "zip"));
+ExrCompression compression_of(const OptionMap& options, const char* otherwise) {
+  return compression_called(option_text(options, "compression", otherwise));
 }
 
 std::unique_ptr<ExrWriter> open_exr(const char* path, const OptionMap& options) {
   const auto layout = PictureFiles::layout_of(option_text(options, "layout", "auto"), path, ".exr");
-  return std::make_unique<ExrWriter>(PictureFiles(path, layout, ".exr"), compression_of(options));
+  return std::make_unique<ExrWriter>(PictureFiles(path, layout, ".exr"), compression_of(options, "zip"));
 }
 
 std::unique_ptr<ExrSequenceReader> open_sequence(const char* path, const OptionMap& options) {
@@ -24,7 +24,7 @@ std::unique_ptr<ExrSequenceReader> open_sequence(const char* path, const OptionM
 }
 
 std::unique_ptr<ExrSequenceWriter> open_sequence_writer(const char* path, const OptionMap& options) {
-  return std::make_unique<ExrSequenceWriter>(path, compression_of(options));
+  return std::make_unique<ExrSequenceWriter>(path, compression_of(options, "piz"));
 }
 
 constexpr KinoraFormat picture_format() {

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kMagic = 20000630;
-constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;
+constexpr std::uint64_t kMaxHeaderBytes = 1 << 20;
 constexpr std::size_t kMaxChannels = 1024;
 
 std::string zero_ended(ByteReader& reader) {
@@ -36,23 +36,28 @@ std::vector<std::string> names_of(ByteReader list) {
   return names;
 }
 
-/// Throws Error(kCorruptInput) if it is no OpenEXR file, or its header goes on for ever.
-std::vector<std::string> channel_names(const fs::path& path) {
+} // namespace
+
+std::vector<std::string> exr_channel_names(const fs::path& path) {
+  constexpr std::uint32_t kManyParts = 1U << 12;
   const RandomAccessFile file(path);
   const std::vector<std::byte> head = file.read(0, std::min(file.size(), kMaxHeaderBytes));
   ByteReader reader(head, path.string());
   if (reader.number<std::uint32_t>() != kMagic) reader.fail("is no OpenEXR file");
-  reader.number<std::uint32_t>(); // version and flags
-  while (true) {
+  const bool many = (reader.number<std::uint32_t>() & kManyParts) != 0;
+  std::vector<std::string> channels;
+  for (bool in_part = false;;) {
     const std::string name = zero_ended(reader);
-    if (name.empty()) reader.fail("has no channels");
+    if (name.empty() && (!many || !in_part)) break;
+    in_part = !name.empty();
+    if (!in_part) continue;
     zero_ended(reader); // type
     const auto value = reader.bytes(reader.number<std::uint32_t>());
-    if (name == "channels") return names_of({value, path.string()});
+    if (name == "channels" && channels.empty()) channels = names_of({value, path.string()});
   }
+  if (channels.empty()) reader.fail("has no channels");
+  return channels;
 }
-
-} // namespace
 
 std::vector<fs::path> exr_files(const fs::path& folder) {
   std::vector<fs::path> files = list_files(folder);
@@ -68,7 +73,7 @@ void probe_exr_sequence(const char* path, KinoraProbe* answer) {
   const std::vector<fs::path> files = exr_files(path);
   if (files.empty()) return answer_probe(answer, 0, "not a folder with .exr files");
   try {
-    const ExrChannels channels = choose_channels(channel_names(files.front()));
+    const ExrChannels channels = choose_channels(exr_channel_names(files.front()));
     if (channels.has_color && !channels.depth.empty())
       return answer_probe(answer, 90, "OpenEXR files with colour and depth");
     answer_probe(answer, 20, files.front().filename().string() + " has no colour, or no depth (Z)");

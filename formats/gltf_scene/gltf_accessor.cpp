@@ -48,7 +48,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMaxSparse = std::size_t{1} << 24; // elements that no byte of the file stands for
+  static constexpr std::size_t kMaxSparse = std::size_t{1} << 20; // elements that no byte of the file stands for
 
   [[noreturn]] void fail(const std::string& problem) const {
     throw Error(ErrorCode::kCorruptInput, source_ + ": " + problem);
