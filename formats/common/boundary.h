@@ -57,6 +57,12 @@ template <class Call> KinoraStatus guarded(KinoraMessage* message, const Call& c
   return KINORA_FAILURE;
 }
 
+/// Fills in the answer of a probe.
+inline void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason) {
+  answer->confidence = confidence;
+  std::snprintf(answer->reason, sizeof answer->reason, "%s", reason.c_str());
+}
+
 /// What the host handed over, by name. The host has checked names and types.
 inline std::map<std::string, std::string> option_map(const KinoraOptionValue* options, std::size_t count) {
   std::map<std::string, std::string> map;

@@ -1,5 +1,9 @@
 #include "common/calibration.h"
 
+#include <algorithm>
+#include <iterator>
+#include <span>
+
 #include <nlohmann/json.hpp>
 
 #include "common/files.h"
@@ -65,7 +69,7 @@ Calibration read_matrix(const fs::path& path) {
   std::vector<double> values;
   for (const std::string_view word : split_words(text)) {
     const std::optional<double> value = parse_number(word);
-    if (!value) fail(path, "\"" + std::string(word) + "\" is not a number; write a 3x3 or 4x4 matrix");
+    if (!value) fail(path, std::string("\"").append(word) + "\" is not a number; write a 3x3 or 4x4 matrix");
     values.push_back(*value);
   }
   if (values.size() != 9 && values.size() != 16) fail(path, "must hold a 3x3 or 4x4 matrix");
@@ -96,6 +100,21 @@ Calibration read_calibration(const std::vector<fs::path>& folders) {
     }
   }
   fail(folders.front(), "has no intrinsics; add intrinsics.json with fx, fy, cx, cy, width, height and depth_factor");
+}
+
+bool is_lens_straight(const KinoraCamera& camera) {
+  return std::all_of(std::begin(camera.distortion), std::end(camera.distortion), [](double k) { return k == 0; });
+}
+
+void write_calibration(const fs::path& folder, const KinoraCamera& camera, double frames_per_second,
+                       double depth_unit) {
+  nlohmann::ordered_json json = {
+      {"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},          {"fy", camera.fy},
+      {"cx", camera.cx},       {"cy", camera.cy},         {"fps", frames_per_second}, {"depth_scale_m", depth_unit}};
+  if (!is_lens_straight(camera))
+    json["distortion"] = std::vector<double>(std::begin(camera.distortion), std::end(camera.distortion));
+  const std::string text = json.dump(2) + "\n";
+  write_file(folder / "intrinsics.json", std::as_bytes(std::span(text)));
 }
 
 } // namespace kinora::formats

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "kinora/plugin.h"
 
 namespace kinora::formats {
 
@@ -22,5 +23,12 @@ struct Calibration {
 /// distortion [k1 k2 p1 p2 k3], fps, depth_registered_to_color. Text: a 3×3 or 4×4 matrix with K at its upper left.
 /// Throws Error(kCorruptInput) if there is none or its numbers cannot belong to a camera.
 Calibration read_calibration(const std::vector<std::filesystem::path>& folders);
+
+/// Whether a lens has no distortion.
+bool is_lens_straight(const KinoraCamera& camera);
+
+/// intrinsics.json of the folder, as read_calibration reads it back to the bit. Throws Error(kUnwritableOutput).
+void write_calibration(const std::filesystem::path& folder, const KinoraCamera& camera, double frames_per_second,
+                       double depth_unit);
 
 } // namespace kinora::formats

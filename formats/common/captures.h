@@ -1,31 +1,9 @@
 // The functions of formats that read or write captures, from a C++ class each.
 #pragma once
 
-#include <memory>
-
-#include "common/boundary.h"
+#include "common/writers.h"
 
 namespace kinora::formats {
-
-using OptionMap = std::map<std::string, std::string>;
-
-/// Whether an option is given as "true"; without it `otherwise`.
-inline bool option_is_set(const OptionMap& options, const char* name, bool otherwise) {
-  const auto given = options.find(name);
-  return given == options.end() ? otherwise : given->second == "true";
-}
-
-/// The text of an option, or empty.
-inline std::string option_text(const OptionMap& options, const char* name) {
-  const auto given = options.find(name);
-  return given == options.end() ? std::string() : given->second;
-}
-
-/// Fills in an answer.
-inline void answer_probe(KinoraProbe* answer, int confidence, const std::string& reason) {
-  answer->confidence = confidence;
-  std::snprintf(answer->reason, sizeof answer->reason, "%s", reason.c_str());
-}
 
 /// A probe reads files, and files may vanish or be forbidden: then it is none of ours.
 template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* path, KinoraProbe* answer) {
@@ -75,13 +53,7 @@ constexpr void set_reader(KinoraFormat& format) {
 template <class Writer, std::unique_ptr<Writer> (*open)(const char* path, const OptionMap& options)>
 constexpr void set_writer(KinoraFormat& format) {
   format.capabilities |= KINORA_WRITES_FRAMES;
-  format.open_writer = [](const char* path, const KinoraOptionValue* options, size_t option_count,
-                          KinoraWriter** writer, KinoraMessage* message) {
-    return guarded(message, [&] {
-      *writer = reinterpret_cast<KinoraWriter*>(open(path, option_map(options, option_count)).release());
-      return KinoraStatus{KINORA_OK};
-    });
-  };
+  set_writer_ends<Writer, open>(format);
   format.writer_capture = [](KinoraWriter* writer, const KinoraCaptureInfo* info, KinoraMessage* message) {
     return guarded(message, [&] {
       reinterpret_cast<Writer*>(writer)->set_capture(*info);
@@ -95,14 +67,6 @@ constexpr void set_writer(KinoraFormat& format) {
       return why.empty() ? KinoraStatus{KINORA_OK} : KinoraStatus{KINORA_BAD_FRAME};
     });
   };
-  format.writer_finish = [](KinoraWriter* writer, KinoraMessage* message) {
-    const std::unique_ptr<Writer> owned(reinterpret_cast<Writer*>(writer));
-    return guarded(message, [&] {
-      owned->finish();
-      return KinoraStatus{KINORA_OK};
-    });
-  };
-  format.writer_abandon = [](KinoraWriter* writer) { delete reinterpret_cast<Writer*>(writer); };
 }
 
 } // namespace kinora::formats

@@ -1,60 +1,26 @@
 #include "common/deferred.h"
 
+#include <algorithm>
+#include <cstring>
+#include <span>
 #include <system_error>
 
 #include "core/module.h"
 
 namespace kinora::formats {
-namespace {
 
-/// A writer of the module's format.
-struct DeferredWriter {
-  const KinoraFormat& format;
-  KinoraWriter* writer;
-};
-
-DeferredWriter* self(KinoraWriter* writer) { return reinterpret_cast<DeferredWriter*>(writer); }
-
-const KinoraFormat& format_of(const FormatModule& module) {
+const KinoraFormat& format_in(const FormatModule& module) {
   const auto entry =
       reinterpret_cast<KinoraPluginEntry>(module_symbol(module.name, KINORA_PLUGIN_ENTRY, module.purpose));
-  const KinoraPlugin* plugin = entry(KINORA_PLUGIN_ABI);
-  if (plugin == nullptr || plugin->format_count != 1)
-    throw Error(ErrorCode::kMissingComponent, module_path(module.name).string() +
-                                                  " belongs to another version of Kinora; install the program and its "
-                                                  "modules together");
-  return *plugin->formats[0];
-}
-
-} // namespace
-
-KinoraStatus open_deferred(const FormatModule& module, const char* path, const KinoraOptionValue* options,
-                           std::size_t option_count, KinoraWriter** writer, KinoraMessage* message) {
-  return guarded(message, [&] {
-    const KinoraFormat& format = format_of(module);
-    auto deferred = std::make_unique<DeferredWriter>(DeferredWriter{format, nullptr});
-    const KinoraStatus status = format.open_writer(path, options, option_count, &deferred->writer, message);
-    if (status == KINORA_OK) *writer = reinterpret_cast<KinoraWriter*>(deferred.release());
-    return status;
-  });
-}
-
-KinoraStatus write_deferred(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message) {
-  return self(writer)->format.writer_write(self(writer)->writer, picture, message);
-}
-
-KinoraStatus volume_deferred(KinoraWriter* writer, const KinoraVolume* volume, KinoraMessage* message) {
-  return self(writer)->format.writer_volume(self(writer)->writer, volume, message);
-}
-
-KinoraStatus finish_deferred(KinoraWriter* writer, KinoraMessage* message) {
-  const std::unique_ptr<DeferredWriter> owned(self(writer));
-  return owned->format.writer_finish(owned->writer, message);
-}
-
-void abandon_deferred(KinoraWriter* writer) {
-  const std::unique_ptr<DeferredWriter> owned(self(writer));
-  owned->format.writer_abandon(owned->writer);
+  if (const KinoraPlugin* plugin = entry(KINORA_PLUGIN_ABI); plugin != nullptr) {
+    const std::span formats(plugin->formats, plugin->format_count);
+    const auto found = std::ranges::find_if(
+        formats, [&](const KinoraFormat* format) { return std::strcmp(format->name, module.format) == 0; });
+    if (found != formats.end()) return **found;
+  }
+  throw Error(ErrorCode::kMissingComponent, module_path(module.name).string() +
+                                                " belongs to another version of Kinora; install the program and its "
+                                                "modules together");
 }
 
 std::string deferred_description(const FormatModule& module, const char* description) {

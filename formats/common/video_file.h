@@ -23,8 +23,9 @@ struct VideoStream {
   int number = 0; ///< in the file
   std::string codec;
   std::map<std::string, std::string> tags;
-  int width = 0; ///< 1 to 16384
+  int width = 0; ///< 1 to 16384, of pictures as they are shown
   int height = 0;
+  int quarter_turns = 0; ///< clockwise, 0 to 3, from the stored pixels to what is shown
   bool gray16 = false;
   std::vector<double> times; ///< of all pictures in order, seconds from the start of the file
 };
@@ -35,7 +36,8 @@ struct VideoDescription {
   std::map<std::string, std::string> tags;
 };
 
-/// One stream of a file. Not thread-safe; different ones may be used at the same time.
+/// One stream of a file, its pictures turned as the file says. Not thread-safe; different ones may be used at the same
+/// time.
 class VideoReader {
 public:
   virtual ~VideoReader() = default;

@@ -1,4 +1,4 @@
-// What the OpenEXR format says of itself.
+// What the OpenEXR formats say of themselves.
 #pragma once
 
 #include <iterator>
@@ -23,6 +23,24 @@ constexpr KinoraFormat exr_description() {
                         KINORA_WRITES_NORMALS | KINORA_WRITES_CONFIDENCE | KINORA_WRITES_LABELS | KINORA_WRITES_CAMERAS;
   format.options = kExrOptions;
   format.option_count = std::size(kExrOptions);
+  return format;
+}
+
+inline constexpr KinoraOption kExrSequenceOptions[] = {
+    {"compression", "piz|zip|none", "piz", "Without loss: by wavelets, in blocks of 16 rows, or not at all.", nullptr},
+    {"masks", "bool", "true", "Read the labels of the channel id where there is one.", nullptr}};
+
+/// Without functions but those that are given.
+constexpr KinoraFormat exr_sequence_description() {
+  auto format = make_struct<KinoraFormat>();
+  format.name = "exr-sequence";
+  format.description = "folder of OpenEXR files with colour and depth (R G B Z), one for each frame";
+  format.extensions = "";
+  format.capabilities = KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS |
+                        KINORA_READS_CONFIDENCE | KINORA_READS_INFRARED | KINORA_WRITES_FRAMES | KINORA_WRITES_TIMES |
+                        KINORA_WRITES_POSES | KINORA_WRITES_MASKS | KINORA_WRITES_INFRARED | KINORA_WRITES_CONFIDENCE;
+  format.options = kExrSequenceOptions;
+  format.option_count = std::size(kExrSequenceOptions);
   return format;
 }
 

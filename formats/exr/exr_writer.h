@@ -3,11 +3,9 @@
 #pragma once
 
 #include "common/picture_files.h"
-#include "kinora/plugin.h"
+#include "exr/exr_picture.h"
 
 namespace kinora::formats {
-
-enum class ExrCompression { kNone, kZip, kPiz };
 
 /// Channels, as far as the picture has them: R G B A (half, linear light with the primaries of sRGB, multiplied by
 /// alpha), Z (float, metres along the optical axis, 0 = nothing), N.X N.Y N.Z (half, out of the surface along the

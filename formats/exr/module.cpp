@@ -1,63 +1,53 @@
-// The module exr: a plugin of one format.
+// The module exr: a plugin of two formats.
+#include "common/captures.h"
+#include "common/module_plugin.h"
 #include "exr/description.h"
 #include "exr/exr_writer.h"
+#include "exr/sequence_probe.h"
+#include "exr/sequence_reader.h"
+#include "exr/sequence_writer.h"
 
 namespace kinora::formats {
 namespace {
 
-ExrWriter* self(KinoraWriter* writer) { return reinterpret_cast<ExrWriter*>(writer); }
-
-ExrCompression compression_called(const std::string& name) {
-  if (name == "piz") return ExrCompression::kPiz;
-  return name == "none" ? ExrCompression::kNone : ExrCompression::kZip;
+ExrCompression compression_of(const OptionMap& options, const char* otherwise) {
+  return compression_called(option_text(options, "compression", otherwise));
 }
 
-KinoraStatus open_exr(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
-                      KinoraMessage* message) {
-  return guarded(message, [&] {
-    const auto given = option_map(options, option_count);
-    const auto layout = given.find("layout");
-    const auto compression = given.find("compression");
-    const auto chosen = PictureFiles::layout_of(layout == given.end() ? "auto" : layout->second, path, ".exr");
-    *writer = reinterpret_cast<KinoraWriter*>(new ExrWriter(
-        {path, chosen, ".exr"}, compression_called(compression == given.end() ? "" : compression->second)));
-    return KINORA_OK;
-  });
+std::unique_ptr<ExrWriter> open_exr(const char* path, const OptionMap& options) {
+  const auto layout = PictureFiles::layout_of(option_text(options, "layout", "auto"), path, ".exr");
+  return std::make_unique<ExrWriter>(PictureFiles(path, layout, ".exr"), compression_of(options, "zip"));
 }
 
-KinoraStatus write_exr(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->write(*picture);
-    return KINORA_OK;
-  });
+std::unique_ptr<ExrSequenceReader> open_sequence(const char* path, const OptionMap& options) {
+  return std::make_unique<ExrSequenceReader>(path, option_is_set(options, "masks", true));
 }
 
-KinoraStatus finish_exr(KinoraWriter* writer, KinoraMessage* message) {
-  const std::unique_ptr<ExrWriter> owned(self(writer));
-  return guarded(message, [&] {
-    owned->finish();
-    return KINORA_OK;
-  });
+std::unique_ptr<ExrSequenceWriter> open_sequence_writer(const char* path, const OptionMap& options) {
+  return std::make_unique<ExrSequenceWriter>(path, compression_of(options, "piz"));
 }
 
-void abandon_exr(KinoraWriter* writer) { delete self(writer); }
-
-constexpr KinoraFormat module_format() {
+constexpr KinoraFormat picture_format() {
   KinoraFormat format = exr_description();
-  format.open_writer = open_exr;
-  format.writer_write = write_exr;
-  format.writer_finish = finish_exr;
-  format.writer_abandon = abandon_exr;
+  set_picture_writer<ExrWriter, open_exr>(format);
   return format;
 }
 
-constexpr KinoraFormat kFormat = module_format();
+constexpr KinoraFormat sequence_format() {
+  KinoraFormat format = exr_sequence_description();
+  format.probe = safe_probe<probe_exr_sequence>;
+  set_reader<ExrSequenceReader, open_sequence>(format);
+  set_writer<ExrSequenceWriter, open_sequence_writer>(format);
+  return format;
+}
+
+constexpr KinoraFormat kPictures = picture_format();
+constexpr KinoraFormat kSequence = sequence_format();
 
 } // namespace
 } // namespace kinora::formats
 
 extern "C" const KinoraPlugin* kinora_plugin(std::uint32_t host_abi_version) {
-  static const KinoraFormat* const formats[] = {&kinora::formats::kFormat};
-  static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "exr", "", formats, 1};
-  return host_abi_version == KINORA_PLUGIN_ABI ? &plugin : nullptr;
+  using namespace kinora::formats;
+  return module_plugin<kPictures, kSequence>(host_abi_version);
 }

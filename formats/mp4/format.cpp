@@ -5,7 +5,7 @@
 
 namespace kinora::formats {
 
-static constexpr FormatModule kModule = {"mp4", "to write MP4 films"};
+static constexpr FormatModule kModule = {"mp4", "mp4", "to write MP4 films"};
 
 const KinoraFormat& mp4_format() {
   static const KinoraFormat format = deferred_format<kModule>(mp4_description());

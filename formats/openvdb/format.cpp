@@ -5,7 +5,7 @@
 
 namespace kinora::formats {
 
-static constexpr FormatModule kModule = {"openvdb", "to write OpenVDB volumes"};
+static constexpr FormatModule kModule = {"openvdb", "openvdb", "to write OpenVDB volumes"};
 
 const KinoraFormat& openvdb_format() {
   static const KinoraFormat format = deferred_format<kModule>(openvdb_description());

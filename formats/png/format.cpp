@@ -1,40 +1,15 @@
 #include "png/format.h"
 
-#include "common/boundary.h"
+#include "common/writers.h"
 #include "png/png_writer.h"
 
 namespace kinora::formats {
 namespace {
 
-PngWriter* self(KinoraWriter* writer) { return reinterpret_cast<PngWriter*>(writer); }
-
-KinoraStatus open_png(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
-                      KinoraMessage* message) {
-  return guarded(message, [&] {
-    const auto given = option_map(options, option_count);
-    const auto layout = given.find("layout");
-    const auto chosen = PictureFiles::layout_of(layout == given.end() ? "auto" : layout->second, path, ".png");
-    *writer = reinterpret_cast<KinoraWriter*>(new PngWriter({path, chosen, ".png"}));
-    return KINORA_OK;
-  });
+std::unique_ptr<PngWriter> open_png(const char* path, const OptionMap& options) {
+  const auto layout = PictureFiles::layout_of(option_text(options, "layout", "auto"), path, ".png");
+  return std::make_unique<PngWriter>(PictureFiles(path, layout, ".png"));
 }
-
-KinoraStatus write_png(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->write(*picture);
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus finish_png(KinoraWriter* writer, KinoraMessage* message) {
-  const std::unique_ptr<PngWriter> owned(self(writer));
-  return guarded(message, [&] {
-    owned->finish();
-    return KINORA_OK;
-  });
-}
-
-void abandon_png(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {{"layout", "auto|folder|file", "auto",
                                   "A folder of pictures or a single one; auto: a file if the path ends in .png.",
@@ -50,10 +25,7 @@ constexpr KinoraFormat png_format() {
                         KINORA_WRITES_CONFIDENCE;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
-  format.open_writer = open_png;
-  format.writer_write = write_png;
-  format.writer_finish = finish_png;
-  format.writer_abandon = abandon_png;
+  set_picture_writer<PngWriter, open_png>(format);
   return format;
 }
 

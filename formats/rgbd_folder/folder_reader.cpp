@@ -1,7 +1,5 @@
 #include "rgbd_folder/folder_reader.h"
 
-#include <nlohmann/json.hpp>
-
 #include "common/capture_info.h"
 #include "common/files.h"
 #include "core/error.h"
@@ -30,8 +28,7 @@ FolderReader::FolderReader(Listing listing, const fs::path& folder, bool read_ma
   has_masks_ = read_masks_ && std::any_of(listing_.frames.begin(), listing_.frames.end(),
                                           [](const FrameFiles& frame) { return !frame.masks.empty(); });
   find_image_size();
-  if (fs::exists(folder / "labels.json")) read_labels(folder / "labels.json");
-  for (const Label& label : labels_) label_table_.push_back({label.label, label.name.c_str(), label.kind.c_str()});
+  labels_ = LabelTable::read(folder);
   warnings_.set(listing_.warnings);
 }
 
@@ -78,33 +75,6 @@ void FolderReader::find_image_size() {
   intrinsics.validate(source);
 }
 
-void FolderReader::read_labels(const fs::path& path) {
-  const auto fail = [&path](const std::string& problem) {
-    throw Error(ErrorCode::kCorruptInput,
-                path.string() + ": " + problem + R"(; write {"3": {"name": "anna", "kind": "deforming|rigid|still"}})");
-  };
-  const nlohmann::json json = nlohmann::json::parse(read_text(path), nullptr, false);
-  if (!json.is_object()) fail("not a JSON object");
-  for (const auto& item : json.items()) {
-    const std::string& key = item.key();
-    const nlohmann::json& value = item.value();
-    const std::optional<double> label = parse_number(key);
-    if (!label || *label < 0 || *label > 255 || *label != std::floor(*label))
-      fail("\"" + key + "\" is not a label from 0 to 255");
-    if (!value.is_object()) fail("\"" + key + "\" has no object with name and kind");
-    const auto text_of = [&](const char* name) {
-      if (!value.contains(name)) return std::string();
-      if (!value[name].is_string()) fail("\"" + std::string(name) + "\" of \"" + key + "\" is not text");
-      return value[name].get<std::string>();
-    };
-    Label entry{static_cast<int>(*label), text_of("name"), text_of("kind")};
-    if (!entry.kind.empty() && entry.kind != "deforming" && entry.kind != "rigid" && entry.kind != "still")
-      fail("\"" + entry.kind + "\" is no kind");
-    labels_.push_back(std::move(entry));
-  }
-  std::sort(labels_.begin(), labels_.end(), [](const Label& a, const Label& b) { return a.label < b.label; });
-}
-
 void FolderReader::fill_info(KinoraCaptureInfo& info) const {
   const Calibration& calibration = listing_.calibration;
   info.frame_count = static_cast<std::int64_t>(listing_.frames.size());
@@ -113,8 +83,7 @@ void FolderReader::fill_info(KinoraCaptureInfo& info) const {
   info.camera = camera_of(calibration.intrinsics, calibration.distortion);
   info.has_poses = listing_.has_poses ? 1 : 0;
   info.has_masks = has_masks_ ? 1 : 0;
-  info.labels = label_table_.data();
-  info.label_count = label_table_.size();
+  labels_.fill(info);
   warnings_.fill(info);
   if (!listing_.depth_camera) return;
   const DepthCamera& depth = *listing_.depth_camera;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/capture_info.h"
+#include "common/label_file.h"
 #include "core/image.h"
 #include "kinora/plugin.h"
 #include "rgbd_folder/listing.h"
@@ -25,22 +26,14 @@ public:
   void seek(std::int64_t index);
 
 private:
-  struct Label {
-    int label;
-    std::string name;
-    std::string kind;
-  };
-
   void find_image_size();
-  void read_labels(const std::filesystem::path& path);
   void read_images(const FrameFiles& files);
   LabelImage read_masks(const FrameFiles& files) const;
 
   Listing listing_;
   bool read_masks_;
   bool has_masks_ = false;
-  std::vector<Label> labels_;
-  std::vector<KinoraLabel> label_table_;
+  LabelTable labels_;
   WarningTable warnings_;
   std::size_t next_ = 0;
   ColorImage color_;

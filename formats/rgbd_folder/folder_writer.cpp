@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/calibration.h"
 #include "common/files.h"
 #include "common/pictures.h"
 #include "core/error.h"
@@ -29,10 +30,6 @@ std::string exact_text(double value) {
   return {text, end};
 }
 
-bool is_lens_straight(const KinoraCamera& camera) {
-  return std::all_of(std::begin(camera.distortion), std::end(camera.distortion), [](double k) { return k == 0; });
-}
-
 const char* color_folder(FolderLayout layout) { return layout == FolderLayout::kTum ? "rgb" : "color"; }
 
 } // namespace
@@ -48,8 +45,7 @@ void FolderWriter::set_capture(const KinoraCaptureInfo& info) {
   frames_per_second_ = info.frames_per_second;
   start_time_ = info.start_time;
   has_poses_ = info.has_poses != 0;
-  for (std::size_t i = 0; i < info.label_count; ++i)
-    labels_.push_back({info.labels[i].label, info.labels[i].name, info.labels[i].kind});
+  labels_ = LabelTable::of(info);
   std::error_code error;
   for (const char* name : {color_folder(layout_), "depth"}) {
     fs::create_directories(folder_ / name, error);
@@ -101,27 +97,6 @@ void FolderWriter::write_text(const char* name, const std::string& text) const {
   write_file(folder_ / name, std::as_bytes(std::span(text)));
 }
 
-void FolderWriter::write_intrinsics() const {
-  Json json = {{"width", camera_.width},    {"height", camera_.height},
-               {"fx", camera_.fx},          {"fy", camera_.fy},
-               {"cx", camera_.cx},          {"cy", camera_.cy},
-               {"fps", frames_per_second_}, {"depth_scale_m", depth_unit_}};
-  if (!is_lens_straight(camera_))
-    json["distortion"] = std::vector<double>(std::begin(camera_.distortion), std::end(camera_.distortion));
-  write_text("intrinsics.json", json.dump(2) + "\n");
-}
-
-void FolderWriter::write_labels() const {
-  if (labels_.empty()) return;
-  Json json = Json::object();
-  for (const Label& label : labels_) {
-    Json entry = {{"name", label.name}};
-    if (!label.kind.empty()) entry["kind"] = label.kind;
-    json[std::to_string(label.label)] = std::move(entry);
-  }
-  write_text("labels.json", json.dump(2) + "\n");
-}
-
 void FolderWriter::write_tum_lists() const {
   std::string pairs = "# time colour time depth\n";
   std::string colors = "# time file\n";
@@ -171,8 +146,8 @@ void FolderWriter::write_transforms() const {
 void FolderWriter::finish() const {
   if (written_.empty()) throw Error(ErrorCode::kFailure, folder_.string() + ": a capture needs at least one frame");
   if (layout_ == FolderLayout::kTransforms) return write_transforms();
-  write_intrinsics();
-  write_labels();
+  write_calibration(folder_, camera_, frames_per_second_, depth_unit_);
+  labels_.write(folder_);
   if (layout_ == FolderLayout::kTum) write_tum_lists();
 }
 

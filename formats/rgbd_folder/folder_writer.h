@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/label_file.h"
 #include "core/se3.h"
 #include "kinora/plugin.h"
 
@@ -37,8 +38,6 @@ private:
   std::string misfit(const KinoraFrame& frame) const;
   void write_images(const KinoraFrame& frame, Written& written) const;
   void write_text(const char* name, const std::string& text) const;
-  void write_intrinsics() const;
-  void write_labels() const;
   void write_tum_lists() const;
   void write_transforms() const;
 
@@ -50,12 +49,7 @@ private:
   double start_time_ = 0;
   bool has_poses_ = false;
   double depth_unit_ = 0.001; ///< of the first frame, and so of all
-  struct Label {
-    int label;
-    std::string name;
-    std::string kind;
-  };
-  std::vector<Label> labels_;
+  LabelTable labels_;
   std::vector<Written> written_;
 };
 

@@ -2,9 +2,9 @@
 #include <set>
 
 #include "common/files.h"
+#include "common/numbering.h"
 #include "core/error.h"
 #include "rgbd_folder/listing.h"
-#include "rgbd_folder/numbering.h"
 
 namespace kinora::formats {
 namespace fs = std::filesystem;

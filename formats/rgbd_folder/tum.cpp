@@ -2,9 +2,9 @@
 #include <queue>
 
 #include "common/files.h"
+#include "common/numbering.h"
 #include "core/error.h"
 #include "rgbd_folder/listing.h"
-#include "rgbd_folder/numbering.h"
 #include "rgbd_folder/trajectory.h"
 
 namespace kinora::formats {

@@ -7,6 +7,7 @@
 #include "common/byte_reader.h"
 #include "common/float_depth.h"
 #include "core/image_codec.h"
+#include "ros/rvl.h"
 
 namespace kinora::formats {
 namespace {
@@ -53,10 +54,8 @@ template <class Value> Value value_at(const ImageMessage& message, std::uint32_t
   return std::bit_cast<Value>(bytes);
 }
 
-/// image_transport's compressedDepth: 12 bytes, of which two floats say how metres became numbers, and a PNG.
+/// image_transport's compressedDepth: 12 bytes, of which two floats say how metres became numbers, and a PNG or RVL.
 DepthImage16 compressed_depth(const ImageMessage& message, const std::string& source) {
-  if (message.encoding.find("rvl") != std::string::npos)
-    fail(source, "depth is packed with RVL, which is not read; record it raw or as PNG");
   const bool wrapped = message.encoding.find("compressedDepth") != std::string::npos;
   ByteReader reader(message.data, source);
   float a = 0;
@@ -66,7 +65,9 @@ DepthImage16 compressed_depth(const ImageMessage& message, const std::string& so
     a = reader.number<float>();
     b = reader.number<float>();
   }
-  DepthImage16 depth = decode_depth16(reader.bytes(reader.left()), source);
+  const auto packed = reader.bytes(reader.left());
+  const bool rvl = message.encoding.find("rvl") != std::string::npos;
+  DepthImage16 depth = rvl ? unpack_rvl(packed, source) : decode_depth16(packed, source);
   if (!is_float_depth(message.encoding)) return depth;
   for (std::uint16_t& value : depth.values())
     value = value == 0 ? std::uint16_t{0} : depth_units(a / (value - double{b}));

@@ -110,6 +110,7 @@ StrayReader::StrayReader(const fs::path& folder) : folder_(folder) {
     try {
       const fs::path path = image_file("depth", pose);
       const DepthImage16 depth = decode_depth16(read_file(path), path.string());
+      check_shape(depth.width(), depth.height(), path);
       depth_camera_ = color_camera_.resized(depth.width(), depth.height());
       break;
     } catch (const Error& error) {
@@ -137,6 +138,16 @@ void StrayReader::fill_info(KinoraCaptureInfo& info) const {
   info.has_poses = 1;
   warning_table_.fill(info);
   set_depth_camera(info, camera_of(depth_camera_, {}), SE3::Identity());
+}
+
+/// Both lenses see the same; a video that was turned since does not.
+void StrayReader::check_shape(int width, int height, const fs::path& path) const {
+  constexpr double kTolerance = 0.05;
+  const double wanted = static_cast<double>(stream_.width) / stream_.height;
+  if (std::abs(static_cast<double>(width) / height / wanted - 1) < kTolerance) return;
+  fail(path, "is " + std::to_string(width) + "x" + std::to_string(height) + ", and rgb.mp4 is shown as " +
+                 std::to_string(stream_.width) + "x" + std::to_string(stream_.height) +
+                 "; export the scan again, with a video that is not turned or cut");
 }
 
 void StrayReader::check_depth_size(int width, int height, const fs::path& path) const {

@@ -41,6 +41,7 @@ public:
 private:
   double time_of(const StrayPose& pose) const { return pose.time.value_or(stream_.times[pose.frame]); }
   std::filesystem::path image_file(const char* kind, const StrayPose& pose) const;
+  void check_shape(int width, int height, const std::filesystem::path& path) const;
   void check_depth_size(int width, int height, const std::filesystem::path& path) const;
 
   std::filesystem::path folder_;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "video/turned.h"
 
 extern "C" {
 #include <libavutil/pixdesc.h>
@@ -24,7 +25,7 @@ void LibavVideoReader::ReleaseScaler::operator()(SwsContext* scaler) const { sws
 LibavVideoReader::LibavVideoReader(const std::filesystem::path& path, VideoStream stream)
     : path_(path), stream_(std::move(stream)), packet_(av_packet_alloc()), frame_(av_frame_alloc()) {
   open();
-  if (stream_.codec != "mjpeg") open_decoder();
+  if (stream_.codec != "mjpeg" || stream_.quarter_turns != 0) open_decoder(); // a JPEG file is not turned
 }
 
 void LibavVideoReader::fail(const std::string& problem) const {
@@ -112,7 +113,9 @@ VideoPicture LibavVideoReader::read(std::size_t number) {
 }
 
 VideoPicture LibavVideoReader::picture_of(const AVFrame& frame) {
-  if (frame.width != stream_.width || frame.height != stream_.height) fail("its pictures change their size");
+  const bool lies = stream_.quarter_turns % 2 == 1;
+  if (frame.width != (lies ? stream_.height : stream_.width) || frame.height != (lies ? stream_.width : stream_.height))
+    fail("its pictures change their size");
   VideoPicture picture;
   if (frame.format == AV_PIX_FMT_GRAY16LE || frame.format == AV_PIX_FMT_GRAY16BE) {
     picture.gray16 = DepthImage16(frame.width, frame.height);
@@ -121,6 +124,7 @@ VideoPicture LibavVideoReader::picture_of(const AVFrame& frame) {
                   sizeof(std::uint16_t) * static_cast<std::size_t>(frame.width));
     if (frame.format == AV_PIX_FMT_GRAY16BE)
       for (std::uint16_t& value : picture.gray16.values()) value = static_cast<std::uint16_t>(value << 8 | value >> 8);
+    picture.gray16 = turned(std::move(picture.gray16), stream_.quarter_turns);
     return picture;
   }
   const auto format = static_cast<AVPixelFormat>(frame.format);
@@ -138,6 +142,7 @@ VideoPicture LibavVideoReader::picture_of(const AVFrame& frame) {
   std::uint8_t* const rows[4] = {picture.color.data()};
   const int strides[4] = {3 * frame.width};
   sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rows, strides);
+  picture.color = turned(std::move(picture.color), stream_.quarter_turns);
   return picture;
 }
 

@@ -35,7 +35,7 @@ private:
   std::filesystem::path path_;
   VideoStream stream_;
   AvInput input_;
-  AvDecoder decoder_; ///< none for Motion JPEG
+  AvDecoder decoder_; ///< none for Motion JPEG that is not turned
   AvPacket packet_;
   AvFrame frame_;
   std::unique_ptr<SwsContext, ReleaseScaler> scaler_;

@@ -1,8 +1,14 @@
 #include "video/video_description.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/error.h"
 #include "video/libav_input.h"
+
+extern "C" {
+#include <libavutil/display.h>
+}
 
 namespace kinora::formats {
 namespace {
@@ -24,13 +30,31 @@ bool has_pictures(const AVStream& stream) {
          parameters.height <= kMaxSide;
 }
 
-VideoStream stream_of(const AVStream& stream) {
+/// Phones store pictures as the sensor lies and say how they are turned. Throws Error(kCorruptInput) for mirrors and
+/// oblique angles.
+int quarter_turns_of(const AVStream& stream, const std::filesystem::path& path) {
+  std::size_t bytes = 0;
+  const auto* matrix =
+      reinterpret_cast<const std::int32_t*>(av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes));
+  if (matrix == nullptr || bytes < 9 * sizeof(std::int32_t)) return 0;
+  const double determinant = double{1} * matrix[0] * matrix[4] - double{1} * matrix[1] * matrix[3];
+  const double quarters = -av_display_rotation_get(matrix) / 90; // it counts counterclockwise
+  if (!(determinant > 0) || std::abs(quarters - std::round(quarters)) > 1e-3)
+    throw Error(ErrorCode::kCorruptInput,
+                path.string() + ": its pictures are to be mirrored or turned by an odd angle, which is not done; "
+                                "convert it first: ffmpeg -i IN -c:v ffv1 OUT.mkv");
+  return (static_cast<int>(std::lround(quarters)) + 4) % 4;
+}
+
+VideoStream stream_of(const AVStream& stream, const std::filesystem::path& path) {
   VideoStream video;
   video.number = stream.index;
   video.codec = avcodec_get_name(stream.codecpar->codec_id);
   video.tags = tags_of(stream.metadata);
   video.width = stream.codecpar->width;
   video.height = stream.codecpar->height;
+  video.quarter_turns = quarter_turns_of(stream, path);
+  if (video.quarter_turns % 2 == 1) std::swap(video.width, video.height);
   video.gray16 = stream.codecpar->format == AV_PIX_FMT_GRAY16LE || stream.codecpar->format == AV_PIX_FMT_GRAY16BE;
   return video;
 }
@@ -45,7 +69,7 @@ VideoDescription read_description(const std::filesystem::path& path) {
   for (unsigned i = 0; i < input->nb_streams; ++i) {
     AVStream& stream = *input->streams[i];
     if (has_pictures(stream)) {
-      description.streams.push_back(stream_of(stream));
+      description.streams.push_back(stream_of(stream, path));
       times.emplace(stream.index, std::vector<double>());
       continue;
     }

@@ -7,7 +7,6 @@
 #include "cli/unfinished.h"
 #include "container/recovery.h"
 #include "core/error.h"
-#include "host/frame_reader.h"
 #include "record/recorder.h"
 
 namespace kinora::cli {
@@ -37,9 +36,8 @@ void record_all(host::FrameReader& reader, const std::filesystem::path& path, Pr
 } // namespace
 
 void write_archive(const std::filesystem::path& clip_file, const std::filesystem::path& capture,
-                   const std::string& format, const std::filesystem::path& output, Context& context) {
-  const host::PluginTable& plugins = context.plugins();
-  host::FrameReader reader(format.empty() ? plugins.recognise(capture) : plugins.find(format), capture, {});
+                   const CaptureReading& reading, const std::filesystem::path& output, Context& context) {
+  host::FrameReader reader = open_frames(capture, reading, context);
   const Unfinished recording(output, Unfinished::Kind::kFile);
   context.progress.stage("archiving", static_cast<std::size_t>(reader.info().frame_count));
   record_all(reader, recording.path(), context.progress);

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
-#include "cli/context.h"
+#include "cli/capture_input.h"
 
 namespace kinora::cli {
 
 /// Writes the clip of `clip_file`, and behind it all frames of the capture as kinora record has them, to `output`.
-/// `format`: of the capture; empty: who recognises it best. Throws what reading and writing throw.
+/// Throws what reading and writing throw.
 void write_archive(const std::filesystem::path& clip_file, const std::filesystem::path& capture,
-                   const std::string& format, const std::filesystem::path& output, Context& context);
+                   const CaptureReading& reading, const std::filesystem::path& output, Context& context);
 
 } // namespace kinora::cli

@@ -100,17 +100,16 @@ private:
   std::set<std::string> told_;
 };
 
-bool declares(const KinoraFormat& format, const std::string& option) {
-  for (std::size_t i = 0; i < format.option_count; ++i)
-    if (option == format.options[i].name) return true;
-  return false;
+std::vector<std::string> option_names(const KinoraFormat& format) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < format.option_count; ++i) names.emplace_back(format.options[i].name);
+  return names;
 }
 
 /// Those of the reader are taken out of `options`: an option that both have is the reader's.
 host::Options take_options_of(const KinoraFormat& reader, host::Options& options) {
   host::Options taken;
-  std::erase_if(options,
-                [&](const auto& option) { return declares(reader, option.first) && taken.insert(option).second; });
+  for (const std::string& name : option_names(reader)) taken.insert(options.extract(name));
   return taken;
 }
 
@@ -174,7 +173,7 @@ void convert_capture(const CaptureConversion& conversion, Context& context) {
                                                                 : context.plugins().find(conversion.source_format);
   host::Options options = conversion.options;
   const host::Options reading = take_options_of(source, options);
-  host::check_options(*conversion.target, options);
+  host::check_options(*conversion.target, options, option_names(source));
   host::FrameReader reader(source, conversion.input, reading);
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
   Losses losses(conversion, context);

@@ -36,7 +36,7 @@ struct Options {
   std::filesystem::path clip;
   std::string preset = "balanced";
   std::string frames;
-  std::string format;
+  CaptureReading reading;
   bool no_masks = false;
   std::filesystem::path segmenter;
   std::filesystem::path detector;
@@ -64,7 +64,8 @@ double rounded(double value) { return std::round(value * 1000) / 1000; }
 
 ingest::CaptureOptions capture_options(const Options& options) {
   ingest::CaptureOptions out;
-  out.format = options.format;
+  out.format = options.reading.format;
+  out.format_options = host::parse_options(options.reading.options);
   if (!options.frames.empty()) out.frames = FrameRange::parse(options.frames);
   out.use_masks = !options.no_masks;
   return out;
@@ -164,7 +165,7 @@ encode::EncodeResult encode_file(const Options& options, const encode::EncodeOpt
   if (options.archive) {
     const Unfinished clip(options.clip, Unfinished::Kind::kFile);
     clip::write_clip(result.clip, clip.path());
-    write_archive(clip.path(), options.capture, options.format, out.writing_path(), context);
+    write_archive(clip.path(), options.capture, options.reading, out.writing_path(), context);
   } else {
     clip::write_clip(result.clip, out.writing_path());
   }
@@ -244,9 +245,10 @@ void run(const Options& options, Context& context) {
     if ((report_file || context.shared.json) && !was_stopped) {
       const Stopwatch evaluation_watch;
       const player::Player player(std::move(clip));
-      add_quality(result.report,
-                  evaluate::evaluate_against(options.capture, context.plugins(), player,
-                                             {kComparedFrames, false, options.format}, context.progress));
+      add_quality(result.report, evaluate::evaluate_against(options.capture, context.plugins(), player,
+                                                            {kComparedFrames, false, options.reading.format,
+                                                             host::parse_options(options.reading.options)},
+                                                            context.progress));
       result.report["timing"]["evaluation_s"] = rounded(evaluation_watch.seconds());
     }
   }
@@ -281,8 +283,7 @@ void add_encode(CLI::App& app, Context& context) {
       ->capture_default_str();
   command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
       ->type_name("A:B:S");
-  command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
-      ->type_name("NAME");
+  add_reading_options(command, options->reading);
   command.add_flag("--no-masks", options->no_masks, "Do not read masks: tell people and things by what moves");
   command
       .add_option("--segmenter", options->segmenter,

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/capture_input.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
@@ -17,6 +18,7 @@ struct Options {
   std::filesystem::path clip;
   std::filesystem::path capture;
   std::filesystem::path report;
+  CaptureReading reading;
 };
 
 void run(const Options& options, Context& context) {
@@ -27,6 +29,8 @@ void run(const Options& options, Context& context) {
   require_input(options.capture);
   evaluate::EvaluateOptions how;
   how.ground_truth = true;
+  how.format = options.reading.format;
+  how.format_options = host::parse_options(options.reading.options);
   const nlohmann::json report =
       evaluate::evaluate_against(options.capture, context.plugins(), player, how, context.progress);
   if (file) write_text(*file, report.dump(1) + "\n");
@@ -50,6 +54,7 @@ void add_eval(CLI::App& app, Context& context) {
   command.add_option("CLIP", options->clip, "The clip to judge")->required()->type_name("FILE");
   command.add_option("--against", options->capture, "The capture it was made from")->required()->type_name("CAPTURE");
   command.add_option("--report", options->report, "Write all numbers to this JSON file")->type_name("FILE");
+  add_reading_options(command, options->reading);
   context.add_overwrite(command);
 }
 

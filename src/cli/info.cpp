@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/capture_input.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/file_check.h"
@@ -43,6 +44,7 @@ std::size_t per_frame(std::size_t bytes, std::size_t frames) { return frames > 0
 struct Options {
   fs::path input;
   bool strict = false;
+  CaptureReading reading;
 };
 
 Json clip_json(const fs::path& path, Context& context) {
@@ -93,8 +95,11 @@ Json parts_of_folder(const fs::path& path, std::size_t& total) {
   return out;
 }
 
-Json capture_json(const fs::path& path, Context& context) {
-  const auto capture = ingest::Capture::open(context.plugins(), path, {}, context.progress);
+Json capture_json(const fs::path& path, const CaptureReading& reading, Context& context) {
+  ingest::CaptureOptions how;
+  how.format = reading.format;
+  how.format_options = host::parse_options(reading.options);
+  const auto capture = ingest::Capture::open(context.plugins(), path, how, context.progress);
   const ingest::CaptureInfo& info = capture->info();
   std::size_t total = 0;
   Json parts = parts_of_folder(path, total);
@@ -166,10 +171,10 @@ std::string capture_text(const Json& info) {
          parts_text(info);
 }
 
-// A clip is told by its content; anything else may be a capture.
-Json info_of(const fs::path& path, Context& context) {
+// A clip is told by its content, unless a format is asked for; anything else may be a capture.
+Json info_of(const fs::path& path, const CaptureReading& reading, Context& context) {
   require_input(path);
-  if (fs::is_regular_file(path)) {
+  if (fs::is_regular_file(path) && reading.format.empty()) {
     try {
       return clip_json(path, context);
     } catch (const Error& error) {
@@ -177,7 +182,7 @@ Json info_of(const fs::path& path, Context& context) {
       context.progress.detail(error.what());
     }
   }
-  return capture_json(path, context);
+  return capture_json(path, reading, context);
 }
 
 // A capture of others has no checksums that could be looked at.
@@ -191,7 +196,7 @@ void refuse_damage(const fs::path& input, Context& context) {
 
 void run(const Options& options, Context& context) {
   if (options.strict) refuse_damage(options.input, context);
-  const Json info = info_of(options.input, context);
+  const Json info = info_of(options.input, options.reading, context);
   if (context.shared.json) {
     context.print_json(info);
   } else {
@@ -207,6 +212,7 @@ void add_info(CLI::App& app, Context& context) {
                                           "  kinora info clip.mkv\n  kinora info capture/ --json",
                                           [options, &context] { run(*options, context); });
   command.add_option("INPUT", options->input, "A clip or a capture")->required()->type_name("PATH");
+  add_reading_options(command, options->reading);
   command.add_flag("--strict", options->strict,
                    "Refuse a file of Kinora that is damaged anywhere, as kinora validate does");
 }

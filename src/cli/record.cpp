@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "cli/capture_input.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/text.h"
 #include "core/error.h"
-#include "host/frame_reader.h"
 #include "record/recorder.h"
 #include "recording/recording_file.h"
 
@@ -26,7 +26,7 @@ constexpr double kQueueSeconds = 0.5; // of frames that a camera keeps for us
 struct Options {
   std::filesystem::path capture;
   std::filesystem::path output;
-  std::string format;
+  CaptureReading reading;
   double duration = std::numeric_limits<double>::infinity();
   LiveOptions live;
 };
@@ -142,9 +142,7 @@ bool holds_a_frame(const std::filesystem::path& path) {
 }
 
 Outcome record_capture(const Options& options, Context& context) {
-  const KinoraFormat& format =
-      options.format.empty() ? context.plugins().recognise(options.capture) : context.plugins().find(options.format);
-  host::FrameReader reader(format, options.capture, {});
+  host::FrameReader reader = open_frames(options.capture, options.reading, context);
   const std::shared_ptr<host::SimulatedDevice> device = make_device(options.live, kQueueSeconds);
   reader.replay(device);
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
@@ -212,8 +210,7 @@ void add_record(CLI::App& app, Context& context) {
   command.add_option("--duration", options->duration, "Stop after this many seconds of the capture")
       ->check(CLI::PositiveNumber)
       ->type_name("S");
-  command.add_option("--format", options->format, "Read the capture with this format (see kinora formats)")
-      ->type_name("NAME");
+  add_reading_options(command, options->reading);
   add_live_options(command, options->live, "Replay the capture at its own pace, and lose what cannot be kept up with");
   context.add_overwrite(command);
 }

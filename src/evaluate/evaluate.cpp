@@ -129,6 +129,7 @@ Json evaluate_against(const std::filesystem::path& capture, const host::PluginTa
                       const player::Player& player, const EvaluateOptions& options, Progress& progress) {
   ingest::CaptureOptions how;
   how.format = options.format;
+  how.format_options = options.format_options;
   if (const Json& metadata = player.clip().metadata; metadata.contains("registration")) {
     how.registration = ingest::registration_from_json(metadata["registration"], "the clip's registration");
   }

@@ -16,7 +16,8 @@ struct EvaluateOptions {
       0; ///< at most this many, evenly spread over the clip; 0: all. Held-out ones all are compared.
   bool ground_truth =
       false; ///< also compare with what stands beside the capture (ground_truth_comparison.h), under `ground_truth`
-  std::string format; ///< name of the format to read the capture with; empty: whoever recognises it
+  std::string format;           ///< name of the format to read the capture with; empty: whoever recognises it
+  host::Options format_options; ///< of that format
 };
 
 /// Draws the clip as the capture camera saw it and compares frame by frame (core/metrics.h): per image, then averaged.

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/numbering.h"
 #include "formats/sample_capture.h"
-#include "rgbd_folder/numbering.h"
 
 namespace kinora::formats {
 namespace {

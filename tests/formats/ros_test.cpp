@@ -1,10 +1,14 @@
 // ROS logs that ROS's own writer and Foxglove's made; ros_samples/ has the programs.
+#include <cstring>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "formats/damage.h"
 #include "ros/message_log.h"
 #include "ros/messages.h"
+#include "ros/ros_images.h"
+#include "ros/rvl.h"
 
 namespace kinora::formats {
 namespace {
@@ -151,6 +155,103 @@ TEST(RosMessage, SizesThatGoBeyondTheMessageAreRefused) {
   }
   const std::vector<std::byte> absurd(8, std::byte{0xff});
   EXPECT_THROW((void)transforms_of({absurd, MessageEncoding::kRos1, "test"}), Error);
+}
+
+// ---- depth packed with RVL
+
+/// As the paper's listing does it: runs of zeros and of differences, in groups of three bits and one that says "more".
+std::vector<std::byte> pack_rvl(const DepthImage16& image) {
+  std::vector<std::uint32_t> words{static_cast<std::uint32_t>(image.width()),
+                                   static_cast<std::uint32_t>(image.height())};
+  std::uint32_t word = 0;
+  int groups = 0;
+  const auto put = [&](std::uint32_t value) {
+    do {
+      std::uint32_t group = value & 7U;
+      value >>= 3;
+      if (value != 0) group |= 8U;
+      word = word << 4 | group;
+      if (++groups == 8) {
+        words.push_back(word);
+        groups = 0;
+      }
+    } while (value != 0);
+  };
+  const std::span values = image.values();
+  int last = 0;
+  for (std::size_t i = 0; i < values.size();) {
+    std::uint32_t zeros = 0, others = 0;
+    for (; i < values.size() && values[i] == 0; ++i) ++zeros;
+    for (std::size_t k = i; k < values.size() && values[k] != 0; ++k) ++others;
+    put(zeros);
+    put(others);
+    for (; others > 0; --others, ++i) {
+      const int difference = values[i] - last;
+      put(static_cast<std::uint32_t>(difference << 1 ^ difference >> 31));
+      last = values[i];
+    }
+  }
+  if (groups > 0) words.push_back(word << 4 * (8 - groups));
+  const auto bytes = std::as_bytes(std::span(words));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The message that carries it: 12 bytes of a header, and the packed image.
+std::vector<std::byte> rvl_message(const DepthImage16& image, float a = 0, float b = 0) {
+  std::vector<std::byte> bytes(12);
+  std::memcpy(bytes.data() + 4, &a, sizeof a);
+  std::memcpy(bytes.data() + 8, &b, sizeof b);
+  const std::vector<std::byte> packed = pack_rvl(image);
+  bytes.insert(bytes.end(), packed.begin(), packed.end());
+  return bytes;
+}
+
+ImageMessage message_of(const std::vector<std::byte>& bytes, const char* encoding) {
+  ImageMessage message;
+  message.encoding = encoding;
+  message.data = bytes;
+  return message;
+}
+
+TEST(Rvl, APackedImageIsUnpackedAsThePaperSays) {
+  // 2x2: 0 5 5 0. One zero, two others: +5 (folded 10: groups 2+more, 1), +0; one zero, no other.
+  const std::uint32_t words[] = {2, 2, 0x12A10100U};
+  const DepthImage16 image = unpack_rvl(std::as_bytes(std::span(words)), "a");
+  EXPECT_EQ(std::vector<std::uint16_t>(image.values().begin(), image.values().end()),
+            (std::vector<std::uint16_t>{0, 5, 5, 0}));
+}
+
+TEST(Rvl, DepthComesBackToTheBit) {
+  DepthImage16 image = test::sample_depth(33, 21, 900);
+  for (std::size_t i = 0; i < image.pixel_count(); i += 5) image.data()[i] = 0;
+  image.at(3, 3) = 65535;
+  image.at(4, 3) = 1;
+  const std::vector<std::byte> bytes = rvl_message(image);
+  EXPECT_TRUE(is_depth_encoding("16UC1; compressedDepth rvl", true));
+  const DepthImage16 back = depth_image_of(message_of(bytes, "16UC1; compressedDepth rvl"), true, "a");
+  EXPECT_TRUE(std::ranges::equal(back.values(), image.values()));
+  EXPECT_TRUE(std::ranges::all_of(
+      depth_image_of(message_of(rvl_message(DepthImage16(8, 8, 1, 0)), "16UC1; compressedDepth rvl"), true, "a")
+          .values(),
+      [](std::uint16_t value) { return value == 0; }));
+}
+
+TEST(Rvl, MetresThatWereFloatsAreInverted) {
+  const std::vector<std::byte> bytes = rvl_message(DepthImage16(2, 1, 1, 100), 100, 50); // 100 / (100 - 50) = 2 m
+  const DepthImage16 back = depth_image_of(message_of(bytes, "32FC1; compressedDepth rvl"), true, "a");
+  EXPECT_EQ(back.at(0, 0), 8000);
+}
+
+TEST(Rvl, DamagedBytesAndAbsurdSizesAreRefused) {
+  const std::vector<std::byte> whole = pack_rvl(test::sample_depth(33, 21, 900));
+  for (std::size_t length = 0; length < whole.size(); length += 7)
+    EXPECT_THROW((void)unpack_rvl(std::span(whole).first(length), "a"), Error) << length;
+  for (const auto& [width, height] : {std::pair{0U, 3U}, {70000U, 1U}, {16384U, 16384U}}) {
+    const std::uint32_t words[] = {width, height, 0xFFFFFFFFU};
+    EXPECT_THROW((void)unpack_rvl(std::as_bytes(std::span(words)), "a"), Error);
+  }
+  const std::uint32_t endless[] = {2, 2, 0xFFFFFFFFU, 0xFFFFFFFFU};
+  EXPECT_THROW((void)unpack_rvl(std::as_bytes(std::span(endless)), "a"), Error);
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 namespace kinora::formats {
 namespace {
 
+namespace fs = std::filesystem;
 using test::CopiedCapture;
 using test::TemporaryFolder;
 
@@ -113,6 +114,17 @@ TEST_F(StrayTest, TimesThatRunBackwardsArePutInOrderWithAWarning) {
   const CopiedCapture capture = read();
   EXPECT_EQ(capture.warnings.size(), 1U);
   EXPECT_EQ(capture.frames.front().time, 1);
+}
+
+TEST_F(StrayTest, AVideoThatIsTurnedAgainstDepthIsRefused) {
+  const fs::path video = folder_.path() / "rgb.mp4";
+  const fs::path turned = folder_.path() / "turned.mp4";
+  ASSERT_EQ(std::system(("ffmpeg -v error -y -i '" + video.string() + "' -c copy -metadata:s:v:0 rotate=90 '" +
+                         turned.string() + "'")
+                            .c_str()),
+            0);
+  fs::rename(turned, video);
+  expect_refused("shown as 48x64");
 }
 
 } // namespace

@@ -87,6 +87,40 @@ TEST_F(VideoPairTest, AnyFrameCanBeReadAtOnce) {
   }
 }
 
+/// Phones store pictures as the sensor lies, and say in the file how they are turned. ffmpeg turns them when it copies
+/// pictures, not when it copies a stream.
+TEST_F(VideoPairTest, VideosThatSayHowTheyAreTurnedAreTurnedAsFfmpegDoes) {
+  const fs::path in = folder_.path() / "in";
+  const auto ffmpeg = [](const fs::path& from, const std::string& how, const fs::path& to) {
+    return std::system(("ffmpeg -v error -y -i '" + from.string() + "' " + how + " '" + to.string() + "'").c_str());
+  };
+  for (const char* name : {"color", "depth"})
+    fs::rename(in / (std::string(name) + ".mkv"), folder_.path() / (std::string(name) + ".mkv"));
+  for (const int degrees : {90, 180, 270}) {
+    const bool lies = degrees != 180;
+    folder_.write("in/intrinsics.json",
+                  lies ? R"({"fx": 20, "fy": 20, "cx": 5.5, "cy": 7.5, "width": 12, "height": 16})"
+                       : R"({"fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5, "width": 16, "height": 12})");
+    for (const std::string name : {"color", "depth"}) {
+      const std::string turn = "-c copy -metadata:s:v:0 rotate=" + std::to_string(degrees);
+      ASSERT_EQ(ffmpeg(folder_.path() / (name + ".mkv"), turn, in / (name + ".mov")), 0);
+    }
+    const CopiedCapture by_us = read();
+    for (const std::string name : {"color", "depth"}) {
+      ASSERT_EQ(ffmpeg(in / (name + ".mov"), "-c:v ffv1", in / (name + ".mkv")), 0);
+      fs::remove(in / (name + ".mov"));
+    }
+    const CopiedCapture by_ffmpeg = read();
+    ASSERT_EQ(by_us.frames.size(), by_ffmpeg.frames.size());
+    for (std::size_t i = 0; i < by_us.frames.size(); ++i) {
+      EXPECT_EQ(by_us.frames[i].problem, "");
+      EXPECT_EQ(by_us.frames[i].color, by_ffmpeg.frames[i].color) << degrees;
+      EXPECT_EQ(by_us.frames[i].depth, by_ffmpeg.frames[i].depth) << degrees;
+    }
+    for (const std::string name : {"color", "depth"}) fs::remove(in / (name + ".mkv"));
+  }
+}
+
 TEST_F(VideoPairTest, DamagedFilesAreRefusedAtEveryLength) {
   const fs::path in = folder_.path() / "in";
   for (const char* name : {"color.mkv", "depth.mkv", "intrinsics.json"})

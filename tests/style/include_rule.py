@@ -62,9 +62,10 @@ LOOK = {  # at what was made
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
     "formats/common": ["core", "include/kinora"],
+    "formats/kinora_clip": ["formats/common", "player"],
     "formats/kinora_recording": ["formats/common", "record"],
     "formats/*": ["formats/common"],  # one folder per format; none sees another
-    "formats": ["formats/*", "formats/kinora_recording"],  # the table of the formats that come with Kinora
+    "formats": ["formats/*", "formats/kinora_clip", "formats/kinora_recording"],  # the table of the formats that come with Kinora
 }
 RULES = PLAY | MAKE | LOOK | FORMATS
 
@@ -77,6 +78,7 @@ ONE_USER = {
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/(mp4|video)/.*|src/recording/ffv1_module\.cpp)"),
+    "tiny_gltf.h": re.compile(r"formats/gltf_scene/gltf_library\.h"),
     "OpenEXR/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
     "Imath/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
     "opencv2/": re.compile(r"src/ingest/(onnx/onnx|opencv/opencv|segmentation/network|joints/network)_\w+\.(cpp|h)"),

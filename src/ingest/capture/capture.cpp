@@ -109,7 +109,7 @@ private:
 std::unique_ptr<Capture> Capture::open(const host::PluginTable& plugins, const std::filesystem::path& path,
                                        const CaptureOptions& options, Progress& progress) {
   const KinoraFormat& format = options.format.empty() ? plugins.recognise(path) : plugins.find(options.format);
-  host::Options reader_options;
+  host::Options reader_options = options.format_options;
   for (std::size_t i = 0; i < format.option_count; ++i)
     if (!options.use_masks && std::string_view(format.options[i].name) == "masks") reader_options["masks"] = "false";
   return std::make_unique<PluginCapture>(path, host::FrameReader(format, path, reader_options), options, progress);

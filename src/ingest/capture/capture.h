@@ -10,6 +10,7 @@
 
 #include "core/frame_range.h"
 #include "core/progress.h"
+#include "host/options.h"
 #include "ingest/depth/depth_cleaning.h"
 #include "ingest/depth/registration.h"
 #include "ingest/frame/frame.h"
@@ -22,7 +23,8 @@ class SimulatedDevice;
 namespace kinora::ingest {
 
 struct CaptureOptions {
-  std::string format; ///< name of the format to read with; empty: whoever recognises it best
+  std::string format;           ///< name of the format to read with; empty: whoever recognises it best
+  host::Options format_options; ///< of that format
   FrameRange frames;
   bool use_masks = true; ///< false: masks on disk are not read
   double max_depth = 20; ///< metres: no depth camera measures beyond; some mark "no measurement" with large values
@@ -60,7 +62,7 @@ struct SkippedFrame {
 class Capture {
 public:
   /// Throws Error: kNotRecognised if no plugin knows it, kCorruptInput if one does but it cannot be read, kUsage if a
-  /// registration is given that does not fit it.
+  /// registration is given that does not fit it, or an option that the format has not.
   static std::unique_ptr<Capture> open(const host::PluginTable& plugins, const std::filesystem::path& path,
                                        const CaptureOptions& options, Progress& progress);
   virtual ~Capture() = default;

@@ -1,4 +1,4 @@
-#include "rgbd_folder/numbering.h"
+#include "common/numbering.h"
 
 #include <charconv>
 
