@@ -47,6 +47,12 @@ KinoraStatus volume_deferred(KinoraWriter* writer, const KinoraVolume* volume, K
   return self(writer)->format.writer_volume(self(writer)->writer, volume, message);
 }
 
+KinoraStatus facts_deferred(KinoraWriter* writer, const KinoraOptionValue* facts, std::size_t count,
+                            KinoraMessage* message) {
+  const KinoraFormat& format = self(writer)->format;
+  return format.writer_facts == nullptr ? KINORA_OK : format.writer_facts(self(writer)->writer, facts, count, message);
+}
+
 KinoraStatus finish_deferred(KinoraWriter* writer, KinoraMessage* message) {
   const std::unique_ptr<DeferredWriter> owned(self(writer));
   return owned->format.writer_finish(owned->writer, message);

@@ -16,6 +16,8 @@ KinoraStatus open_deferred(const FormatModule& module, const char* path, const K
                            std::size_t option_count, KinoraWriter** writer, KinoraMessage* message);
 KinoraStatus write_deferred(KinoraWriter* writer, const KinoraPicture* picture, KinoraMessage* message);
 KinoraStatus volume_deferred(KinoraWriter* writer, const KinoraVolume* volume, KinoraMessage* message);
+KinoraStatus facts_deferred(KinoraWriter* writer, const KinoraOptionValue* facts, std::size_t count,
+                            KinoraMessage* message);
 KinoraStatus finish_deferred(KinoraWriter* writer, KinoraMessage* message);
 void abandon_deferred(KinoraWriter* writer);
 
@@ -33,6 +35,7 @@ template <const FormatModule& module> KinoraFormat deferred_format(KinoraFormat 
   };
   if ((format.capabilities & KINORA_WRITES_PICTURES) != 0) format.writer_write = write_deferred;
   if ((format.capabilities & KINORA_WRITES_VOLUMES) != 0) format.writer_volume = volume_deferred;
+  format.writer_facts = facts_deferred;
   format.writer_finish = finish_deferred;
   format.writer_abandon = abandon_deferred;
   return format;

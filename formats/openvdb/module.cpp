@@ -7,13 +7,36 @@ namespace {
 
 VdbWriter* self(KinoraWriter* writer) { return reinterpret_cast<VdbWriter*>(writer); }
 
+VdbNames names_for(const std::string& program) {
+  if (program == "blender") return kBlenderNames;
+  return program == "unreal" ? kUnrealNames : kHoudiniNames;
+}
+
+VdbSettings settings_of(const std::map<std::string, std::string>& given) {
+  const auto value = [&given](const char* name) {
+    const auto found = given.find(name);
+    return found == given.end() ? std::string() : found->second;
+  };
+  VdbSettings settings;
+  settings.half_floats = value("precision") != "float";
+  settings.fog = value("content") != "surface";
+  settings.surface = value("content") == "surface" || value("content") == "both";
+  settings.names = names_for(value("vdb-names"));
+  settings.axes = WorldAxes(given);
+  return settings;
+}
+
 KinoraStatus open_vdb(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
                       KinoraMessage* message) {
   return guarded(message, [&] {
-    const auto given = option_map(options, option_count);
-    const auto precision = given.find("precision");
-    const bool half = precision == given.end() || precision->second == "half";
-    *writer = reinterpret_cast<KinoraWriter*>(new VdbWriter(path, half));
+    *writer = reinterpret_cast<KinoraWriter*>(new VdbWriter(path, settings_of(option_map(options, option_count))));
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus facts_vdb(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count, KinoraMessage* message) {
+  return guarded(message, [&] {
+    self(writer)->describe(facts_of(facts, count));
     return KINORA_OK;
   });
 }
@@ -39,6 +62,7 @@ constexpr KinoraFormat module_format() {
   KinoraFormat format = openvdb_description();
   format.open_writer = open_vdb;
   format.writer_volume = volume_vdb;
+  format.writer_facts = facts_vdb;
   format.writer_finish = finish_vdb;
   format.writer_abandon = abandon_vdb;
   return format;
