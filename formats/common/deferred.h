@@ -58,6 +58,11 @@ template <const FormatModule& module> KinoraFormat deferred_format(KinoraFormat 
     format.writer_capture = [](auto... given) { return opened_format<module>().writer_capture(given...); };
     format.writer_frame = [](auto... given) { return opened_format<module>().writer_frame(given...); };
   }
+  format.writer_facts = [](KinoraWriter* writer, const KinoraOptionValue* facts, std::size_t count,
+                           KinoraMessage* message) {
+    const KinoraFormat& opened = opened_format<module>();
+    return opened.writer_facts == nullptr ? KINORA_OK : opened.writer_facts(writer, facts, count, message);
+  };
   return format;
 }
 

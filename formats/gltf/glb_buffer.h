@@ -30,11 +30,13 @@ enum class GlbPacking { kPlain, kMeshopt };
 enum class GlbFilter { kNone, kExponential };
 
 inline constexpr GlbElements kGlbScalars = {5126, "SCALAR", 1, false, true}; // times: their range is required
+inline constexpr GlbElements kGlbWeights = {5126, "SCALAR", 1};
 inline constexpr GlbElements kGlbPositions = {5126, "VEC3", 3, false, true}; // here too
 inline constexpr GlbElements kGlbVectors = {5126, "VEC3", 3};
 inline constexpr GlbElements kGlbQuaternions = {5126, "VEC4", 4};
 inline constexpr GlbElements kGlbRotations = {5122, "VEC4", 4, true};             // quaternions in 1/32767
 inline constexpr GlbElements kGlbBoxPositions = {5123, "VEC3", 3, true, true, 8}; // in 1/65535 of a box
+inline constexpr GlbElements kGlbBoxWays = {5122, "VEC3", 3, true, true, 8};      // in 1/32767 of a box
 inline constexpr GlbElements kGlbByteNormals = {5120, "VEC3", 3, true, false, 4}; // in 1/127
 inline constexpr GlbElements kGlbTextureFloats = {5126, "VEC2", 2};               // in floats
 inline constexpr GlbElements kGlbTexturePlaces = {5123, "VEC2", 2, true};         // in 1/65535

@@ -8,6 +8,8 @@
 #include "common/pictures.h"
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "gltf/mesh_sequence.h"
+#include "gltf/morph_mesh.h"
 
 namespace kinora::formats {
 namespace {
@@ -37,12 +39,12 @@ std::vector<float> columns_of(const float* matrices, std::size_t count) {
 }
 
 /// A skinned mesh's own node does not count: what brings stored positions back is in the joints' matrices.
-void unpack_in_joints(const GlbMesh& stored, std::vector<float>& inverse_bind) {
+void unpack_in_joints(const GlbBox& box, std::vector<float>& inverse_bind) {
   for (std::size_t m = 0; m < inverse_bind.size(); m += 16) {
     float* matrix = inverse_bind.data() + m;
     for (std::size_t row = 0; row < 3; ++row) {
-      for (std::size_t c = 0; c < 3; ++c) matrix[12 + row] += matrix[4 * c + row] * stored.offset[c];
-      for (std::size_t c = 0; c < 3; ++c) matrix[4 * c + row] *= stored.scale;
+      for (std::size_t c = 0; c < 3; ++c) matrix[12 + row] += matrix[4 * c + row] * box.offset[c];
+      for (std::size_t c = 0; c < 3; ++c) matrix[4 * c + row] *= box.scale;
     }
   }
 }
@@ -52,6 +54,8 @@ void unpack_in_joints(const GlbMesh& stored, std::vector<float>& inverse_bind) {
 GlbWriter::GlbWriter(std::filesystem::path path, const GlbSettings& settings)
     : path_(std::move(path)), settings_(settings),
       buffer_(settings.compression == Compression::kMeshopt ? GlbPacking::kMeshopt : GlbPacking::kPlain) {
+  if (settings.bending == Bending::kMorph && settings.compression == Compression::kDraco)
+    refuse("Draco packs no morph targets; take -O compression=meshopt, or -O animation=sequence");
   write_file(path_, {});
 }
 
@@ -63,14 +67,17 @@ void GlbWriter::add(const KinoraMesh& mesh) {
     refuse(std::string("the mesh ") + (mesh.name != nullptr ? mesh.name : "without a name") +
            " cannot be written: " + fault);
   const int material = texture_material(mesh);
-  GlbMesh stored =
-      add_mesh(buffer_, mesh, material, {settings_.quantize, settings_.compression == Compression::kDraco});
-  MeshInstance instance{mesh.name, static_cast<int>(meshes_.size()), mesh.joint_indices != nullptr, {}, {}, {}, {}};
-  if (instance.skinned) instance.inverse_bind = columns_of(mesh.inverse_bind, mesh.joint_count);
+  MeshInstance instance{mesh.name, -1, mesh.joint_indices != nullptr, {}, {}, {}, {}, material, {}};
   instance.tracks.resize(mesh.joint_count);
-  meshes_.push_back(std::move(stored.entry));
-  instance.stored = std::move(stored);
-  if (instance.skinned) unpack_in_joints(instance.stored, instance.inverse_bind);
+  if (instance.skinned && settings_.bending != Bending::kSkin) {
+    instance.blended.emplace(mesh);
+  } else {
+    GlbMesh stored = add_mesh(buffer_, mesh, material, mesh_settings());
+    instance.mesh = scene_.add_mesh(std::move(stored.entry));
+    instance.box = stored.box;
+    if (instance.skinned) instance.inverse_bind = columns_of(mesh.inverse_bind, mesh.joint_count);
+    if (instance.skinned) unpack_in_joints(instance.box, instance.inverse_bind);
+  }
   instances_.push_back(std::move(instance));
 }
 
@@ -101,17 +108,15 @@ void GlbWriter::pose(const KinoraMeshPose& pose) {
   if (!(time >= 0) || (!instance.times.empty() && !(time > instance.times.back())))
     refuse("the times of the poses of " + instance.name + " are negative or do not increase");
   instance.times.push_back(time);
-  for (std::size_t j = 0; j < pose.joint_count; ++j) instance.tracks[j].add(pose.joints[j]);
-}
-
-int GlbWriter::times_accessor(const std::vector<float>& times) {
-  const auto [entry, is_new] = times_.try_emplace(times, 0);
-  if (is_new) entry->second = buffer_.add(std::span<const float>(times), kGlbScalars, GlbTarget::kNone);
-  return entry->second;
+  if (instance.blended) {
+    instance.blended->add(pose);
+  } else {
+    for (std::size_t j = 0; j < pose.joint_count; ++j) instance.tracks[j].add(pose.joints[j]);
+  }
 }
 
 /// The joints' rotations or translations, one joint after another in one view.
-void GlbWriter::animate_joints(const MeshInstance& instance, int first_node, bool rotations, Json& animation) {
+void GlbWriter::animate_joints(const MeshInstance& instance, int first_node, bool rotations) {
   std::vector<std::size_t> moving;
   std::vector<float> values;
   for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
@@ -135,29 +140,14 @@ void GlbWriter::animate_joints(const MeshInstance& instance, int first_node, boo
   const std::size_t times = instance.times.size();
   for (std::size_t i = 0; i < moving.size(); ++i) {
     const int output = buffer_.add_accessor(view, i * times * stride, times, elements);
-    animation["channels"].push_back(
-        {{"sampler", animation["samplers"].size()},
-         {"target",
-          {{"node", first_node + static_cast<int>(moving[i])}, {"path", rotations ? "rotation" : "translation"}}}});
-    animation["samplers"].push_back(
-        {{"input", times_accessor(instance.times)},
-         {"output", output},
-         {"interpolation", settings_.interpolation == Interpolation::kStep ? "STEP" : "LINEAR"}});
+    scene_.animate(first_node + static_cast<int>(moving[i]), rotations ? "rotation" : "translation",
+                   scene_.add_times(buffer_, instance.times), output, settings_.interpolation);
   }
 }
 
-void GlbWriter::animate(const MeshInstance& instance, int first_node, Json& animation) {
-  animate_joints(instance, first_node, true, animation);
-  animate_joints(instance, first_node, false, animation);
-}
-
-/// A node that brings stored positions to where they were given.
-Json GlbWriter::mesh_node(const MeshInstance& instance) const {
-  const float s = instance.stored.scale;
-  Json node = {{"name", instance.name}, {"mesh", instance.mesh}};
-  if (s != 1) node["scale"] = {s, s, s};
-  if (instance.stored.offset != std::array<float, 3>{}) node["translation"] = instance.stored.offset;
-  return node;
+void GlbWriter::animate(const MeshInstance& instance, int first_node) {
+  animate_joints(instance, first_node, true);
+  animate_joints(instance, first_node, false);
 }
 
 std::vector<std::string> GlbWriter::extensions(bool required) const {
@@ -172,58 +162,75 @@ std::vector<std::string> GlbWriter::extensions(bool required) const {
   return names;
 }
 
-Json GlbWriter::skin_of(MeshInstance& instance, Json& nodes, Json& root_children) {
+Json GlbWriter::skin_of(MeshInstance& instance, Json& root_children) {
   Json joints = Json::array();
   for (std::size_t j = 0; j < instance.tracks.size(); ++j) {
-    joints.push_back(nodes.size());
-    root_children.push_back(nodes.size());
-    nodes.push_back(joint_node(instance.name + " joint " + std::to_string(j), instance.tracks[j]));
+    joints.push_back(scene_.add_node(joint_node(instance.name + " joint " + std::to_string(j), instance.tracks[j])));
+    root_children.push_back(joints.back());
   }
   const int bind = buffer_.add(std::span<const float>(instance.inverse_bind), kGlbMatrices, GlbTarget::kNone);
   return {{"name", instance.name}, {"joints", std::move(joints)}, {"inverseBindMatrices", bind}};
 }
 
+int GlbWriter::add_blended(const MeshInstance& instance) {
+  if (settings_.bending == Bending::kSequence)
+    return add_mesh_sequence(buffer_, scene_, *instance.blended, instance.material, mesh_settings());
+  return add_morph_mesh(buffer_, scene_, *instance.blended, instance.material,
+                        {settings_.max_shapes, settings_.quantize, settings_.interpolation});
+}
+
+void GlbWriter::place(MeshInstance& instance, Json& skins, Json& scene_nodes, Json& root_children) {
+  const auto first_node = static_cast<int>(scene_.nodes.size());
+  if (instance.blended) {
+    root_children.push_back(add_blended(instance));
+    return;
+  }
+  animate(instance, first_node);
+  if (instance.skinned) {
+    // Only the joints place a skinned mesh: its own node stands beside the root, where nothing could be mistaken.
+    skins.push_back(skin_of(instance, root_children));
+    scene_nodes.push_back(
+        scene_.add_node({{"name", instance.name}, {"mesh", instance.mesh}, {"skin", skins.size() - 1}}));
+    return;
+  }
+  root_children.push_back(first_node);
+  Json own = instance.box.node();
+  const bool is_boxed = !own.empty();
+  own["name"] = instance.name;
+  own["mesh"] = instance.mesh;
+  if (instance.tracks.empty()) {
+    scene_.add_node(std::move(own));
+    return;
+  }
+  Json joint = joint_node(instance.name, instance.tracks[0]);
+  if (is_boxed) {
+    joint["children"] = {first_node + 1};
+    own["name"] = instance.name + " mesh";
+  } else {
+    joint["mesh"] = instance.mesh;
+  }
+  scene_.add_node(std::move(joint));
+  if (is_boxed) scene_.add_node(std::move(own));
+}
+
 void GlbWriter::finish() {
   if (instances_.empty()) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
-  Json nodes = Json::array({{{"name", "kinora"}, {"rotation", kHalfTurnAboutX}}});
+  scene_.add_node({{"name", "kinora"}, {"rotation", kHalfTurnAboutX}});
   Json root_children = Json::array();
   Json scene_nodes = Json::array({kRootNode});
   Json skins = Json::array();
-  Json animation = {{"name", "clip"}, {"channels", Json::array()}, {"samplers", Json::array()}};
   for (MeshInstance& instance : instances_) {
     if (!instance.tracks.empty() && instance.times.empty())
       refuse("the mesh " + instance.name + " has joints and no pose");
-    const auto first_node = static_cast<int>(nodes.size());
-    animate(instance, first_node, animation);
-    if (instance.skinned) {
-      // Only the joints place a skinned mesh: its own node stands beside the root, where nothing could be mistaken.
-      skins.push_back(skin_of(instance, nodes, root_children));
-      scene_nodes.push_back(nodes.size());
-      nodes.push_back({{"name", instance.name}, {"mesh", instance.mesh}, {"skin", skins.size() - 1}});
-    } else {
-      root_children.push_back(first_node);
-      if (instance.tracks.empty()) {
-        nodes.push_back(mesh_node(instance));
-      } else {
-        nodes.push_back(joint_node(instance.name, instance.tracks[0]));
-        Json own = mesh_node(instance);
-        if (!own.contains("scale") && !own.contains("translation")) {
-          nodes.back()["mesh"] = instance.mesh;
-          continue;
-        }
-        own["name"] = instance.name + " mesh";
-        nodes.back()["children"] = {first_node + 1};
-        nodes.push_back(std::move(own));
-      }
-    }
+    place(instance, skins, scene_nodes, root_children);
   }
-  if (!root_children.empty()) nodes[kRootNode]["children"] = root_children;
+  if (!root_children.empty()) scene_.nodes[kRootNode]["children"] = root_children;
   Json gltf = {{"asset", {{"version", "2.0"}, {"generator", "Kinora"}}},
                {"extensionsUsed", extensions(false)},
                {"scene", 0},
                {"scenes", {{{"name", "clip"}, {"nodes", scene_nodes}}}},
-               {"nodes", nodes},
-               {"meshes", meshes_},
+               {"nodes", scene_.nodes},
+               {"meshes", scene_.meshes},
                {"materials", materials_}};
   if (const auto required = extensions(true); !required.empty()) gltf["extensionsRequired"] = required;
   if (!images_.empty()) {
@@ -232,8 +239,9 @@ void GlbWriter::finish() {
         {{"magFilter", kLinearFilter}, {"minFilter", kMipmapFilter}, {"wrapS", kClamp}, {"wrapT", kClamp}}};
     for (std::size_t i = 0; i < images_.size(); ++i) gltf["textures"].push_back({{"source", i}, {"sampler", 0}});
   }
+  for (const auto& [name, value] : facts_) gltf["asset"]["extras"][name] = value;
   if (!skins.empty()) gltf["skins"] = skins;
-  if (!animation["channels"].empty()) gltf["animations"] = {animation};
+  if (!scene_.animation["channels"].empty()) gltf["animations"] = {scene_.animation};
   buffer_.describe(gltf);
   write_file(path_, glb_file(gltf, buffer_.bytes(), path_.string()));
 }

@@ -4,37 +4,51 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "common/blended_mesh.h"
+#include "common/facts.h"
 #include "gltf/glb_buffer.h"
+#include "gltf/glb_scene.h"
 #include "gltf/joint_track.h"
 #include "gltf/mesh_data.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
 
-enum class Interpolation { kLinear, kStep };
 enum class Compression { kNone, kMeshopt, kDraco };
+
+/// How a mesh that bends does so.
+enum class Bending {
+  kSkin,
+  kMorph,   ///< morph_mesh.h
+  kSequence ///< mesh_sequence.h
+};
 
 struct GlbSettings {
   Interpolation interpolation = Interpolation::kLinear;
   Compression compression = Compression::kNone; ///< Draco packs geometry alone; meshopt animation too
   bool quantize = true;                         ///< 16-bit positions, texture coordinates and rotations
   int jpeg_quality = 88;                        ///< of textures; 0: PNG
+  Bending bending = Bending::kSkin;
+  std::size_t max_shapes = 24; ///< of kMorph, 1 to kMaxShapes
 };
 
 /// One node per mesh, with an unlit material and a texture or vertex colours. A mesh with one joint and no weights is a
-/// node that is animated; one with weights has a skin, whose joints are animated nodes. glTF's axes are x right, y up,
+/// node that is animated; one with weights has a skin, whose joints are animated nodes, or bends as the settings say.
+/// glTF's axes are x right, y up,
 /// z towards the viewer: a root node turns Kinora's by half a turn about x. The file is written by finish().
 class GlbWriter {
 public:
   /// Checks that the file can be written. Throws Error(kUnwritableOutput).
   GlbWriter(std::filesystem::path path, const GlbSettings& settings);
 
+  /// The asset's "extras".
+  void describe(Facts facts) { facts_ = std::move(facts); }
   /// Throws Error(kUsage) if the mesh contradicts itself (numbers of vertices or joints that are out of range) or
   /// follows a pose.
   void add(const KinoraMesh& mesh);
@@ -48,27 +62,30 @@ private:
     std::string name;
     int mesh; ///< number in the file
     bool skinned;
-    GlbMesh stored;                  ///< where its positions are
+    GlbBox box;                      ///< of its positions
     std::vector<float> inverse_bind; ///< of a skin, column by column
     std::vector<float> times;
     std::vector<JointTrack> tracks; ///< one per joint
+    int material;
+    std::optional<BlendedMesh> blended; ///< instead of all that is stored, if it does not bend by a skin
   };
 
-  nlohmann::json skin_of(MeshInstance& instance, nlohmann::json& nodes, nlohmann::json& root_children);
-  void animate(const MeshInstance& instance, int first_node, nlohmann::json& animation);
-  void animate_joints(const MeshInstance& instance, int first_node, bool rotations, nlohmann::json& animation);
+  GlbMeshSettings mesh_settings() const { return {settings_.quantize, settings_.compression == Compression::kDraco}; }
+  void place(MeshInstance& instance, nlohmann::json& skins, nlohmann::json& scene_nodes, nlohmann::json& root_children);
+  int add_blended(const MeshInstance& instance);
+  nlohmann::json skin_of(MeshInstance& instance, nlohmann::json& root_children);
+  void animate(const MeshInstance& instance, int first_node);
+  void animate_joints(const MeshInstance& instance, int first_node, bool rotations);
   int texture_material(const KinoraMesh& mesh);
-  nlohmann::json mesh_node(const MeshInstance& instance) const;
   std::vector<std::string> extensions(bool required) const;
-  int times_accessor(const std::vector<float>& times);
   [[noreturn]] void refuse(const std::string& what) const;
 
   std::filesystem::path path_;
   GlbSettings settings_;
+  Facts facts_;
   GlbBuffer buffer_;
-  nlohmann::json meshes_ = nlohmann::json::array();
+  GlbScene scene_;
   std::vector<MeshInstance> instances_;
-  std::map<std::vector<float>, int> times_; ///< accessors: meshes normally share their times
   nlohmann::json materials_ = nlohmann::json::array();
   nlohmann::json images_ = nlohmann::json::array();
   bool posed_ = false;

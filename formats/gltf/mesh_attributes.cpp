@@ -58,6 +58,10 @@ std::vector<std::uint32_t> drawing_order(std::vector<std::uint32_t>& faces, std:
 
 } // namespace
 
+std::vector<float> in_order_of(const MeshAttributes& mesh, const std::vector<float>& rows, std::size_t width) {
+  return ordered(rows, width, mesh.order);
+}
+
 std::uint16_t linear_color(std::uint8_t srgb) {
   return static_cast<std::uint16_t>(std::lround(linear_light(srgb / 255.0) * 65535));
 }
@@ -66,18 +70,18 @@ std::uint16_t whole_share(float share) {
   return static_cast<std::uint16_t>(std::lround(65535 * std::clamp(share, 0.0F, 1.0F)));
 }
 
-MeshAttributes::MeshAttributes(const KinoraMesh& mesh, VertexOrder order)
+MeshAttributes::MeshAttributes(const KinoraMesh& mesh, VertexOrder vertex_order)
     : faces(mesh.faces, mesh.faces + 3 * mesh.face_count) {
-  std::vector<std::uint32_t> remap(mesh.vertex_count);
-  std::iota(remap.begin(), remap.end(), 0U);
-  if (order == VertexOrder::kDrawing) remap = drawing_order(faces, mesh.vertex_count);
+  order.resize(mesh.vertex_count);
+  std::iota(order.begin(), order.end(), 0U);
+  if (vertex_order == VertexOrder::kDrawing) order = drawing_order(faces, mesh.vertex_count);
   const bool is_rigid = mesh.joint_count == 1 && mesh.joint_indices == nullptr;
   const Eigen::Affine3f bind(is_rigid ? RowMajorMatrix(Eigen::Map<const RowMajorMatrix>(mesh.inverse_bind))
                                       : RowMajorMatrix::Identity());
   positions.resize(3 * mesh.vertex_count);
   if (mesh.normals != nullptr) normals.resize(3 * mesh.vertex_count);
   for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-    const std::size_t to = 3 * remap[v];
+    const std::size_t to = 3 * order[v];
     Eigen::Map<Eigen::Vector3f>(positions.data() + to) =
         bind * Eigen::Map<const Eigen::Vector3f>(mesh.positions + 3 * v);
     if (mesh.normals == nullptr) continue;
@@ -87,17 +91,17 @@ MeshAttributes::MeshAttributes(const KinoraMesh& mesh, VertexOrder order)
   if (mesh.colors != nullptr) {
     colors.resize(4 * mesh.vertex_count, 65535); // opaque; three numbers alone would not be aligned
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-      for (std::size_t c = 0; c < 3; ++c) colors[4 * remap[v] + c] = linear_color(mesh.colors[3 * v + c]);
+      for (std::size_t c = 0; c < 3; ++c) colors[4 * order[v] + c] = linear_color(mesh.colors[3 * v + c]);
     }
   }
   if (mesh.texture.data != nullptr) {
     texture = ordered(std::vector<float>(mesh.texture_coordinates, mesh.texture_coordinates + 2 * mesh.vertex_count), 2,
-                      remap);
+                      order);
   }
   if (mesh.joint_indices == nullptr) return;
-  weights = ordered(whole_weights(mesh), 4, remap);
+  weights = ordered(whole_weights(mesh), 4, order);
   joints =
-      ordered(std::vector<std::uint16_t>(mesh.joint_indices, mesh.joint_indices + 4 * mesh.vertex_count), 4, remap);
+      ordered(std::vector<std::uint16_t>(mesh.joint_indices, mesh.joint_indices + 4 * mesh.vertex_count), 4, order);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (weights[i] == 0) joints[i] = 0; // rounding may have made it an unused one
   }

@@ -16,7 +16,7 @@ enum class VertexOrder {
 /// A mesh that follows one joint is in that joint's space.
 struct MeshAttributes {
   /// The mesh must be without fault (mesh_data.h).
-  MeshAttributes(const KinoraMesh& mesh, VertexOrder order);
+  MeshAttributes(const KinoraMesh& mesh, VertexOrder vertex_order);
 
   std::size_t vertex_count() const { return positions.size() / 3; }
 
@@ -27,7 +27,11 @@ struct MeshAttributes {
   std::vector<std::uint16_t> joints;  ///< 4 per vertex, or none
   std::vector<std::uint16_t> weights; ///< 4 per vertex, in 1/65535, of which they are the sum; or none
   std::vector<std::uint32_t> faces;   ///< 3 per triangle
+  std::vector<std::uint32_t> order;   ///< where each vertex that was given stands here
 };
+
+/// Rows of `width` values that are given for each vertex, as they stand in `mesh`.
+std::vector<float> in_order_of(const MeshAttributes& mesh, const std::vector<float>& rows, std::size_t width);
 
 /// 0 … 1 in 1/65535.
 std::uint16_t whole_share(float share);

@@ -13,11 +13,10 @@ namespace {
 constexpr int kPositionDecimals = 5; ///< hundredths of a millimetre
 constexpr int kShareDecimals = 4;
 
-/// From Kinora's axes to those of glTF.
-void append_turned(std::string& text, const float* vector, int decimals) {
-  for (int a = 0; a < 3; ++a) {
+void append_vector(std::string& text, const std::array<float, 3>& vector, int decimals) {
+  for (const float a : vector) {
     text += ' ';
-    append_number(text, a == 0 ? vector[0] : -vector[a], decimals);
+    append_number(text, a, decimals);
   }
 }
 
@@ -31,8 +30,8 @@ std::string line_of(std::string name) {
 
 } // namespace
 
-ObjWriter::ObjWriter(std::filesystem::path path)
-    : path_(std::move(path)), text_("# Kinora: metres, x right, y up, z backward\n") {
+ObjWriter::ObjWriter(std::filesystem::path path, const WorldAxes& axes)
+    : path_(std::move(path)), axes_(axes), text_("# Kinora: " + axes.text() + "\n") {
   write_file(path_, {});
 }
 
@@ -42,7 +41,7 @@ void ObjWriter::add(const KinoraMesh& mesh) {
   text_ += "o " + line_of(mesh.name) + "\n";
   for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
     text_ += 'v';
-    append_turned(text_, mesh.positions + 3 * v, kPositionDecimals);
+    append_vector(text_, axes_.position(mesh.positions + 3 * v), kPositionDecimals);
     for (std::size_t c = 0; c < 3; ++c) {
       text_ += ' ';
       append_number(text_, mesh.colors[3 * v + c] / 255.0, kShareDecimals);
@@ -51,7 +50,7 @@ void ObjWriter::add(const KinoraMesh& mesh) {
   }
   for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
     text_ += "vn";
-    append_turned(text_, mesh.normals + 3 * v, kShareDecimals);
+    append_vector(text_, axes_.direction(mesh.normals + 3 * v), kShareDecimals);
     text_ += '\n';
   }
   for (std::size_t f = 0; f < mesh.face_count; ++f) {

@@ -6,17 +6,20 @@
 #include <filesystem>
 #include <string>
 
+#include "common/facts.h"
+#include "common/world_axes.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
 
-/// An object for each mesh: v x y z r g b (sRGB, 0 to 1), vn, f. Axes are those of glTF: x right, y up, z backward,
-/// metres. The same meshes give the same bytes.
+/// An object for each mesh: v x y z r g b (sRGB, 0 to 1), vn, f. The same meshes give the same bytes.
 class ObjWriter {
 public:
   /// Checks that the file can be written. Throws Error(kUnwritableOutput).
-  explicit ObjWriter(std::filesystem::path path);
+  ObjWriter(std::filesystem::path path, const WorldAxes& axes);
 
+  /// Comments at the beginning; before all meshes.
+  void describe(const Facts& facts) { text_ += lines_of(facts, "# "); }
   /// A mesh where it is in the world. Throws Error(kUsage) for one that has a fault or joints, or without colours.
   void add(const KinoraMesh& mesh);
   /// Writes the file. Throws Error: kFailure if there was no mesh; kUnwritableOutput.
@@ -24,6 +27,7 @@ public:
 
 private:
   std::filesystem::path path_;
+  WorldAxes axes_;
   std::string text_;
   std::size_t vertex_count_ = 0;
 };

@@ -4,17 +4,28 @@
 #include <iterator>
 
 #include "common/boundary.h"
+#include "common/world_axes.h"
 
 namespace kinora::formats {
 
 inline constexpr KinoraOption kOpenVdbOptions[] = {
-    {"precision", "half|float", "half", "16-bit numbers, half the size, or 32-bit ones.", nullptr}};
+    {"content", "fog|surface|both", "fog",
+     "Density, a level set (metres to where half of the light passes a voxel, negative inside), or both; colour with "
+     "either.",
+     nullptr},
+    {"vdb-names", "houdini|blender|unreal", "houdini",
+     "Grids called as that program looks for them: density, surface and Cd; density, distance and color; density, "
+     "surface and color.",
+     nullptr},
+    {"precision", "half|float", "half", "16-bit numbers, half the size, or 32-bit ones.", nullptr},
+    kUpOption,
+    kUnitsOption};
 
 /// Without functions.
 constexpr KinoraFormat openvdb_description() {
   auto format = make_struct<KinoraFormat>();
   format.name = "openvdb";
-  format.description = "OpenVDB fog volume of one time: grids density and Cd";
+  format.description = "OpenVDB volume of one time: fog, a level set or both, and colour";
   format.extensions = ".vdb";
   format.capabilities = KINORA_WRITES_VOLUMES;
   format.options = kOpenVdbOptions;

@@ -7,13 +7,36 @@
 namespace kinora::formats {
 namespace {
 
+VdbNames names_for(const std::string& program) {
+  if (program == "blender") return kBlenderNames;
+  return program == "unreal" ? kUnrealNames : kHoudiniNames;
+}
+
+VdbSettings settings_of(const OptionMap& options) {
+  const std::string content = option_text(options, "content");
+  VdbSettings settings;
+  settings.half_floats = option_text(options, "precision") != "float";
+  settings.fog = content != "surface";
+  settings.surface = content == "surface" || content == "both";
+  settings.names = names_for(option_text(options, "vdb-names"));
+  settings.axes = WorldAxes(options);
+  return settings;
+}
+
 std::unique_ptr<VdbWriter> open_vdb(const char* path, const OptionMap& options) {
-  return std::make_unique<VdbWriter>(path, option_text(options, "precision", "half") == "half");
+  return std::make_unique<VdbWriter>(path, settings_of(options));
 }
 
 constexpr KinoraFormat module_format() {
   KinoraFormat format = openvdb_description();
   set_volume_writer<VdbWriter, open_vdb>(format);
+  format.writer_facts = [](KinoraWriter* writer, const KinoraOptionValue* facts, std::size_t count,
+                           KinoraMessage* message) {
+    return guarded(message, [&] {
+      reinterpret_cast<VdbWriter*>(writer)->describe(facts_of(facts, count));
+      return KinoraStatus{KINORA_OK};
+    });
+  };
   return format;
 }
 

@@ -3,6 +3,7 @@
 #include <mutex>
 #include <sstream>
 
+#include <Eigen/Core>
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
@@ -10,6 +11,7 @@
 #include "common/files.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "openvdb/level_set.h"
 
 namespace kinora::formats {
 namespace {
@@ -47,51 +49,66 @@ void settle_identifier(std::string& file) {
   }
 }
 
-/// The volume's transform with y and z of the world and of the voxels' numbers turned round: where it only scales and
-/// shifts, it stays so.
-openvdb::math::Transform::Ptr rotated_transform(const KinoraVolume& volume, const std::string& location) {
-  openvdb::Mat4d matrix; // OpenVDB's vectors are rows
-  for (int r = 0; r < 4; ++r) {
-    for (int c = 0; c < 4; ++c) {
-      const double sign = ((r == 1 || r == 2) != (c == 1 || c == 2)) ? -1 : 1;
-      matrix(c, r) = sign * volume.voxel_to_world[4 * r + c];
+/// A volume in the axes and lengths of a file: the numbers of voxels are turned with the world, so that a transform
+/// which only scales and shifts stays one.
+class PlacedVolume {
+public:
+  /// Throws Error(kUsage) if the volume's transform has no inverse.
+  PlacedVolume(const KinoraVolume& volume, const VdbSettings& settings, const std::string& location)
+      : given(volume), half_floats(settings.half_floats), rotation_(settings.axes.rotation().cast<int>()) {
+    Eigen::Matrix4d turn = Eigen::Matrix4d::Identity();
+    turn.topLeftCorner<3, 3>() = settings.axes.rotation();
+    Eigen::Matrix4d world =
+        turn * Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(volume.voxel_to_world);
+    world.topRows<3>() *= settings.axes.per_metre;
+    world = (world * turn.transpose()).eval();
+    openvdb::Mat4d matrix; // OpenVDB's vectors are rows
+    for (int r = 0; r < 4; ++r) {
+      for (int c = 0; c < 4; ++c) matrix(c, r) = world(r, c);
     }
+    if (!(std::abs(matrix.det()) > 0) || !std::isfinite(matrix.det()))
+      throw Error(ErrorCode::kUsage, location + ": the transform of the volume has no inverse");
+    transform = openvdb::math::Transform::createLinearTransform(matrix);
   }
-  if (!(std::abs(matrix.det()) > 0) || !std::isfinite(matrix.det()))
-    throw Error(ErrorCode::kUsage, location + ": the transform of the volume has no inverse");
-  return openvdb::math::Transform::createLinearTransform(matrix);
-}
+
+  openvdb::Coord voxel(std::size_t i) const {
+    const Eigen::Vector3i v = rotation_ * Eigen::Map<const Eigen::Vector3i>(given.voxels + 3 * i);
+    return {v.x(), v.y(), v.z()};
+  }
+
+  const KinoraVolume& given;
+  bool half_floats;
+  openvdb::math::Transform::Ptr transform;
+
+private:
+  Eigen::Matrix3i rotation_;
+};
 
 template <class Grid, class Value>
-typename Grid::Ptr grid_of(const char* name, const KinoraVolume& volume, const openvdb::math::Transform& transform,
-                           bool half_floats, const Value& value) {
+typename Grid::Ptr grid_of(const char* name, const PlacedVolume& volume, const Value& value) {
   typename Grid::Ptr grid = Grid::create();
   auto accessor = grid->getAccessor();
-  for (std::size_t i = 0; i < volume.voxel_count; ++i) {
-    const std::int32_t* v = volume.voxels + 3 * i;
-    accessor.setValue(openvdb::Coord(v[0], -v[1], -v[2]), value(i));
-  }
+  for (std::size_t i = 0; i < volume.given.voxel_count; ++i) accessor.setValue(volume.voxel(i), value(i));
   openvdb::tools::prune(grid->tree());
   grid->setName(name);
-  grid->setTransform(transform.copy());
+  grid->setTransform(volume.transform->copy());
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  grid->setSaveFloatAsHalf(half_floats);
+  grid->setSaveFloatAsHalf(volume.half_floats);
   grid->addStatsMetadata();
   return grid;
 }
 
 /// Readers interpolate between voxels. Each unset voxel beside set ones takes the mean of those, so that colour does
 /// not fade to black where density does.
-void dilate_colors(const KinoraVolume& volume, openvdb::Vec3SGrid& colors) {
+void dilate_colors(const PlacedVolume& volume, openvdb::Vec3SGrid& colors) {
   const auto sums = openvdb::Vec3SGrid::create();
   const auto counts = openvdb::FloatGrid::create();
   {
     const auto set = colors.getConstAccessor();
     auto sum = sums->getAccessor();
     auto count = counts->getAccessor();
-    for (std::size_t i = 0; i < volume.voxel_count; ++i) {
-      const std::int32_t* v = volume.voxels + 3 * i;
-      const openvdb::Coord from(v[0], -v[1], -v[2]);
+    for (std::size_t i = 0; i < volume.given.voxel_count; ++i) {
+      const openvdb::Coord from = volume.voxel(i);
       for (int k = 0; k < 27; ++k) {
         const openvdb::Coord to = from.offsetBy(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
         if (set.isValueOn(to)) continue;
@@ -114,32 +131,50 @@ const KinoraVolumeChannel* channel_of(const KinoraVolume& volume, std::string_vi
   return nullptr;
 }
 
-openvdb::GridCPtrVec grids_of(const KinoraVolume& volume, bool half_floats, const std::string& location) {
-  const auto transform = rotated_transform(volume, location);
-  const float limit = half_floats ? kLargestHalf : std::numeric_limits<float>::max();
-  openvdb::GridCPtrVec grids;
+openvdb::FloatGrid::Ptr density_of(const PlacedVolume& volume, const VdbSettings& settings,
+                                   const std::string& location) {
   // An empty volume has no values to point to.
-  const KinoraVolumeChannel* density = channel_of(volume, "density", 1);
-  if (density == nullptr && volume.voxel_count > 0)
+  const KinoraVolumeChannel* density = channel_of(volume.given, "density", 1);
+  if (density == nullptr && volume.given.voxel_count > 0)
     throw Error(ErrorCode::kUsage, location + ": the volume has no channel \"density\"");
-  grids.push_back(grid_of<openvdb::FloatGrid>("density", volume, *transform, half_floats,
-                                              [&](std::size_t i) { return std::min(density->values[i], limit); }));
-  const KinoraVolumeChannel* color = channel_of(volume, "color", 3);
-  if (color == nullptr && volume.voxel_count > 0) return grids;
-  auto colors = grid_of<openvdb::Vec3SGrid>("Cd", volume, *transform, half_floats, [&](std::size_t i) {
+  const float limit = settings.half_floats ? kLargestHalf : std::numeric_limits<float>::max();
+  const auto metres = static_cast<float>(1 / settings.axes.per_metre);
+  return grid_of<openvdb::FloatGrid>(settings.names.density, volume,
+                                     [&](std::size_t i) { return std::min(density->values[i] * metres, limit); });
+}
+
+openvdb::Vec3SGrid::Ptr colors_of(const PlacedVolume& volume, const char* name, const KinoraVolumeChannel* color) {
+  auto colors = grid_of<openvdb::Vec3SGrid>(name, volume, [&](std::size_t i) {
     const float* c = color->values + 3 * i;
     return openvdb::Vec3s(c[0], c[1], c[2]);
   });
   dilate_colors(volume, *colors);
   colors->addStatsMetadata();
   colors->setVectorType(openvdb::VEC_INVARIANT); // not turned with the volume
-  grids.push_back(colors);
+  return colors;
+}
+
+openvdb::GridCPtrVec grids_of(const KinoraVolume& given, const VdbSettings& settings, const std::string& location) {
+  const PlacedVolume volume(given, settings, location);
+  const auto density = density_of(volume, settings, location);
+  openvdb::GridCPtrVec grids;
+  if (settings.fog) grids.push_back(density);
+  if (settings.surface) {
+    const auto surface = level_set_of(*density);
+    surface->setName(settings.names.surface);
+    surface->setSaveFloatAsHalf(settings.half_floats);
+    surface->addStatsMetadata();
+    grids.push_back(surface);
+  }
+  const KinoraVolumeChannel* color = channel_of(given, "color", 3);
+  if (color != nullptr || given.voxel_count == 0) grids.push_back(colors_of(volume, settings.names.color, color));
   return grids;
 }
 
 } // namespace
 
-VdbWriter::VdbWriter(std::filesystem::path path, bool half_floats) : path_(std::move(path)), half_(half_floats) {
+VdbWriter::VdbWriter(std::filesystem::path path, const VdbSettings& settings)
+    : path_(std::move(path)), settings_(settings) {
   write_file(path_, {});
   static std::once_flag once;
   std::call_once(once, [] { openvdb::initialize(); });
@@ -150,11 +185,13 @@ void VdbWriter::write(const KinoraVolume& volume) {
   std::string bytes;
   try {
     openvdb::MetaMap metadata;
+    for (const auto& [name, value] : facts_) metadata.insertMeta(name, openvdb::StringMetadata(value));
+    metadata.insertMeta("axes", openvdb::StringMetadata(settings_.axes.text()));
     metadata.insertMeta("creator", openvdb::StringMetadata("Kinora"));
     metadata.insertMeta("name", openvdb::StringMetadata(volume.name));
     metadata.insertMeta("frame", openvdb::Int64Metadata(volume.frame));
     metadata.insertMeta("time", openvdb::DoubleMetadata(volume.time));
-    bytes = SeekableArchive().bytes_of(grids_of(volume, half_, path_.string()), metadata);
+    bytes = SeekableArchive().bytes_of(grids_of(volume, settings_, path_.string()), metadata);
   } catch (const openvdb::Exception& error) {
     throw Error(ErrorCode::kFailure, path_.string() + ": OpenVDB cannot store the volume: " + error.what());
   }

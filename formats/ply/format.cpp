@@ -21,8 +21,15 @@ KinoraStatus open_ply(const char* path, const KinoraOptionValue* options, size_t
   return guarded(message, [&] {
     const auto given = option_map(options, option_count);
     const auto content = given.find("content");
-    *writer = reinterpret_cast<KinoraWriter*>(
-        new PlyWriter(path, content == given.end() ? PlyContent::kMesh : content_called(content->second)));
+    *writer = reinterpret_cast<KinoraWriter*>(new PlyWriter(
+        path, content == given.end() ? PlyContent::kMesh : content_called(content->second), WorldAxes(given)));
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus facts_ply(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count, KinoraMessage* message) {
+  return guarded(message, [&] {
+    self(writer)->describe(facts_of(facts, count));
     return KINORA_OK;
   });
 }
@@ -46,7 +53,11 @@ void abandon_ply(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {
     {"content", "mesh|points|splats", "mesh",
-     "Triangles with colours in their vertices, the vertices alone, or a Gaussian splat for each.", nullptr}};
+     "Triangles with colours in their vertices, the vertices alone, or a Gaussian splat for each, with y down and "
+     "metres in any case.",
+     nullptr},
+    kUpOption,
+    kUnitsOption};
 
 constexpr KinoraFormat ply_format() {
   auto format = make_struct<KinoraFormat>();
@@ -61,6 +72,7 @@ constexpr KinoraFormat ply_format() {
   format.writer_finish = finish_ply;
   format.writer_abandon = abandon_ply;
   format.writer_mesh = mesh_ply;
+  format.writer_facts = facts_ply;
   return format;
 }
 

@@ -20,16 +20,10 @@ template <class Value> void append(std::vector<std::byte>& bytes, const Value& v
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// From Kinora's axes to those of glTF.
-void append_turned(std::vector<std::byte>& bytes, const float* vector) {
-  append(bytes, vector[0]);
-  append(bytes, -vector[1]);
-  append(bytes, -vector[2]);
-}
-
 } // namespace
 
-PlyWriter::PlyWriter(std::filesystem::path path, PlyContent content) : path_(std::move(path)), content_(content) {
+PlyWriter::PlyWriter(std::filesystem::path path, PlyContent content, const WorldAxes& axes)
+    : path_(std::move(path)), content_(content), axes_(axes) {
   write_file(path_, {});
 }
 
@@ -45,8 +39,8 @@ void PlyWriter::add(const KinoraMesh& mesh) {
     return;
   }
   for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-    append_turned(vertices_, mesh.positions + 3 * v);
-    append_turned(vertices_, mesh.normals + 3 * v);
+    append(vertices_, axes_.position(mesh.positions + 3 * v));
+    append(vertices_, axes_.direction(mesh.normals + 3 * v));
     for (std::size_t c = 0; c < 3; ++c) append(vertices_, mesh.colors[3 * v + c]);
   }
   if (content_ == PlyContent::kMesh) {
@@ -67,8 +61,8 @@ void PlyWriter::append_splats(const KinoraMesh& mesh) {
 void PlyWriter::finish() const {
   if (vertex_count_ == 0) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
   const bool splats = content_ == PlyContent::kSplats;
-  std::string head = "ply\nformat binary_little_endian 1.0\ncomment Kinora: metres, ";
-  head += splats ? "x right, y down, z forward\n" : "x right, y up, z backward\n";
+  std::string head = "ply\nformat binary_little_endian 1.0\ncomment Kinora: ";
+  head += (splats ? "metres, x right, y down, z forward" : axes_.text()) + "\n" + lines_of(facts_, "comment ");
   head += "element vertex " + std::to_string(vertex_count_) + "\n";
   if (splats) {
     for (const char* name : kSplatProperties) head += std::string("property float ") + name + "\n";

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "common/facts.h"
+#include "common/world_axes.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
@@ -17,14 +19,15 @@ enum class PlyContent {
   kSplats, ///< a Gaussian for each vertex (splats.h)
 };
 
-/// Binary, little endian. All meshes become one list of vertices: x y z nx ny nz red green blue. Axes are those of
-/// glTF: x right, y up, z backward, metres; of splats, those of their tools: y down, z forward. The same meshes give
-/// the same bytes.
+/// Binary, little endian. All meshes become one list of vertices: x y z nx ny nz red green blue. Splats have the axes
+/// of their tools, which are Kinora's, and metres. The same meshes give the same bytes.
 class PlyWriter {
 public:
   /// Checks that the file can be written. Throws Error(kUnwritableOutput).
-  PlyWriter(std::filesystem::path path, PlyContent content);
+  PlyWriter(std::filesystem::path path, PlyContent content, const WorldAxes& axes);
 
+  /// Comments of the header.
+  void describe(Facts facts) { facts_ = std::move(facts); }
   /// A mesh where it is in the world. Throws Error(kUsage) for one that has a fault or joints, or without colours.
   void add(const KinoraMesh& mesh);
   /// Writes the file. Throws Error: kFailure if there was no mesh; kUnwritableOutput.
@@ -35,6 +38,8 @@ private:
 
   std::filesystem::path path_;
   PlyContent content_;
+  WorldAxes axes_;
+  Facts facts_;
   std::vector<std::byte> vertices_;
   std::vector<std::byte> faces_;
   std::uint32_t vertex_count_ = 0;

@@ -15,7 +15,9 @@ KinoraStatus open_usd(const char* path, const KinoraOptionValue* options, size_t
                       KinoraMessage* message) {
   return guarded(message, [&] {
     UsdSettings settings;
-    for (const auto& [name, value] : option_map(options, option_count)) {
+    const auto given = option_map(options, option_count);
+    settings.axes = WorldAxes(given);
+    for (const auto& [name, value] : given) {
       const double number = parse_number(value).value_or(-1);
       if (name == "fps") settings.frames_per_second = number;
       if (name == "jpeg") settings.jpeg_quality = static_cast<int>(number);
@@ -23,6 +25,13 @@ KinoraStatus open_usd(const char* path, const KinoraOptionValue* options, size_t
     if (!(settings.frames_per_second >= 0) || settings.jpeg_quality < 0 || settings.jpeg_quality > 100)
       throw Error(ErrorCode::kUsage, std::string(path) + ": -O fps is 0 or more, and -O jpeg from 0 to 100");
     *writer = reinterpret_cast<KinoraWriter*>(new UsdWriter(path, settings));
+    return KINORA_OK;
+  });
+}
+
+KinoraStatus facts_usd(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count, KinoraMessage* message) {
+  return guarded(message, [&] {
+    self(writer)->describe(facts_of(facts, count));
     return KINORA_OK;
   });
 }
@@ -53,7 +62,9 @@ void abandon_usd(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {
     {"fps", "number", "0", "Time codes per second; 0: one for each frame that is written.", nullptr},
-    {"jpeg", "int", "92", "Quality of textures as JPEG, 1 to 100; 0 keeps them as they are, as PNG.", nullptr}};
+    {"jpeg", "int", "92", "Quality of textures as JPEG, 1 to 100; 0 keeps them as they are, as PNG.", nullptr},
+    kUpOption,
+    kUnitsOption};
 
 constexpr KinoraFormat usd_format() {
   auto format = make_struct<KinoraFormat>();
@@ -69,6 +80,7 @@ constexpr KinoraFormat usd_format() {
   format.writer_abandon = abandon_usd;
   format.writer_mesh = mesh_usd;
   format.writer_pose = pose_usd;
+  format.writer_facts = facts_usd;
   return format;
 }
 

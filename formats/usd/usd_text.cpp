@@ -74,6 +74,22 @@ std::vector<std::string> rotations_of(const BlendedMesh& mesh) {
   return rotations;
 }
 
+/// A string as USD writes it.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+std::string layer_data(const Facts& facts) {
+  std::string text = "    customLayerData = {\n";
+  for (const auto& [name, value] : facts) text += "        string " + name + " = " + quoted(value) + "\n";
+  return text + "    }\n";
+}
+
 /// `text` with every NAME and every TEXTURE replaced.
 std::string filled(std::string text, const std::string& name, const std::string& texture) {
   for (const auto& [word, value] : {std::pair<std::string_view, const std::string&>{"TEXTURE", texture},
@@ -165,19 +181,29 @@ std::string usd_name(const std::string& name, std::set<std::string>& taken) {
   return unique;
 }
 
-UsdText::UsdText(std::filesystem::path path, double rate, double last_time)
-    : path_(std::move(path)), rate_(rate), file_(std::fopen(path_.c_str(), "wb")) {
+UsdText::UsdText(std::filesystem::path path, const UsdHeader& header)
+    : path_(std::move(path)), rate_(header.rate), file_(std::fopen(path_.c_str(), "wb")) {
   if (!file_) fail();
-  std::string text = "#usda 1.0\n(\n    defaultPrim = \"clip\"\n    doc = \"Kinora: colours as the camera saw them\"\n"
-                     "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n    endTimeCode = ";
-  text += time_code(last_time);
+  const double per_metre = header.axes.per_metre;
+  std::string text = "#usda 1.0\n(\n";
+  if (!header.facts.empty()) text += layer_data(header.facts);
+  text += "    defaultPrim = \"clip\"\n    doc = \"Kinora: colours as the camera saw them\"\n    metersPerUnit = ";
+  append_number(text, 1 / per_metre, kTimeDecimals);
+  text += std::string("\n    upAxis = \"") + (header.axes.z_up ? "Z" : "Y") +
+          "\"\n    startTimeCode = 0\n    endTimeCode = " + time_code(header.last_time);
   for (const char* key : {"timeCodesPerSecond", "framesPerSecond"}) {
     text.append("\n    ").append(key).append(" = ");
     append_number(text, rate_, kTimeDecimals);
   }
+  text += std::string("\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n    double xformOp:rotateX = ") +
+          (header.axes.z_up ? "-90" : "180");
+  if (per_metre != 1) {
+    text += "\n    double3 xformOp:scale = ";
+    append_vector(text, Eigen::Vector3d(per_metre, per_metre, per_metre), kTimeDecimals);
+  }
+  text += std::string("\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"") +
+          (per_metre != 1 ? ", \"xformOp:scale\"" : "") + "]\n";
   put(text);
-  put("\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n"
-      "    double xformOp:rotateX = 180\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"]\n");
 }
 
 void UsdText::fail() const {

@@ -8,17 +8,27 @@
 #include <string>
 #include <string_view>
 
-#include "usd/blended_mesh.h"
+#include "common/blended_mesh.h"
+#include "common/facts.h"
+#include "common/world_axes.h"
 
 namespace kinora::formats {
 
 /// Letters, digits and '_', not beginning with a digit, and not among `taken`, to which it is added.
 std::string usd_name(const std::string& name, std::set<std::string>& taken);
 
+/// What stands before all meshes.
+struct UsdHeader {
+  double rate;      ///< time codes, which are frames, per second
+  double last_time; ///< seconds
+  WorldAxes axes;
+  Facts facts;
+};
+
 class UsdText {
 public:
-  /// Begins the file. Time codes are frames: seconds · `rate`, to a thousandth. Throws Error(kUnwritableOutput).
-  UsdText(std::filesystem::path path, double rate, double last_time);
+  /// Begins the file. Time codes are kept to a thousandth. Throws Error(kUnwritableOutput).
+  UsdText(std::filesystem::path path, const UsdHeader& header);
 
   /// A mesh and its material. `texture`: the file of its texture beside this one; empty if it has colours.
   void add(const BlendedMesh& mesh, const std::string& name, const std::string& texture);

@@ -74,7 +74,7 @@ void UsdWriter::finish() {
       throw Error(ErrorCode::kFailure, path_.string() + ": the mesh " + mesh.name + " has joints and no pose");
   }
   const double rate = settings_.frames_per_second > 0 ? settings_.frames_per_second : rate_of(meshes_);
-  UsdText text(path_, rate, last_time_of(meshes_));
+  UsdText text(path_, {rate, last_time_of(meshes_), settings_.axes, facts_});
   std::set<std::string> names;
   for (const BlendedMesh& mesh : meshes_) {
     const std::string name = usd_name(mesh.name, names);

@@ -318,6 +318,13 @@ typedef struct KinoraFormat {
   KinoraStatus (*writer_capture)(KinoraWriter* writer, const KinoraCaptureInfo* info, KinoraMessage* message);
   /* A frame as a reader hands it out. KINORA_BAD_FRAME: it does not fit those before and is left out. */
   KinoraStatus (*writer_frame)(KinoraWriter* writer, const KinoraFrame* frame, KinoraMessage* message);
+
+  /* Formats that were made before this member existed end here. */
+
+  /* How the output was made, for its own metadata, as names and texts: "source", "frames", "fps", "layers", "lost" and
+   * others. Called at most once, before all that is written. NULL if the format has no place for it. */
+  KinoraStatus (*writer_facts)(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count,
+                               KinoraMessage* message);
 } KinoraFormat;
 
 typedef struct KinoraPlugin {

@@ -9,7 +9,8 @@
 #include "bake/volume.h"
 #include "cli/context.h"
 #include "clip/layer_choice.h"
-#include "host/options.h"
+#include "host/open_writer.h"
+#include "host/plugin_table.h"
 
 namespace kinora::cli {
 
@@ -19,16 +20,33 @@ struct Conversion {
   const KinoraFormat* format = nullptr;
   std::filesystem::path input;
   std::filesystem::path output;
-  std::vector<int> frames; ///< of the clip, increasing
+  std::vector<int> frames; ///< of the clip, not decreasing
   clip::LayerChoice layers;
   bake::MeshExtractionOptions surface;
   bake::VolumeOptions volume;
   host::Options format_options;
-  bool strict = false; ///< what cannot be carried over is an error instead of a warning
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the output, in the clip's world
+  double fps = 0;                                   ///< by which frames were chosen; 0: all of them
+  bool resume = false;                              ///< numbered files that are there stay, and are not made again
+  bool strict = false;                              ///< what cannot be carried over is an error instead of a warning
 };
+
+/// Whether the format holds all frames in one file; else there is a file for each.
+inline bool is_one_file(const KinoraFormat& format) {
+  return host::supports(format, KINORA_WRITES_MESHES) && !host::supports(format, KINORA_WRITES_MESH_FRAME);
+}
+
+/// What a file may say of how it was made, beside what its format adds: names and values.
+host::Facts facts_of(const Conversion& conversion);
+
+/// What no output of this kind carries, in a few words each.
+std::vector<std::string> losses_of(const Conversion& conversion);
 
 /// Tells of something that the output does not carry as the clip has it: a warning, or Error(kFailure) if strict.
 void report_loss(const Conversion& conversion, const std::string& sentence, Context& context);
+
+/// The mesh at another place.
+host::Mesh shifted(host::Mesh mesh, const Eigen::Vector3d& by);
 
 /// Tells of frames in which a layer was lost.
 void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context);
@@ -45,8 +63,12 @@ nlohmann::json convert_to_volumes(const Conversion& conversion, Context& context
 /// One file for each frame with all layers as they are then: OUT/name_0001.ply, … Returns the same as the first.
 nlohmann::json convert_to_mesh_sequence(const Conversion& conversion, Context& context);
 
-/// Makes the folder of numbered files, and throws Error(kUnwritableOutput) if one of them is there and must stay.
+/// Makes the folder of numbered files, and throws Error(kUnwritableOutput) if one of them is there and must stay, and
+/// is not to be kept.
 void check_numbered_outputs(const Conversion& conversion, bool overwrite);
+
+/// Whether the file is there and is to be kept.
+bool is_done(const Conversion& conversion, const std::filesystem::path& path);
 
 /// "a/b.vdb", 0 → "a/b_0001.vdb".
 std::filesystem::path numbered_path(const std::filesystem::path& path, std::size_t index);

@@ -1,6 +1,5 @@
 // kinora convert: a clip becomes what other tools open, and a capture another format of captures.
 #include <algorithm>
-#include <charconv>
 #include <memory>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/conversion.h"
+#include "cli/export_options.h"
 #include "cli/text.h"
 #include "core/error.h"
 
@@ -21,9 +21,6 @@ using Json = nlohmann::json;
 constexpr std::uint64_t kWritable = KINORA_WRITES_MESHES | KINORA_WRITES_VOLUMES | KINORA_WRITES_FRAMES;
 constexpr const char* kFolderFormat = "tum-rgbd"; ///< of an OUTPUT without extension: it keeps the most
 
-constexpr int kTexturePixels = 2048;      ///< per side and layer, at most
-constexpr double kSimplification = 0.002; ///< metres that a textured surface may be off
-
 struct Options {
   std::filesystem::path input;
   std::filesystem::path output;
@@ -31,6 +28,7 @@ struct Options {
   std::string to;
   std::string frames;
   bool dry_run = false;
+  bool resume = false;
   bool strict = false;
   std::vector<std::string> options;
 };
@@ -54,42 +52,6 @@ const KinoraFormat& target_of(const Options& options, const host::PluginTable& p
                   format.name));
 }
 
-/// Options that are the same for all formats of a kind: each is taken out, and remembered for what is said of others.
-template <class Number>
-void take_number(host::Options& options, const char* name, Number& value, std::vector<std::string>& taken) {
-  taken.emplace_back(name);
-  const auto given = options.extract(name);
-  if (!given) return;
-  const std::string& text = given.mapped();
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || value < Number{0}) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("-O {}={}: the value must be a number that is not negative", name, text));
-  }
-}
-
-std::vector<std::string> split_at_commas(const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == ',') {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-clip::LayerChoice layers_of_option(const clip::Clip& clip, const std::string& names, Context& context) {
-  if (names.empty()) return clip::all_layers(clip);
-  clip::LayerChoice chosen = clip::choose_layers(clip, split_at_commas(names), context.progress);
-  if (chosen.empty()) {
-    throw Error(ErrorCode::kUsage, fmt::format("-O layers={}: the clip has none of these layers; it has: {}", names,
-                                               clip::layer_names(clip)));
-  }
-  return chosen;
-}
-
 Conversion conversion_of(const Options& options, const clip::Clip& clip, const KinoraFormat& format, Context& context) {
   Conversion conversion;
   conversion.clip = &clip;
@@ -98,51 +60,11 @@ Conversion conversion_of(const Options& options, const clip::Clip& clip, const K
   conversion.output = options.output;
   conversion.frames = frames_in_range(options.frames, clip.times.size());
   conversion.strict = options.strict;
-  host::Options given = host::parse_options(options.options);
-  std::vector<std::string> taken{"layers"};
-  const auto layers = given.extract("layers");
-  conversion.layers = layers_of_option(clip, layers ? layers.mapped() : "", context);
-  if (host::supports(format, KINORA_WRITES_MESHES)) {
-    take_number(given, "triangles", conversion.surface.triangles, taken);
-    take_number(given, "resolution", conversion.surface.resolution, taken);
-    if (host::supports(format, KINORA_WRITES_TEXTURES)) {
-      conversion.surface.texture = kTexturePixels;
-      conversion.surface.simplification = kSimplification;
-      take_number(given, "texture", conversion.surface.texture, taken);
-      if (conversion.surface.texture == 0) conversion.surface.simplification = 0; // colours need the vertices
-    }
-    take_number(given, "error", conversion.surface.simplification, taken);
-  } else {
-    take_number(given, "voxel", conversion.volume.voxel, taken);
-  }
-  host::check_options(format, given, taken);
-  conversion.format_options = std::move(given);
+  conversion.resume = options.resume;
+  if (options.resume && is_one_file(format))
+    throw Error(ErrorCode::kUsage, fmt::format("--resume is for numbered files; the format {} has one", format.name));
+  apply_options(host::parse_options(options.options), conversion, context);
   return conversion;
-}
-
-/// Else a file for each frame.
-bool is_one_file(const KinoraFormat& format) {
-  return host::supports(format, KINORA_WRITES_MESHES) && !host::supports(format, KINORA_WRITES_MESH_FRAME);
-}
-
-/// What no output of this kind carries, in a few words each.
-std::vector<std::string> losses_of(const Conversion& conversion) {
-  std::vector<std::string> losses;
-  const bool meshes = host::supports(*conversion.format, KINORA_WRITES_MESHES);
-  if (meshes) losses.emplace_back("what is half transparent");
-  if (meshes) losses.emplace_back("how colours change while things turn (their mean is written)");
-  if (meshes && !host::supports(*conversion.format, KINORA_WRITES_TEXTURES))
-    losses.emplace_back("colours finer than the triangles");
-  if (!meshes) losses.push_back(fmt::format("what is finer than {:g} m", conversion.volume.voxel));
-  if (is_one_file(*conversion.format)) {
-    if (conversion.clip->camera_to_world.size() > 1) losses.emplace_back("the camera's path");
-  } else if (conversion.frames.size() > 1) {
-    losses.emplace_back("the times of the frames");
-  }
-  const bool has_joints = std::ranges::any_of(
-      conversion.layers, [&](std::size_t i) { return conversion.clip->layers[i].joints.has_value(); });
-  if (has_joints) losses.emplace_back("the skeleton (kinora motion writes it)");
-  return losses;
 }
 
 Json plan_json(const Conversion& conversion) {
@@ -251,11 +173,13 @@ void add_convert(CLI::App& app, Context& context) {
   command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
       ->type_name("A:B:S");
   command.add_flag("--dry-run", options->dry_run, "Say what would be written, and write nothing");
+  command.add_flag("--resume", options->resume,
+                   "Keep numbered files that are there, and write the rest as the same command would have");
   command.add_flag("--strict", options->strict, "Fail where the output cannot carry what the input has, not just warn");
   command
       .add_option("-O", options->options,
-                  "layers=NAMES; of meshes triangles=N per layer or resolution=CELLS; of volumes voxel=METRES; or an "
-                  "option of the format")
+                  "layers=NAMES; fps=N; origin=X,Y,Z; of meshes triangles=N per layer; of volumes voxel=METRES; or "
+                  "another option of the format (see kinora formats)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   context.add_overwrite(command);

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/commands.h"
+#include "cli/export_options.h"
 #include "cli/text.h"
 
 namespace kinora::cli {
@@ -10,10 +11,16 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// Those that the format declares, and those that kinora convert has for all of its kind.
+std::vector<KinoraOption> options_of(const KinoraFormat& format) {
+  std::vector<KinoraOption> options = export_options(format);
+  options.insert(options.end(), format.options, format.options + format.option_count);
+  return options;
+}
+
 Json options_json(const KinoraFormat& format) {
   Json out = Json::array();
-  for (std::size_t i = 0; i < format.option_count; ++i) {
-    const KinoraOption& option = format.options[i];
+  for (const KinoraOption& option : options_of(format)) {
     out.push_back(
         {{"name", option.name}, {"type", option.type}, {"default", option.default_value}, {"help", option.help}});
   }
@@ -46,8 +53,7 @@ void run(Context& context) {
     table.add({format.name,
                entry.installed() ? format.description : fmt::format("{} (not installed)", format.description),
                fmt::format("{}", fmt::join(host::capability_names(format), " ")), entry.origin});
-    for (std::size_t i = 0; i < format.option_count; ++i) {
-      const KinoraOption& option = format.options[i];
+    for (const KinoraOption& option : options_of(format)) {
       options += fmt::format("  {}: -O {}={}  {}\n", format.name, option.name, option.default_value, option.help);
     }
   }

@@ -72,6 +72,11 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
 
 } // namespace
 
+host::Mesh shifted(host::Mesh mesh, const Eigen::Vector3d& by) {
+  for (Eigen::Vector3f& p : mesh.positions) p += by.cast<float>();
+  return mesh;
+}
+
 void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context) {
   std::size_t lost = 0;
   for (const int frame : conversion.frames) {
@@ -90,10 +95,11 @@ void report_no_surface(const Conversion& conversion, const clip::Layer& layer, C
 
 Json convert_to_meshes(const Conversion& conversion, Context& context) {
   OutputWithFiles out(conversion.output, *conversion.format, context.shared.overwrite, {conversion.input});
-  host::MeshWriter writer(*conversion.format, out.writing_path(), conversion.format_options);
+  host::MeshWriter writer(*conversion.format, out.writing_path(), conversion.format_options, facts_of(conversion));
   Json descriptions = Json::array();
   const std::vector<BakedLayer> baked = bake_layers(conversion, descriptions, context);
-  for (const BakedLayer& one : baked) writer.add(one.mesh);
+  for (const BakedLayer& one : baked)
+    writer.add(one.skinning.moves() ? one.mesh : shifted(one.mesh, -conversion.origin));
   context.progress.stage("writing", conversion.frames.size());
   const std::vector<double>& times = conversion.clip->times;
   const double start = times[static_cast<std::size_t>(conversion.frames.front())];
@@ -102,7 +108,9 @@ Json convert_to_meshes(const Conversion& conversion, Context& context) {
     const int frame = conversion.frames[i];
     for (std::size_t m = 0; m < baked.size(); ++m) {
       if (!baked[m].skinning.moves()) continue;
-      writer.pose(m, times[static_cast<std::size_t>(frame)] - start, baked[m].skinning.joints_at(frame));
+      std::vector<SE3> joints = baked[m].skinning.joints_at(frame);
+      for (SE3& joint : joints) joint.translation() -= conversion.origin;
+      writer.pose(m, times[static_cast<std::size_t>(frame)] - start, joints);
     }
     context.progress.advance(i + 1, "");
   }

@@ -39,9 +39,11 @@ std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& con
 }
 
 void write_frame(const Conversion& conversion, const std::vector<Surface>& surfaces, int frame, const fs::path& path) {
-  host::MeshWriter writer(*conversion.format, path, conversion.format_options);
+  host::Facts facts = facts_of(conversion);
+  facts.emplace_back("frame", std::to_string(frame));
+  host::MeshWriter writer(*conversion.format, path, conversion.format_options, facts);
   for (const Surface& surface : surfaces) {
-    writer.add(bake::posed_mesh(surface.mesh, surface.layer->motion.warp(frame)));
+    writer.add(shifted(bake::posed_mesh(surface.mesh, surface.layer->motion.warp(frame)), -conversion.origin));
   }
   writer.finish();
 }
@@ -55,7 +57,9 @@ Json convert_to_mesh_sequence(const Conversion& conversion, Context& context) {
   context.progress.stage("writing", conversion.frames.size());
   for (std::size_t i = 0; i < conversion.frames.size(); ++i) {
     context.progress.check();
-    OutputFile out(numbered_path(conversion.output, i), context.shared.overwrite, {conversion.input});
+    const fs::path path = numbered_path(conversion.output, i);
+    if (is_done(conversion, path)) continue;
+    OutputFile out(path, context.shared.overwrite, {conversion.input});
     write_frame(conversion, surfaces, conversion.frames[i], out.writing_path());
     std::error_code ignored;
     if (out.can_be_read_back()) bytes += fs::file_size(out.writing_path(), ignored);

@@ -19,10 +19,13 @@ Json convert_to_volumes(const Conversion& conversion, Context& context) {
   context.progress.stage("volumes", conversion.frames.size());
   for (std::size_t i = 0; i < conversion.frames.size(); ++i) {
     context.progress.check();
-    OutputFile out(numbered_path(conversion.output, i), context.shared.overwrite, {conversion.input});
+    const fs::path path = numbered_path(conversion.output, i);
+    if (is_done(conversion, path)) continue;
+    OutputFile out(path, context.shared.overwrite, {conversion.input});
     host::Volume volume = baker.at(conversion.frames[i], context.progress);
     volume.time -= start;
-    host::write_volume(*conversion.format, out.writing_path(), conversion.format_options, volume);
+    volume.voxel_to_world.topRightCorner<3, 1>() -= conversion.origin;
+    host::write_volume(*conversion.format, out.writing_path(), conversion.format_options, volume, facts_of(conversion));
     std::error_code ignored;
     if (out.can_be_read_back()) bytes += fs::file_size(out.writing_path(), ignored);
     out.commit();

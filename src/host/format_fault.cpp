@@ -69,8 +69,8 @@ std::string fault_of_writing(const KinoraFormat& format) {
   if (supports(format, KINORA_WRITES_SKINS) && (!grown || format.writer_pose == nullptr)) return " lacks writer_pose";
   if (supports(format, KINORA_WRITES_VOLUMES) && (!grown || format.writer_volume == nullptr))
     return " lacks writer_volume";
-  if (supports(format, KINORA_WRITES_FRAMES) &&
-      (format.struct_size < sizeof(KinoraFormat) || format.writer_capture == nullptr || format.writer_frame == nullptr))
+  if (supports(format, KINORA_WRITES_FRAMES) && (format.struct_size < offsetof(KinoraFormat, writer_facts) ||
+                                                 format.writer_capture == nullptr || format.writer_frame == nullptr))
     return " lacks writer_capture or writer_frame";
   return {};
 }

@@ -6,8 +6,11 @@
 
 namespace kinora::host {
 
-MeshWriter::MeshWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options)
-    : format_(&format), writer_(open_writer(format, KINORA_WRITES_MESHES, "meshes", path, options)) {}
+MeshWriter::MeshWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
+                       const Facts& facts)
+    : format_(&format), writer_(open_writer(format, KINORA_WRITES_MESHES, "meshes", path, options)) {
+  describe_output(format, writer_, facts);
+}
 
 std::size_t MeshWriter::add(const Mesh& mesh) {
   auto given = make_struct<KinoraMesh>();

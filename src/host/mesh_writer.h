@@ -38,8 +38,9 @@ struct Mesh {
 class MeshWriter {
 public:
   /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format that
-  /// writes no meshes.
-  MeshWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
+  /// writes no meshes. `facts`: for the file's metadata, if its format has a place for them.
+  MeshWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
+             const Facts& facts = {});
 
   const KinoraFormat& format() const { return *format_; }
   /// All meshes come before the first pose. Returns the mesh's number.

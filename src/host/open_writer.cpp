@@ -25,6 +25,15 @@ WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, c
   return {writer, format.writer_abandon};
 }
 
+void describe_output(const KinoraFormat& format, const WriterHandle& writer, const Facts& facts) {
+  if (facts.empty() || format.struct_size < sizeof(KinoraFormat) || format.writer_facts == nullptr) return;
+  std::vector<KinoraOptionValue> given;
+  for (const auto& [name, value] : facts) given.push_back({name.c_str(), value.c_str()});
+  auto message = make_struct<KinoraMessage>();
+  const KinoraStatus status = format.writer_facts(writer.get(), given.data(), given.size(), &message);
+  if (status != KINORA_OK) throw error_of(status, message, format.name);
+}
+
 void finish_writer(const KinoraFormat& format, WriterHandle& writer) {
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format.writer_finish(writer.release(), &message);

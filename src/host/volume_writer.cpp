@@ -7,8 +7,9 @@
 namespace kinora::host {
 
 void write_volume(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
-                  const Volume& volume) {
+                  const Volume& volume, const Facts& facts) {
   WriterHandle writer = open_writer(format, KINORA_WRITES_VOLUMES, "volumes", path, options);
+  describe_output(format, writer, facts);
   const KinoraVolumeChannel channels[] = {
       {"density", 1, volume.density.data()},
       {"color", 3, numbers_of(volume.color)},

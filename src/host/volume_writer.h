@@ -24,8 +24,8 @@ struct Volume {
 };
 
 /// Writes one volume to exactly this path. Throws what the plugin reports, and Error(kUsage) for options that the
-/// format does not declare or a format that writes no volumes.
+/// format does not declare or a format that writes no volumes. `facts`: for the file's metadata.
 void write_volume(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
-                  const Volume& volume);
+                  const Volume& volume, const Facts& facts = {});
 
 } // namespace kinora::host

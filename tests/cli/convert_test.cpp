@@ -1,5 +1,8 @@
 // kinora convert and kinora track, as a user runs them, on a clip made here.
 #include <cstdlib>
+#include <cstring>
+#include <map>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -120,6 +123,54 @@ TEST_F(ConvertTest, FilesAreReplacedOnlyWhenAsked) {
   folder_.write("clip_0003.vdb", "precious");
   expect_error(convert("clip.vdb"), 5, "clip_0003.vdb");
   EXPECT_FALSE(fs::exists(path("clip_0001.vdb"))); // found out before the work
+}
+
+/// x y z of the vertices of a PLY file.
+std::vector<Eigen::Vector3f> vertices_of(const fs::path& file) {
+  const std::string bytes = contents_of(file);
+  const std::string key = "element vertex ";
+  const auto count = static_cast<std::size_t>(std::stoul(bytes.substr(bytes.find(key) + key.size())));
+  const std::size_t body = bytes.find("end_header\n") + 11;
+  std::vector<Eigen::Vector3f> vertices(count);
+  for (std::size_t v = 0; v < count; ++v) std::memcpy(vertices[v].data(), bytes.data() + body + 27 * v, 12);
+  return vertices;
+}
+
+TEST_F(ConvertTest, TheOriginMayBeElsewhere) {
+  ASSERT_EQ(convert("a.ply").code, 0);
+  ASSERT_EQ(convert("b.ply", {"-O", "origin=1,2,-3"}).code, 0);
+  const auto before = vertices_of(path("a_0002.ply"));
+  const auto after = vertices_of(path("b_0002.ply"));
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t v = 0; v < before.size(); v += 50)
+    EXPECT_LT((before[v] - after[v] - Eigen::Vector3f(1, 2, -3)).norm(), 1e-5);
+  EXPECT_NE(contents_of(path("b_0002.ply")).find("comment origin: 1, 2, -3\n"), std::string::npos);
+  EXPECT_EQ(convert("a.glb", {"-O", "origin=1,2,-3"}).code, 0);
+  EXPECT_EQ(convert("a.vdb", {"-O", "origin=1,2,-3"}).code, 0);
+  expect_error(convert("c.ply", {"-O", "origin=1,2"}), 2, "three numbers");
+}
+
+TEST_F(ConvertTest, FramesMayComeAtAnotherRate) { // the clip has 10 per second
+  EXPECT_EQ(Json::parse(convert("twice.ply", {"-O", "fps=20", "--json"}).out)["files"], 2 * kFrames - 1);
+  EXPECT_NE(contents_of(path("twice_0003.ply")).find("comment frame: 1\n"), std::string::npos);
+  const Json half = Json::parse(convert("half.ply", {"-O", "fps=5", "--json"}).out);
+  EXPECT_EQ(half["files"], 2);
+  EXPECT_NE(contents_of(path("half_0002.ply")).find("comment frame: 2\n"), std::string::npos);
+  EXPECT_EQ(Json::parse(convert("twice.glb", {"-O", "fps=20", "--json"}).out)["frames"], kFrames);
+  expect_error(convert("no.ply", {"-O", "fps=5000"}), 2, "at most 1000");
+}
+
+TEST_F(ConvertTest, FormatsListsWhatConvertTakes) {
+  const Json told = Json::parse(run_kinora(folder_, {"formats", "--json"}).out);
+  std::map<std::string, std::set<std::string>> names;
+  for (const Json& format : told["formats"])
+    for (const Json& option : format["options"]) names[format["name"]].insert(option["name"].get<std::string>());
+  for (const char* name : {"layers", "fps", "origin", "triangles", "error", "up", "units"})
+    EXPECT_TRUE(names["ply"].contains(name)) << name;
+  EXPECT_TRUE(names["openvdb"].contains("voxel"));
+  EXPECT_TRUE(names["glb"].contains("texture"));
+  EXPECT_FALSE(names["ply"].contains("texture"));
+  EXPECT_FALSE(names["png"].contains("layers"));
 }
 
 TEST_F(ConvertTest, WhatMakesNoSenseIsAUsageError) {

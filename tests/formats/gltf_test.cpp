@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -202,6 +203,13 @@ TEST_F(GlbWriterTest, WeightsAddUpExactlyAndBindMatricesAreColumns) {
   EXPECT_FLOAT_EQ(bind[15], 1);
 }
 
+TEST_F(GlbWriterTest, TheAssetSaysHowItWasMade) {
+  host::MeshWriter writer(table_.find("glb"), path(), {}, {{"source", "clip.mkv"}, {"lost", "the skeleton"}});
+  writer.add(tetrahedron("background"));
+  writer.finish();
+  EXPECT_EQ(read_glb(path()).json["asset"]["extras"], Json({{"source", "clip.mkv"}, {"lost", "the skeleton"}}));
+}
+
 TEST_F(GlbWriterTest, StepsHoldAPose) {
   const Glb glb = read_glb(write_scene("steps.glb", {{"interpolation", "step"}, {"quantize", "false"}}));
   EXPECT_EQ(glb.json["animations"][0]["samplers"][0]["interpolation"], "STEP");
@@ -225,13 +233,10 @@ host::Mesh textured(const std::string& name) {
   return mesh;
 }
 
-TEST_F(GlbWriterTest, QuantizedPositionsAreBroughtBackByTheNodeThatHasThem) {
-  const Glb glb = read_glb(write_scene("small.glb", {}));
-  const Json& node = glb.node("background");
+/// The positions of a mesh of 4 vertices as its node brings them back, in any order.
+std::set<std::array<int, 3>> places_of(const Json& node, const std::vector<std::uint16_t>& stored) {
   const auto scale = node.value("scale", std::vector<double>{1, 1, 1});
   const auto offset = node.value("translation", std::vector<double>(3));
-  const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
-  const auto stored = glb.values<std::uint16_t>(attributes["POSITION"].get<int>(), 4); // with two bytes of padding
   std::set<std::array<int, 3>> places;
   for (std::size_t v = 0; v < stored.size(); v += 4) {
     std::array<int, 3> place{};
@@ -239,8 +244,16 @@ TEST_F(GlbWriterTest, QuantizedPositionsAreBroughtBackByTheNodeThatHasThem) {
       place[c] = static_cast<int>(std::lround(1000 * (offset[c] + scale[c] * stored[v + c] / 65535)));
     places.insert(place);
   }
+  return places;
+}
+
+TEST_F(GlbWriterTest, QuantizedPositionsAreBroughtBackByTheNodeThatHasThem) {
+  const Glb glb = read_glb(write_scene("small.glb", {}));
+  const Json& node = glb.node("background");
+  const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+  const auto stored = glb.values<std::uint16_t>(attributes["POSITION"].get<int>(), 4); // with two bytes of padding
   const std::set<std::array<int, 3>> expected{{0, 0, 2000}, {1000, 0, 2000}, {0, 1000, 2000}, {0, 0, 3000}};
-  EXPECT_EQ(places, expected);
+  EXPECT_EQ(places_of(node, stored), expected);
   EXPECT_EQ(glb.json["extensionsRequired"], Json({"KHR_mesh_quantization"}));
 }
 
@@ -271,6 +284,96 @@ TEST_F(GlbWriterTest, CompressedFilesSayWhatTheyNeedAndKeepTheirCounts) {
     const Json& primitive = glb.json["meshes"][2]["primitives"][0];
     EXPECT_EQ(glb.json["accessors"][primitive["indices"].get<std::size_t>()]["count"], 12);
     EXPECT_EQ(glb.json["accessors"][primitive["attributes"]["JOINTS_0"].get<std::size_t>()]["count"], 4);
+  }
+}
+
+TEST_F(GlbWriterTest, SequencesShowOneMeshAtAnyTime) {
+  const Glb glb = read_glb(write_scene("sequence.glb", {{"animation", "sequence"}}));
+  EXPECT_FALSE(glb.json.contains("skins"));
+  const Json& above = glb.node("person");
+  ASSERT_EQ(above["children"].size(), 3U);
+  std::array<std::array<float, 3>, 3> sizes{}; // of each node at each time
+  std::size_t sequences = 0;
+  for (const Json& channel : glb.json["animations"][0]["channels"]) {
+    if (channel["target"]["path"] != "scale") continue;
+    ++sequences;
+    const Json& sampler = glb.json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+    EXPECT_EQ(sampler["interpolation"], "STEP");
+    const auto times = glb.values<float>(sampler["input"].get<int>(), 1);
+    const auto scales = glb.values<float>(sampler["output"].get<int>(), 3);
+    const int node = channel["target"]["node"].get<int>() - above["children"][0].get<int>();
+    for (std::size_t frame = 0; frame < 3; ++frame) {
+      for (std::size_t k = 0; k < times.size(); ++k) {
+        if (k == 0 || times[k] <= static_cast<float>(frame) / 30 + 1e-6F)
+          sizes[static_cast<std::size_t>(node)][frame] = scales[3 * k];
+      }
+    }
+  }
+  EXPECT_EQ(sequences, 3U);
+  for (std::size_t node = 0; node < 3; ++node)
+    for (std::size_t frame = 0; frame < 3; ++frame) EXPECT_EQ(sizes[node][frame], node == frame ? 1 : 0);
+  // Joint 1 has risen by 0.2 m in the last frame; vertex 1 hangs on it alone.
+  const Json& last = glb.json["nodes"][above["children"][2].get<std::size_t>()];
+  const Json& primitive = glb.json["meshes"][last["mesh"].get<std::size_t>()]["primitives"][0];
+  const auto stored = glb.values<std::uint16_t>(primitive["attributes"]["POSITION"].get<int>(), 4);
+  EXPECT_TRUE(places_of(above, stored).contains({1000, 200, 2000}));
+  EXPECT_EQ(primitive["indices"], glb.json["meshes"][last["mesh"].get<std::size_t>() - 1]["primitives"][0]["indices"]);
+}
+
+TEST_F(GlbWriterTest, MorphTargetsMixToTheShapeOfEachFrame) {
+  const Glb glb = read_glb(write_scene("morph.glb", {{"animation", "morph"}, {"quantize", "false"}}));
+  const Json& node = glb.node("person");
+  const Json& mesh = glb.json["meshes"][node["mesh"].get<std::size_t>()];
+  const Json& primitive = mesh["primitives"][0];
+  const std::size_t count = primitive["targets"].size();
+  ASSERT_EQ(count, 2U); // three frames differ from their mean in two ways
+  EXPECT_EQ(mesh["extras"]["targetNames"].size(), count);
+  EXPECT_LT(mesh["extras"]["error"], 1e-4);
+  auto points = glb.values<float>(primitive["attributes"]["POSITION"].get<int>(), 3);
+  std::vector<float> weights;
+  for (const Json& channel : glb.json["animations"][0]["channels"]) {
+    if (channel["target"]["path"] != "weights") continue;
+    weights = glb.values<float>(
+        glb.json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()]["output"].get<int>(), 1);
+  }
+  ASSERT_EQ(weights.size(), 3 * count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto shape = glb.values<float>(primitive["targets"][k]["POSITION"].get<int>(), 3);
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] += weights[2 * count + k] * shape[i];
+  }
+  EXPECT_NEAR(points[3], 1, 1e-4);
+  EXPECT_NEAR(points[4], 0.2, 1e-4);
+  EXPECT_NEAR(points[5], 2, 1e-4);
+}
+
+TEST_F(GlbWriterTest, FewShapesAreNoMoreThanAskedForAndSayHowFarOffTheyAre) {
+  const Glb glb = read_glb(write_scene("morph.glb", {{"animation", "morph"}, {"shapes", "1"}}));
+  const Json& mesh = glb.json["meshes"][glb.node("person")["mesh"].get<std::size_t>()];
+  EXPECT_EQ(mesh["primitives"][0]["targets"].size(), 1U);
+  EXPECT_GT(mesh["extras"]["error"], 1e-4);
+  expect_refusal(ErrorCode::kUsage, "1 to 64", [&] { open("morph.glb", {{"shapes", "65"}}); });
+  expect_refusal(ErrorCode::kUsage, "no morph targets", [&] {
+    open("morph.glb", {{"animation", "morph"}, {"compression", "draco"}});
+  });
+}
+
+TEST_F(GlbWriterTest, DracosOwnDecoderUnpacksTheMeshes) {
+  if (std::system("draco_decoder -h > /dev/null 2>&1") != 0) GTEST_SKIP() << "draco_decoder is not installed";
+  const Glb glb = read_glb(write_scene("packed.glb", {{"compression", "draco"}, {"animation", "sequence"}}));
+  ASSERT_EQ(glb.json["meshes"].size(), 5U); // still, carried, and one for each of three frames
+  for (const Json& mesh : glb.json["meshes"]) {
+    const Json& extension = mesh["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+    const Json& view = glb.json["bufferViews"][extension["bufferView"].get<std::size_t>()];
+    folder_.write("mesh.drc",
+                  glb.binary.substr(view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()));
+    const std::string command =
+        "draco_decoder -i '" + path("mesh.drc").string() + "' -o '" + path("mesh.obj").string() + "' > /dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    std::map<std::string, int> lines; // by their first word
+    std::ifstream file(path("mesh.obj"));
+    for (std::string line; std::getline(file, line);) ++lines[line.substr(0, line.find(' '))];
+    EXPECT_EQ(lines["v"], 4);
+    EXPECT_EQ(lines["f"], 4);
   }
 }
 
@@ -323,11 +426,16 @@ TEST_F(GlbWriterTest, KhronosValidatorFindsNothing) {
   still.add(tetrahedron("Ärger \"quoted\""));
   still.finish();
   write_scene("small.glb", {});
+  for (const char* animation : {"morph", "sequence"}) {
+    for (const char* quantize : {"true", "false"})
+      write_scene(std::string(animation) + quantize + ".glb", {{"animation", animation}, {"quantize", quantize}});
+  }
   host::MeshWriter picture = open("picture.glb");
   picture.add(textured("background"));
   picture.finish();
-  EXPECT_TRUE(test::is_valid_gltf(
-      {path("linear.glb"), path("steps.glb"), path("still.glb"), path("small.glb"), path("picture.glb")}));
+  EXPECT_TRUE(test::is_valid_gltf({path("linear.glb"), path("steps.glb"), path("still.glb"), path("small.glb"),
+                                   path("picture.glb"), path("morphtrue.glb"), path("morphfalse.glb"),
+                                   path("sequencetrue.glb"), path("sequencefalse.glb")}));
 }
 
 } // namespace

@@ -36,6 +36,16 @@ TEST_F(ObjTest, EveryMeshIsAnObjectWithYUpAndColours) {
   EXPECT_EQ(write({triangle("a", 1)}), expected);
 }
 
+TEST_F(ObjTest, TheUpAxisAndUnitsAreThoseAskedFor) {
+  write_meshes(table_.find("obj"), folder_.path() / "z.obj", {{"up", "z"}, {"units", "mm"}}, {triangle("a", 1)},
+               {{"source", "clip.mkv"}});
+  std::ifstream file(folder_.path() / "z.obj");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_TRUE(text.starts_with("# Kinora: millimetres, x right, y forward, z up\n# source: clip.mkv\no a\n")) << text;
+  EXPECT_NE(text.find("v 1000 2000 -500 0.7843"), std::string::npos) << text;
+  EXPECT_NE(text.find("vn 0 -0.8 -0.6"), std::string::npos) << text;
+}
+
 TEST_F(ObjTest, VerticesAreNumberedThroughAllMeshes) {
   EXPECT_EQ(write({triangle("a", 0), triangle("b", 0)}).back(), "f 4//4 5//5 6//6");
 }

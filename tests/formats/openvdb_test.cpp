@@ -1,6 +1,10 @@
 // OpenVDB files, read back by OpenVDB.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+
 #include <openvdb/openvdb.h>
 
 #include "core/error.h"
@@ -100,6 +104,21 @@ TEST_F(OpenVdbTest, MetadataNamesFrameAndTime) {
   EXPECT_DOUBLE_EQ(metadata->metaValue<double>("time"), 0.25);
 }
 
+TEST_F(OpenVdbTest, TheUpAxisAndUnitsAreThoseAskedFor) {
+  const fs::path path = folder_.path() / "z.vdb";
+  host::write_volume(table_.find("openvdb"), path, {{"up", "z"}, {"units", "cm"}}, block(), {{"source", "clip.mkv"}});
+  const auto density = grid_of<openvdb::FloatGrid>(path, "density");
+  // Voxel (4, 3, 2) is at (0.08, 0.06, 2.04) m: right, forward, up of it in centimetres.
+  const openvdb::Coord coordinate = openvdb::Coord::round(density->worldToIndex(openvdb::Vec3d(8, 204, -6)));
+  EXPECT_NEAR(density->tree().getValue(coordinate), 0.69, 1e-3) << "extinction per centimetre";
+  EXPECT_TRUE(density->transform().hasUniformScale());
+  EXPECT_NEAR(density->voxelSize().x(), 2, 1e-9);
+  openvdb::io::File file(path.string());
+  file.open();
+  EXPECT_EQ(file.getMetadata()->metaValue<std::string>("axes"), "centimetres, x right, y forward, z up");
+  EXPECT_EQ(file.getMetadata()->metaValue<std::string>("source"), "clip.mkv");
+}
+
 TEST_F(OpenVdbTest, DensitiesBeyondHalfPrecisionStayFinite) {
   host::Volume volume = block();
   volume.density[3] = 1e6F;
@@ -115,7 +134,92 @@ TEST_F(OpenVdbTest, EmptyVolumesAreFilesToo) {
   volume.voxels.clear();
   volume.density.clear();
   volume.color.clear();
-  EXPECT_EQ(grid_of<openvdb::FloatGrid>(write(volume, "empty.vdb"), "density")->activeVoxelCount(), 0U);
+  const fs::path path = write(volume, "empty.vdb", {{"content", "both"}});
+  EXPECT_EQ(grid_of<openvdb::FloatGrid>(path, "density")->activeVoxelCount(), 0U);
+  EXPECT_EQ(grid_of<openvdb::FloatGrid>(path, "surface")->activeVoxelCount(), 0U);
+}
+
+/// A ball of 20 cm around (0, 0, 2) in voxels of 2 cm: half of the light passes those on its surface.
+host::Volume ball() {
+  constexpr double kVoxel = 0.02;
+  host::Volume volume = block();
+  volume.voxels.clear();
+  volume.density.clear();
+  volume.color.clear();
+  constexpr int kReach = 13;
+  for (int z = -kReach; z <= kReach; ++z) {
+    for (int y = -kReach; y <= kReach; ++y) {
+      for (int x = -kReach; x <= kReach; ++x) {
+        const double distance = kVoxel * std::sqrt(x * x + y * y + z * z) - 0.2;
+        const double opacity = std::clamp(0.5 - distance / (2 * kVoxel), 0.0, 0.999);
+        if (opacity == 0) continue;
+        volume.voxels.push_back({x, y, z});
+        volume.density.push_back(static_cast<float>(-std::log(1 - opacity) / kVoxel));
+        volume.color.push_back({0.5F, 0.25F, 1});
+      }
+    }
+  }
+  return volume;
+}
+
+TEST_F(OpenVdbTest, LevelSetsHoldMetresToTheSurface) {
+  const fs::path path = write(ball(), "ball.vdb", {{"content", "surface"}});
+  const auto surface = grid_of<openvdb::FloatGrid>(path, "surface");
+  EXPECT_EQ(surface->getGridClass(), openvdb::GRID_LEVEL_SET);
+  EXPECT_TRUE(surface->saveFloatAsHalf());
+  EXPECT_NEAR(surface->background(), 0.06, 1e-4);
+  const auto distance_at = [](const openvdb::Vec3d& world) {
+    return (world - openvdb::Vec3d(0, 0, -2)).length() - 0.2;
+  };
+  std::size_t inside = 0;
+  for (auto value = surface->cbeginValueOn(); value; ++value) {
+    const double expected = distance_at(surface->indexToWorld(value.getCoord()));
+    EXPECT_NEAR(*value, expected, std::abs(expected) < 0.02 ? 0.002 : 0.01)
+        << value.getCoord(); // a tenth, half a voxel
+    inside += *value < 0 ? 1U : 0U;
+  }
+  EXPECT_GT(inside, 1000U);
+  EXPECT_NEAR(surface->tree().getValue(openvdb::Coord(0, 0, 0)), -0.06, 1e-4); // beyond the band
+  EXPECT_NEAR(surface->tree().getValue(openvdb::Coord(40, 0, 0)), 0.06, 1e-4);
+  EXPECT_EQ(grids_of(path)->size(), 2U); // and colour
+}
+
+TEST_F(OpenVdbTest, HollowsStayOutsideOfLevelSets) {
+  host::Volume volume = ball();
+  for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
+    const auto& v = volume.voxels[i];
+    if (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] < 25) volume.density[i] = 0;
+  }
+  const auto surface = grid_of<openvdb::FloatGrid>(write(volume, "hollow.vdb", {{"content", "both"}}), "surface");
+  EXPECT_GT(surface->tree().getValue(openvdb::Coord(0, 0, 0)), 0);
+  EXPECT_LT(surface->tree().getValue(openvdb::Coord(7, 0, 0)), 0);
+}
+
+TEST_F(OpenVdbTest, GridsAreCalledAsTheProgramExpects) {
+  const std::map<std::string, std::set<std::string>> expected = {{"houdini", {"density", "surface", "Cd"}},
+                                                                 {"blender", {"density", "distance", "color"}},
+                                                                 {"unreal", {"density", "surface", "color"}}};
+  for (const auto& [program, names] : expected) {
+    const auto grids = grids_of(write(block(), "named.vdb", {{"vdb-names", program}, {"content", "both"}}));
+    std::set<std::string> found;
+    for (const auto& grid : *grids) found.insert(grid->getName());
+    EXPECT_EQ(found, names) << program;
+  }
+}
+
+/// What OpenVDB's own program says of a file.
+std::string printed(const fs::path& file) {
+  std::string text;
+  FILE* pipe = popen(("vdb_print -l '" + file.string() + "' 2>&1").c_str(), "r");
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
+  return pclose(pipe) == 0 ? text : "failed: " + text;
+}
+
+TEST_F(OpenVdbTest, VdbPrintReadsWhatIsWritten) {
+  if (std::system("vdb_print -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "vdb_print is not installed";
+  const std::string text = printed(write(ball(), "ball.vdb", {{"content", "both"}}));
+  for (const char* word : {"Name: density", "Name: surface", "Name: Cd", "fog volume", "level set"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in " << text;
 }
 
 TEST_F(OpenVdbTest, SameVolumesGiveTheSameBytesAndOthersAnotherIdentifier) {
@@ -125,6 +229,7 @@ TEST_F(OpenVdbTest, SameVolumesGiveTheSameBytesAndOthersAnotherIdentifier) {
   };
   const std::string one = bytes(write(block(), "a.vdb"));
   EXPECT_EQ(one, bytes(write(block(), "b.vdb")));
+  EXPECT_EQ(bytes(write(ball(), "a.vdb", {{"content", "both"}})), bytes(write(ball(), "b.vdb", {{"content", "both"}})));
   host::Volume other = block();
   other.frame = 8;
   EXPECT_NE(one.substr(21, 36), bytes(write(other, "c.vdb")).substr(21, 36));

@@ -60,6 +60,21 @@ TEST_F(PlyTest, VerticesLieWithYUpInTheirColours) {
   EXPECT_EQ(value_at<std::uint8_t>(body, last + 26), 50);
 }
 
+TEST_F(PlyTest, TheUpAxisAndUnitsAreThoseAskedFor) {
+  const auto [head, body] = write({triangle("a", 1)}, {{"up", "z"}, {"units", "cm"}});
+  EXPECT_NE(head.find("comment Kinora: centimetres, x right, y forward, z up\n"), std::string::npos) << head;
+  const float expected[] = {100, 200, -50, 0, -0.8F, -0.6F}; // the vertex (1, 0.5, 2) with the normal (0, 0.6, -0.8)
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_FLOAT_EQ(value_at<float>(body, 2 * kVertexBytes + 4 * i), expected[i]) << i;
+}
+
+TEST_F(PlyTest, CommentsSayHowTheFileWasMade) {
+  write_meshes(table_.find("ply"), folder_.path() / "b.ply", {}, {triangle("a", 0)}, {{"lost", "one\ntwo"}});
+  std::ifstream file(folder_.path() / "b.ply", std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_NE(bytes.find("comment lost: one two\nelement vertex"), std::string::npos) << bytes.substr(0, 200);
+}
+
 TEST_F(PlyTest, PointsAreTheVerticesAlone) {
   const auto [head, body] = write({triangle("a", 0)}, {{"content", "points"}});
   EXPECT_EQ(head.find("element face"), std::string::npos) << head;

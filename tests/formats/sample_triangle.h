@@ -18,8 +18,8 @@ inline host::Mesh triangle(const std::string& name, float x) {
 }
 
 inline void write_meshes(const KinoraFormat& format, const std::filesystem::path& path, const host::Options& options,
-                         const std::vector<host::Mesh>& meshes) {
-  host::MeshWriter writer(format, path, options);
+                         const std::vector<host::Mesh>& meshes, const host::Facts& facts = {}) {
+  host::MeshWriter writer(format, path, options, facts);
   for (const host::Mesh& mesh : meshes) writer.add(mesh);
   writer.finish();
 }

@@ -56,6 +56,17 @@ TEST_F(UsdTest, AStillMeshHasNoTimeSamples) {
   EXPECT_EQ(usd.find("timeSamples"), std::string::npos);
 }
 
+TEST_F(UsdTest, TheUpAxisAndUnitsAreThoseAskedForAndTheRootBringsThem) {
+  write_meshes(table_.find("usd"), path(), {{"up", "z"}, {"units", "cm"}}, {triangle("a", 1)},
+               {{"lost", "a \"word\" or two"}});
+  const std::string usd = text();
+  expect_in(usd, "metersPerUnit = 0.01\n");
+  expect_in(usd, "upAxis = \"Z\"");
+  expect_in(usd, "double xformOp:rotateX = -90\n    double3 xformOp:scale = (100, 100, 100)\n"
+                 "    uniform token[] xformOpOrder = [\"xformOp:rotateX\", \"xformOp:scale\"]");
+  expect_in(usd, "customLayerData = {\n        string lost = \"a \\\"word\\\" or two\"\n    }");
+}
+
 TEST_F(UsdTest, ARigidMeshHasATransformForEachFrame) {
   host::Mesh mesh = triangle("box", 0);
   mesh.skin.inverse_bind = {moved(-1)};

@@ -1,6 +1,8 @@
 // The formats that write, through the host as every caller uses them.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "core/error.h"
 #include "formats/sample_capture.h"
 #include "host/picture_writer.h"
@@ -129,6 +131,20 @@ TEST_F(Mp4WriterTest, SamePicturesGiveTheSameBytes) {
   ASSERT_GT(film.size(), 1000U);
   EXPECT_EQ(film, read_bytes(folder_.path() / "b.mp4"));
   EXPECT_EQ(static_cast<char>(film[4]), 'f'); // "ftyp" is the first box of every MP4
+}
+
+TEST_F(Mp4WriterTest, FfprobeCountsThePictures) {
+  if (std::system("ffprobe -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffprobe is not installed";
+  PictureWriter writer = open("mp4", "a.mp4");
+  for (int i = 0; i < 5; ++i) writer.write(picture(i));
+  writer.finish();
+  const fs::path said = folder_.path() / "said.txt";
+  const std::string command =
+      "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv '" +
+      (folder_.path() / "a.mp4").string() + "' > '" + said.string() + "' 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const Bytes bytes = read_bytes(said);
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), "stream,20,14,5\n");
 }
 
 TEST_F(Mp4WriterTest, OddSizesAndSingleFramesAreFine) {

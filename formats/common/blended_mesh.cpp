@@ -1,9 +1,10 @@
-#include "usd/blended_mesh.h"
+#include "common/blended_mesh.h"
 
 #include <algorithm>
 
 #include <Eigen/Geometry>
 
+#include "common/boundary.h"
 #include "common/pictures.h"
 
 namespace kinora::formats {
@@ -92,6 +93,27 @@ std::vector<Eigen::Vector3f> BlendedMesh::points(std::size_t pose) const {
     points[v] = sum.head<3>();
   }
   return points;
+}
+
+KinoraMesh BlendedMesh::still(const float* at) const {
+  auto mesh = make_struct<KinoraMesh>();
+  mesh.name = name.c_str();
+  mesh.vertex_count = positions.size();
+  mesh.positions = at;
+  mesh.face_count = faces.size();
+  mesh.faces = faces.front().data();
+  if (!colors.empty()) mesh.colors = colors.front().data();
+  if (!texture.empty()) {
+    mesh.texture_coordinates = texture_coordinates.front().data();
+    mesh.texture = {texture.width(),
+                    texture.height(),
+                    3,
+                    KINORA_PIXEL_U8,
+                    3 * static_cast<std::size_t>(texture.width()),
+                    texture.data(),
+                    {}};
+  }
+  return mesh;
 }
 
 } // namespace kinora::formats

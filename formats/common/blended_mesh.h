@@ -27,6 +27,8 @@ public:
   SE3 transform(std::size_t pose) const;
   /// In the world, of a blended mesh: the sum of KinoraMesh. Else as they are given.
   std::vector<Eigen::Vector3f> points(std::size_t pose) const;
+  /// Without joints and normals at other positions, x y z of each vertex; it points to them and into this.
+  KinoraMesh still(const float* at) const;
 
   std::string name;
   std::vector<Eigen::Vector3f> positions;

@@ -1,0 +1,200 @@
+// What every door out does with clips, names and places that are not as usual, as a user runs it.
+#include <functional>
+
+#include "bake/analytic_field.h"
+#include "cli/run_kinora.h"
+#include "clip/clip_io.h"
+
+namespace kinora::test {
+namespace {
+
+/// A command that writes a clip in one format.
+struct Door {
+  std::vector<std::string> words; ///< before the clip, the output and after them
+  std::string output;
+  std::vector<std::string> options;
+  std::string first; ///< the file that is there afterwards, first if there are several
+  std::string stage; ///< that it tells of when the work begins
+};
+
+const Door kDoors[] = {
+    {{"convert"}, "clip.glb", {"-O", "triangles=2000"}, "clip.glb", "surfaces"},
+    {{"convert"}, "clip.usda", {"-O", "triangles=2000"}, "clip.usda", "surfaces"},
+    {{"convert"}, "clip.ply", {"-O", "triangles=2000"}, "clip_0001.ply", "surfaces"},
+    {{"convert"}, "splats.ply", {"-O", "content=splats", "-O", "triangles=2000"}, "splats_0001.ply", "surfaces"},
+    {{"convert"}, "clip.obj", {"-O", "triangles=2000"}, "clip_0001.obj", "surfaces"},
+    {{"convert"}, "clip.vdb", {"-O", "voxel=0.05", "-O", "content=both"}, "clip_0001.vdb", "volumes"},
+    {{"render"}, "pictures", {"--size", "160x120"}, "pictures/000000.png", "drawing"},
+    {{"render"}, "pictures", {"--size", "160x120", "-O", "format=exr"}, "pictures/000000.exr", "drawing"},
+    {{"render"}, "film.mp4", {"--size", "160x120"}, "film.mp4", "drawing"},
+    {{"render"}, "set", {"--size", "160x120", "-O", "format=data-set"}, "set/transforms.json", "drawing"},
+};
+
+class Exports : public testing::Test {
+protected:
+  Exports() { write(bake::testing::sample_clip(kFrames)); }
+
+  void write(const clip::Clip& clip) const {
+    fs::remove(path("clip.mkv"));
+    clip::write_clip(clip, path("clip.mkv"));
+  }
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  std::vector<std::string> words_of(const Door& door, const std::string& into,
+                                    const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = door.words;
+    words.push_back(path("clip.mkv").string());
+    words.push_back(path(into + door.output).string());
+    words.insert(words.end(), door.options.begin(), door.options.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Said run(const Door& door, const std::string& into, const std::vector<std::string>& more = {}) const {
+    return run_kinora(folder_, words_of(door, into, more));
+  }
+  std::vector<std::string> unfinished() const {
+    std::vector<std::string> names;
+    for (const std::string& name : names_in(folder_.path()))
+      if (name.find(".part") != std::string::npos) names.push_back(name);
+    return names;
+  }
+  /// Each door into a folder of its own.
+  void expect_all_written(const std::string& folder) const {
+    int number = 0;
+    for (const Door& door : kDoors) {
+      const std::string into = folder + std::to_string(++number) + "/";
+      fs::create_directories(path(into));
+      const Said said = run(door, into);
+      EXPECT_EQ(said.code, 0) << door.first << ": " << said.err;
+      EXPECT_TRUE(fs::exists(path(into + door.first))) << into + door.first;
+      EXPECT_GT(fs::file_size(path(into + door.first)), 100U) << into + door.first;
+    }
+    EXPECT_TRUE(unfinished().empty());
+  }
+
+  static constexpr int kFrames = 3;
+  TemporaryFolder folder_;
+};
+
+TEST_F(Exports, ClipsNeedNotHoldEveryKindOfLayer) {
+  const std::pair<const char*, std::function<void(clip::Clip&)>> kinds[] = {
+      {"no object", [](clip::Clip& c) { c.layers.erase(c.layers.begin() + 1); }},
+      {"nothing deforms", [](clip::Clip& c) { c.layers.pop_back(); }},
+      {"a room alone", [](clip::Clip& c) { c.layers.resize(1); }},
+      {"a person alone", [](clip::Clip& c) { c.layers.erase(c.layers.begin(), c.layers.begin() + 2); }}};
+  for (const auto& [name, change] : kinds) {
+    clip::Clip clip = bake::testing::sample_clip(kFrames);
+    change(clip);
+    write(clip);
+    expect_all_written(name);
+  }
+}
+
+TEST_F(Exports, OneFrameIsEnough) {
+  write(bake::testing::sample_clip(1));
+  expect_all_written("one");
+}
+
+TEST_F(Exports, WhereNothingIsThereMeshesAreRefusedAndTheRestIsEmpty) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  for (clip::Layer& layer : clip.layers) layer.field = fields::Field(bake::testing::unit_config());
+  write(clip);
+  for (const Door& door : kDoors) {
+    const Said said = run(door, "");
+    if (door.stage == "surfaces") {
+      expect_error(said, 1, "no layer has a surface");
+      EXPECT_FALSE(fs::exists(path(door.first))) << door.first;
+    } else {
+      EXPECT_EQ(said.code, 0) << door.first << ": " << said.err;
+      EXPECT_TRUE(fs::exists(path(door.first))) << door.first;
+      fs::remove_all(path(door.output));
+    }
+  }
+  EXPECT_TRUE(unfinished().empty());
+}
+
+TEST_F(Exports, NamesMayHaveSpacesQuotesAndLettersOfAllLanguages) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  clip.layers[1].name = "Karton \"groß\"";
+  clip.layers[2].name = "人 Åse";
+  write(clip);
+  expect_all_written("Ordner für 'Bilder' 日本 ");
+}
+
+TEST_F(Exports, PlacesThatCannotBeWrittenAreNamedAndNothingIsLeft) {
+  folder_.write("file", "in the way");
+  const auto before = names_in(folder_.path());
+  for (const Door& door : kDoors) {
+    for (const char* into : {"file/", "absent/deeper/"}) {
+      if (door.words[0] == "render" && std::string(into) != "file/") continue; // makes its folders
+      expect_error(run(door, into), 5, into + door.output.substr(0, door.output.find('.')));
+    }
+  }
+  auto after = names_in(folder_.path());
+  std::erase(after, "stdout.txt");
+  EXPECT_EQ(after, before);
+}
+
+/// The largest file that a program may write stands for a disk that is full.
+TEST_F(Exports, FullDisksAreToldOfAndNothingIsLeft) {
+  for (const Door& door : kDoors) {
+    std::vector<std::string> words = words_of(door, "");
+    words.insert(words.begin(), {"-c", R"(trap "" XFSZ; ulimit -f 1; exec "$0" "$@")", KINORA_PROGRAM});
+    const Said said = Running(folder_.path(), words, {}, "/bin/bash").finish();
+    expect_error(said, 5, "cannot be written");
+    EXPECT_FALSE(fs::exists(path(door.first))) << door.first;
+    fs::remove_all(path("pictures"));
+  }
+  EXPECT_TRUE(unfinished().empty());
+}
+
+TEST_F(Exports, OptionsThatDoNotExistAreToldWithTheNearest) {
+  const std::pair<std::string, std::string> slips[] = {{"clip.glb", "triangels"}, {"clip.usda", "textur"},
+                                                       {"clip.ply", "contents"},  {"clip.obj", "unit"},
+                                                       {"clip.vdb", "voxels"},    {"film.mp4", "fsp"}};
+  for (const auto& [output, slip] : slips) {
+    const std::string command = output == "film.mp4" ? "render" : "convert";
+    const Said said =
+        run_kinora(folder_, {command, path("clip.mkv").string(), path(output).string(), "-O", slip + "=1"});
+    expect_error(said, 2,
+                 "no option \"" + slip + "\"; the nearest is " +
+                     std::map<std::string, std::string>{{"triangels", "triangles"},
+                                                        {"textur", "texture"},
+                                                        {"contents", "content"},
+                                                        {"unit", "units"},
+                                                        {"voxels", "voxel"},
+                                                        {"fsp", "fps"}}[slip]);
+  }
+}
+
+TEST_F(Exports, InterruptionLeavesWholeFilesOrNone) {
+  write(bake::testing::sample_clip(60));
+  for (const Door& door : kDoors) {
+    folder_.write("precious", "mine");
+    Running running(folder_.path(), words_of(door, ""));
+    ASSERT_TRUE(running.wait_for(door.stage)) << door.first;
+    running.interrupt();
+    expect_error(running.finish(), 130, "interrupted");
+    EXPECT_TRUE(unfinished().empty()) << door.first;
+    fs::remove_all(path(door.output));
+    fs::remove(path(door.first));
+  }
+}
+
+TEST_F(Exports, SequencesGoOnWhereTheyWereInterrupted) {
+  for (const Door& door : kDoors) {
+    if (door.first.find("_0001") == std::string::npos) continue;
+    ASSERT_EQ(run(door, "").code, 0);
+    const std::string second = std::string(door.first).replace(door.first.find("_0001"), 5, "_0002");
+    const std::string expected = contents_of(path(second));
+    fs::remove(path(second));
+    folder_.write(door.first, "kept");
+    const Said said = run(door, "", {"--resume"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(contents_of(path(door.first)), "kept");
+    EXPECT_EQ(contents_of(path(second)), expected) << second;
+  }
+  expect_error(run(kDoors[0], "", {"--resume"}), 2, "--resume");
+}
+
+} // namespace
+} // namespace kinora::test
