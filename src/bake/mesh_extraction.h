@@ -18,8 +18,9 @@ struct MeshExtractionOptions {
                         ///< silhouettes are those of pictures; in soft fields where less is, so that nine tenths of all
                         ///< opacity are inside
   double simplification =
-      0;           ///< metres by which the surface may be off, so that it has fewer triangles where it is flat
-  int texture = 0; ///< pixels per side at most of a texture; 0: colours in the vertices instead
+      0; ///< metres by which the surface may be off, so that it has fewer triangles where it is flat
+  double still_simplification = 0;   ///< the same for layers that do not move: mostly floors
+  int texture = 0;                   ///< pixels per side at most of a texture; 0: colours in the vertices instead
   double min_component_share = 0.02; ///< parts with less than this share of the largest one's faces are left out
 };
 
