@@ -105,22 +105,25 @@ std::string blender() {
          "' --";
 }
 
-TEST_F(Interop, BlenderDrawsTheAnimatedMeshAsKinoraDoes) {
+TEST_F(Interop, BlenderDrawsAnimatedMeshesAsKinoraDoes) {
   if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
   draw_reference();
-  kinora({"convert", clip(), path("clip.glb").string(), "-O", "layers=person,object"});
-  run_script(blender(), {{"camera", camera()},
-                         {"fps", kFramesPerSecond},
-                         {"frames", kFrames},
-                         {"samples", 16},
-                         {"views", {{{"file", path("clip.glb").string()}, {"out", path("glb").string()}}}}});
-  expect_same("glb", kFrames.size(), 22);
+  Json views = Json::array();
+  for (const char* animation : {"skin", "morph", "sequence"}) {
+    const std::string file = path(std::string(animation) + ".glb").string();
+    kinora({"convert", clip(), file, "-O", "layers=person,object", "-O", std::string("animation=") + animation});
+    views.push_back({{"file", file}, {"out", path(animation).string()}});
+  }
+  run_script(blender(),
+             {{"camera", camera()}, {"fps", kFramesPerSecond}, {"frames", kFrames}, {"samples", 16}, {"views", views}});
+  for (const char* animation : {"skin", "morph", "sequence"}) expect_same(animation, kFrames.size(), 22);
 }
 
 TEST_F(Interop, BlenderDrawsTheVolumesAsKinoraDoes) {
   if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
   draw_reference();
-  kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object"});
+  kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object", "-O", "vdb-names=blender", "-O",
+          "up=z"});
   Json files = Json::array();
   for (const int frame : kFrames) files.push_back(path("clip_000" + std::to_string(frame + 1) + ".vdb").string());
   run_script(blender(), {{"camera", camera()},
