@@ -55,7 +55,8 @@ GlbWriter::GlbWriter(std::filesystem::path path, const GlbSettings& settings)
     : path_(std::move(path)), settings_(settings),
       buffer_(settings.compression == Compression::kMeshopt ? GlbPacking::kMeshopt : GlbPacking::kPlain) {
   if (settings.bending == Bending::kMorph && settings.compression == Compression::kDraco)
-    refuse("Draco packs no morph targets; take -O compression=meshopt, or -O animation=sequence");
+    throw Error(ErrorCode::kUsage,
+                "Draco packs no morph targets; take -O compression=meshopt, or -O animation=sequence");
   write_file(path_, {});
 }
 

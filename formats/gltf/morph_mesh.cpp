@@ -10,9 +10,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A cube that holds the mean, and whose side is no less than the way of any point in any shape.
+/// A cube that holds the base, and whose side is no less than the way of any point in any shape.
 GlbBox box_of(const PrincipalShapes& shapes) {
-  GlbBox box = cube_around(shapes.mean);
+  GlbBox box = cube_around(shapes.base);
   for (const std::vector<float>& shape : shapes.shapes) {
     for (const float way : shape) box.scale = std::max(box.scale, std::abs(way));
   }
@@ -35,7 +35,7 @@ int add_morph_mesh(GlbBuffer& buffer, GlbScene& scene, const BlendedMesh& mesh, 
                    const MorphSettings& settings) {
   const PrincipalShapes shapes = principal_shapes(mesh, settings.max_shapes);
   const GlbBox box = settings.quantize ? box_of(shapes) : GlbBox{};
-  const MeshAttributes attributes(mesh.still(shapes.mean.data()),
+  const MeshAttributes attributes(mesh.still(shapes.base.data()),
                                   settings.quantize ? VertexOrder::kDrawing : VertexOrder::kGiven);
   Json primitive = plain_primitive(buffer, attributes, settings.quantize, box);
   primitive["material"] = material;

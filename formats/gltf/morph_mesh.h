@@ -13,7 +13,7 @@ struct MorphSettings {
   Interpolation interpolation = Interpolation::kLinear;
 };
 
-/// Appends the mean of all poses and the shapes that are added to it (principal_shapes.h), and a node with them, whose
+/// Appends a base shape and those that are added to it (principal_shapes.h), and a node with them, whose
 /// number it returns. The mesh has poses.
 int add_morph_mesh(GlbBuffer& buffer, GlbScene& scene, const BlendedMesh& mesh, int material,
                    const MorphSettings& settings);

@@ -45,27 +45,29 @@ Eigen::MatrixXd principal_directions(const Eigen::MatrixXd& offsets, std::size_t
 
 PrincipalShapes principal_shapes(const BlendedMesh& mesh, std::size_t most) {
   Eigen::MatrixXd offsets = spread_poses(mesh);
-  const Eigen::VectorXd mean = offsets.rowwise().mean();
-  offsets.colwise() -= mean;
+  Eigen::VectorXd base = offsets.rowwise().mean();
+  offsets.colwise() -= base;
   Eigen::MatrixXd directions = principal_directions(offsets, most);
   const auto poses = static_cast<Eigen::Index>(mesh.times().size());
   Eigen::MatrixXd weights(directions.cols(), poses);
   double squares = 0;
   for (Eigen::Index i = 0; i < poses; ++i) {
-    const Eigen::VectorXd offset = coordinates(mesh, static_cast<std::size_t>(i)) - mean;
+    const Eigen::VectorXd offset = coordinates(mesh, static_cast<std::size_t>(i)) - base;
     weights.col(i) = directions.transpose() * offset;
     squares += (offset - directions * weights.col(i)).squaredNorm();
   }
   PrincipalShapes made;
   made.error = std::sqrt(squares / static_cast<double>(mesh.positions.size()) / static_cast<double>(poses));
-  const Eigen::VectorXf mean_floats = mean.cast<float>();
-  made.mean.assign(mean_floats.begin(), mean_floats.end());
   for (Eigen::Index k = 0; k < directions.cols(); ++k) {
-    const double largest = weights.row(k).cwiseAbs().maxCoeff();
-    weights.row(k) /= largest;
-    const Eigen::VectorXf shape = (largest * directions.col(k)).cast<float>();
+    const double least = weights.row(k).minCoeff();
+    const double range = weights.row(k).maxCoeff() - least;
+    weights.row(k) = (weights.row(k).array() - least) / range;
+    base += least * directions.col(k);
+    const Eigen::VectorXf shape = (range * directions.col(k)).cast<float>();
     made.shapes.emplace_back(shape.begin(), shape.end());
   }
+  const Eigen::VectorXf floats = base.cast<float>();
+  made.base.assign(floats.begin(), floats.end());
   for (Eigen::Index i = 0; i < poses; ++i)
     for (Eigen::Index k = 0; k < weights.rows(); ++k) made.weights.push_back(static_cast<float>(weights(k, i)));
   return made;

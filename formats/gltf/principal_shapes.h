@@ -1,4 +1,4 @@
-// How points move, as a mean shape and a few shapes that are added to it with weights.
+// How points move, as a shape and a few others that are added to it with weights.
 // Source: Alexa, Müller, "Representing Animations by Principal Components", Computer Graphics Forum 19(3), 2000.
 #pragma once
 
@@ -12,9 +12,9 @@ namespace kinora::formats {
 inline constexpr std::size_t kMaxShapes = 64;
 
 struct PrincipalShapes {
-  std::vector<float> mean;                ///< x y z of each point, metres
-  std::vector<std::vector<float>> shapes; ///< x y z of each point: how far from the mean it is at weight 1
-  std::vector<float> weights;             ///< of all shapes for each pose, from −1 to 1
+  std::vector<float> base;                ///< x y z of each point, metres
+  std::vector<std::vector<float>> shapes; ///< x y z of each point: how far from the base it is at weight 1
+  std::vector<float> weights;             ///< of all shapes for each pose, from 0 to 1: tools cut off the rest
   double error = 0;                       ///< root mean square distance from where the points are, metres
 };
 

@@ -20,7 +20,7 @@ void check(const MeshExtractionOptions& options) {
   if (options.triangles < 1 || options.resolution < 0 || options.resolution > fields::FieldLimits::kMaxResolution ||
       !(options.opacity > 0 && options.opacity < 1) ||
       !(options.min_component_share >= 0 && options.min_component_share <= 1) || !(options.simplification >= 0) ||
-      options.texture < 0 || options.texture > kMaxTexture) {
+      !(options.still_simplification >= 0) || options.texture < 0 || options.texture > kMaxTexture) {
     throw Error(ErrorCode::kUsage, "a surface needs at least 1 triangle, a resolution up to 8192, an opacity "
                                    "between 0 and 1, and a texture of at most 8192 pixels per side");
   }
@@ -105,6 +105,11 @@ void keep_moved(const motion::Motion& motion, Triangles& triangles) {
   keep_vertices(triangles, moved);
 }
 
+/// Metres by which the surface may be off.
+double error_of(const clip::Layer& layer, const MeshExtractionOptions& options) {
+  return layer.motion.kind() == motion::MotionKind::kStill ? options.still_simplification : options.simplification;
+}
+
 /// The vertices of the mesh as the atlas has them, and the picture.
 void add_texture(const clip::Layer& layer, const FieldSampler& sampler, const MeshExtractionOptions& options,
                  const Triangles& triangles, std::span<const Eigen::Vector3d> normals, const Progress& progress,
@@ -120,7 +125,7 @@ void add_texture(const clip::Layer& layer, const FieldSampler& sampler, const Me
   }
   mesh.faces = atlas.faces;
   mesh.texture =
-      bake_texture(atlas, triangles, normals, sampler, layer.motion, options.simplification + 2 * cell, progress);
+      bake_texture(atlas, triangles, normals, sampler, layer.motion, error_of(layer, options) + 2 * cell, progress);
 }
 
 void add_vertex_colors(const clip::Layer& layer, const FieldSampler& sampler, Triangles& triangles,
@@ -143,7 +148,8 @@ std::optional<host::Mesh> extract_mesh(const clip::Layer& layer, const MeshExtra
   const FieldSampler sampler(layer.field);
   Triangles triangles = triangulate(sampler, options, progress);
   keep_moved(layer.motion, triangles);
-  if (options.simplification > 0) simplify(triangles, options.simplification, 4);
+  const double error = error_of(layer, options);
+  if (error > 0) simplify(triangles, error, 4);
   if (triangles.faces.empty()) return std::nullopt;
   const std::vector<Eigen::Vector3d> normals = vertex_normals(triangles);
   host::Mesh mesh;

@@ -13,11 +13,14 @@ namespace kinora::bake {
 struct MeshExtractionOptions {
   std::size_t triangles = 200'000; ///< so many per layer and a tenth at most; fewer if the field has no more detail
   int resolution = 0;              ///< cells per side of the layer's box; 0: as `triangles` asks
-  double opacity = 0.5; ///< the surface is where a way of one cell of the field's finest level is this opaque; in soft
-                        ///< fields where less is, so that nine tenths of all opacity are inside
+  double opacity = 0.2; ///< the surface is where a way of one cell of the field's finest level is this opaque: a ray
+                        ///< that grazes it passes some three cells, of which half of the light is then stopped, so that
+                        ///< silhouettes are those of pictures; in soft fields where less is, so that nine tenths of all
+                        ///< opacity are inside
   double simplification =
-      0;           ///< metres by which the surface may be off, so that it has fewer triangles where it is flat
-  int texture = 0; ///< pixels per side at most of a texture; 0: colours in the vertices instead
+      0; ///< metres by which the surface may be off, so that it has fewer triangles where it is flat
+  double still_simplification = 0;   ///< the same for layers that do not move: mostly floors
+  int texture = 0;                   ///< pixels per side at most of a texture; 0: colours in the vertices instead
   double min_component_share = 0.02; ///< parts with less than this share of the largest one's faces are left out
 };
 

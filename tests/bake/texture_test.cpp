@@ -15,6 +15,7 @@ MeshExtractionOptions textured(int side = 512) {
   MeshExtractionOptions options;
   options.texture = side;
   options.simplification = 0.003;
+  options.still_simplification = 0.003;
   return options;
 }
 

@@ -337,6 +337,8 @@ TEST_F(GlbWriterTest, MorphTargetsMixToTheShapeOfEachFrame) {
         glb.json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()]["output"].get<int>(), 1);
   }
   ASSERT_EQ(weights.size(), 3 * count);
+  EXPECT_EQ(*std::min_element(weights.begin(), weights.end()), 0);
+  EXPECT_EQ(*std::max_element(weights.begin(), weights.end()), 1);
   for (std::size_t k = 0; k < count; ++k) {
     const auto shape = glb.values<float>(primitive["targets"][k]["POSITION"].get<int>(), 3);
     for (std::size_t i = 0; i < points.size(); ++i) points[i] += weights[2 * count + k] * shape[i];

@@ -105,22 +105,25 @@ std::string blender() {
          "' --";
 }
 
-TEST_F(Interop, BlenderDrawsTheAnimatedMeshAsKinoraDoes) {
+TEST_F(Interop, BlenderDrawsAnimatedMeshesAsKinoraDoes) {
   if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
   draw_reference();
-  kinora({"convert", clip(), path("clip.glb").string(), "-O", "layers=person,object"});
-  run_script(blender(), {{"camera", camera()},
-                         {"fps", kFramesPerSecond},
-                         {"frames", kFrames},
-                         {"samples", 16},
-                         {"views", {{{"file", path("clip.glb").string()}, {"out", path("glb").string()}}}}});
-  expect_same("glb", kFrames.size(), 22);
+  Json views = Json::array();
+  for (const char* animation : {"skin", "morph", "sequence"}) {
+    const std::string file = path(std::string(animation) + ".glb").string();
+    kinora({"convert", clip(), file, "-O", "layers=person,object", "-O", std::string("animation=") + animation});
+    views.push_back({{"file", file}, {"out", path(animation).string()}});
+  }
+  run_script(blender(),
+             {{"camera", camera()}, {"fps", kFramesPerSecond}, {"frames", kFrames}, {"samples", 16}, {"views", views}});
+  for (const char* animation : {"skin", "morph", "sequence"}) expect_same(animation, kFrames.size(), 22);
 }
 
 TEST_F(Interop, BlenderDrawsTheVolumesAsKinoraDoes) {
   if (!has_blender()) GTEST_SKIP() << "blender or python3-numpy is not installed";
   draw_reference();
-  kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object"});
+  kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object", "-O", "vdb-names=blender", "-O",
+          "up=z"});
   Json files = Json::array();
   for (const int frame : kFrames) files.push_back(path("clip_000" + std::to_string(frame + 1) + ".vdb").string());
   run_script(blender(), {{"camera", camera()},
@@ -164,6 +167,37 @@ TEST_F(Interop, ThreeDrawsUsdFilesAsKinoraDoes) {
     fs::rename(path(out + "_0.png"), path("usd_" + std::to_string(i) + ".png"));
   }
   expect_same("usd", kFrames.size(), 22);
+}
+
+TEST_F(Interop, ASplatViewerDrawsSplatsAsKinoraDoes) {
+  if (!has_three() || !fs::exists(script("node_modules/@mkkellogg/gaussian-splats-3d")))
+    GTEST_SKIP() << "chromium, node or the splat viewer is not installed; run tests/interop/install";
+  draw_reference();
+  kinora({"convert", clip(), path("splats.ply").string(), "-O", "layers=person,object", "-O", "content=splats"});
+  for (std::size_t i = 0; i < kFrames.size(); ++i) {
+    const Json view = {{"file", "splats_000" + std::to_string(kFrames[i] + 1) + ".ply"}, {"out", "drawn"}};
+    run_script(three(), {{"camera", camera()}, {"times", {0}}, {"views", {view}}});
+    fs::rename(path("drawn_0.png"), path("splats_" + std::to_string(i) + ".png"));
+  }
+  expect_same("splats", kFrames.size(), 22);
+}
+
+/// Each `compression` of each way to bend.
+TEST_F(Interop, ThreeDrawsMorphTargetsAndSequencesAsKinoraDoes) {
+  if (!has_three()) GTEST_SKIP() << "chromium, node or three.js is not installed; run tests/interop/install";
+  draw_reference();
+  const std::pair<const char*, const char*> kinds[] = {
+      {"morph", "none"}, {"morph", "meshopt"}, {"sequence", "none"}, {"sequence", "meshopt"}, {"sequence", "draco"}};
+  Json views = Json::array();
+  std::vector<std::string> names;
+  for (const auto& [animation, compression] : kinds) {
+    names.push_back(std::string(animation) + "-" + compression);
+    kinora({"convert", clip(), path(names.back() + ".glb").string(), "-O", "layers=person,object", "-O",
+            std::string("compression=") + compression, "-O", std::string("animation=") + animation});
+    views.push_back({{"file", names.back() + ".glb"}, {"out", names.back()}});
+  }
+  run_script(three(), {{"camera", camera()}, {"times", times()}, {"views", views}});
+  for (const std::string& name : names) expect_same(name, kFrames.size(), 22);
 }
 
 } // namespace

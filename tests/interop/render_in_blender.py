@@ -3,7 +3,7 @@
 usage: blender -b --factory-startup --python-exit-code 1 --python render_in_blender.py -- JOB.json
 
 JOB: {"camera": {w, h, fx, fy, cx, cy}, "fps", "frames": [number], "samples": number,
-      "views": [{"file": a .glb or "files": the .vdb of each of the frames, "out": prefix}]}; paths are absolute.
+      "views": [{"file": a .glb or "files": the .vdb of each of the frames, z up, "out": prefix}]}; paths are absolute.
 Writes <out>_<number in the list>.png. Colours as stored: view transform Standard, transparent where nothing is.
 """
 import json
@@ -52,7 +52,7 @@ def set_up(scene, job):
 
 
 def volume_material():
-    """The one that docs/exporting.md describes: the volume shines by itself."""
+    """The one that docs/exporting/blender.md describes: the volume shines by itself."""
     material = bpy.data.materials.new("volume")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -62,10 +62,10 @@ def volume_material():
     emission = nodes.new("ShaderNodeEmission")
     absorption = nodes.new("ShaderNodeVolumeAbsorption")
     absorption.inputs["Color"].default_value = (0, 0, 0, 1)
-    for name in ("density", "Cd"):
+    for name in ("density", "color"):
         attribute = nodes.new("ShaderNodeAttribute")
         attribute.attribute_name = name
-        if name == "Cd":
+        if name == "color":
             links.new(attribute.outputs["Color"], emission.inputs["Color"])
         else:
             links.new(attribute.outputs["Fac"], emission.inputs["Strength"])
@@ -97,7 +97,6 @@ def draw_volumes(job, view):
         bpy.ops.object.volume_import(filepath=file, files=[{"name": os.path.basename(file)}],
                                      directory=os.path.dirname(file))
         volume = bpy.context.object
-        volume.rotation_euler = (math.pi / 2, 0, 0)
         volume.data.materials.append(volume_material())
         render(scene, f"{view['out']}_{i}.png")
 

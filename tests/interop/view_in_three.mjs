@@ -1,7 +1,8 @@
-// Draws files with three.js in a headless Chromium.
+// Draws files with three.js, and splats with a viewer on top of it, in a headless Chromium.
 // usage: node view_in_three.mjs JOB.json    JOB: {"camera": {w, h, fx, fy, cx, cy}, "times": [seconds],
-// "views": [{"file": a .glb or .usda, "out": prefix}]}; paths are relative to the job's folder. Writes
-// <out>_<number of the time>.png. Prints what the page complains of; exits 1 if it fails.
+// "views": [{"file": a .glb or .usda, or all of them a .ply of splats, "out": prefix, "pose": of a camera that stands
+// elsewhere, as in transforms.json}]}; paths are relative to the job's folder. Writes <out>_<number of the time>.png.
+// Prints what the page complains of; exits 1 if it fails.
 import { spawn } from 'node:child_process';
 import { createReadStream, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -9,16 +10,17 @@ import { tmpdir } from 'node:os';
 import { dirname, extname, join, normalize, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const SECONDS = 120;
+const SECONDS = 240;
 const here = dirname(fileURLToPath(import.meta.url));
 const jobPath = resolve(process.argv[2]);
 const jobFolder = dirname(jobPath);
 const types = { '.js': 'text/javascript', '.html': 'text/html', '.json': 'application/json', '.wasm': 'application/wasm' };
 
-// /three/… is the package, /job/… the job's folder, /view.html the page.
+// /three/… and /splats/… are the packages, /job/… the job's folder, /view.html the page.
 function fileOf(path) {
   const inside = normalize(decodeURIComponent(path));
   if (inside.startsWith('/three/')) return join(here, 'node_modules/three', inside.slice(7));
+  if (inside.startsWith('/splats/')) return join(here, 'node_modules/@mkkellogg/gaussian-splats-3d/build', inside.slice(8));
   if (inside.startsWith('/job/')) return join(jobFolder, inside.slice(5));
   return inside === '/view.html' ? join(here, 'view_in_three.html') : inside === '/job.json' ? jobPath : null;
 }
