@@ -16,8 +16,8 @@ inline constexpr KinoraOption kMp4Options[] = {
 constexpr KinoraFormat mp4_description() {
   auto format = make_struct<KinoraFormat>();
   format.name = "mp4";
-  format.description = "MP4 film: H.264, or MPEG-4 part 2 where no H.264 encoder is installed";
-  format.extensions = ".mp4";
+  format.description = "film: MP4 with H.264, or MPEG-4 part 2 where no H.264 encoder is installed; WebM with VP9";
+  format.extensions = ".mp4 .webm";
   format.capabilities = KINORA_WRITES_PICTURES | KINORA_WRITES_FILM;
   format.options = kMp4Options;
   format.option_count = std::size(kMp4Options);

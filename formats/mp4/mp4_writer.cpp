@@ -1,5 +1,6 @@
 #include "mp4/mp4_writer.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/error.h"
@@ -15,7 +16,10 @@ namespace kinora::formats {
 namespace {
 
 constexpr AVRational kTimeBase = {1, 60000}; ///< whole ticks for 24, 25, 30, 50, 60 and 29.97 frames per second
-constexpr int kMpeg4Quality = 3;             ///< quantiser of the encoder that has no constant quality
+constexpr int kLastQuality = 51;             ///< the worst, of H.264 and of the option
+constexpr int kLastVp9Quality = 63;
+constexpr int kVp9Speed = 4;     ///< of 0 (slow) to 8
+constexpr int kMpeg4Quality = 3; ///< quantiser of the encoder that has no constant quality
 
 template <class T, void (*release)(T**)> struct Release {
   void operator()(T* handle) const { release(&handle); }
@@ -40,7 +44,23 @@ std::string text_of(int error) {
   return text;
 }
 
-const AVCodec& find_encoder() {
+/// "a.webm", also with ".part" or ".2.part" behind it, as files are called that are not whole yet.
+bool is_webm(std::filesystem::path path) {
+  const auto is_number = [](const std::string& text) {
+    return text.size() > 1 && std::all_of(text.begin() + 1, text.end(), [](char c) { return c >= '0' && c <= '9'; });
+  };
+  while (path.extension() == ".part" || is_number(path.extension().string())) path.replace_extension();
+  return path.extension() == ".webm";
+}
+
+const AVCodec& find_encoder(bool webm) {
+  if (webm) {
+    const AVCodec* codec = avcodec_find_encoder_by_name("libvpx-vp9");
+    if (codec == nullptr)
+      throw Error(ErrorCode::kMissingComponent, "libavcodec has no encoder for WebM films; install one with libvpx, or "
+                                                "write an MP4 film");
+    return *codec;
+  }
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
   if (codec == nullptr) codec = avcodec_find_encoder(AV_CODEC_ID_MPEG4);
   if (codec == nullptr)
@@ -54,13 +74,13 @@ const AVCodec& find_encoder() {
 class Mp4Writer::Film {
 public:
   Film(const std::filesystem::path& path, const Mp4Settings& settings)
-      : path_(path.string()), settings_(settings), packet_(av_packet_alloc()) {
+      : path_(path.string()), webm_(is_webm(path)), settings_(settings), packet_(av_packet_alloc()) {
     if (!(settings.frames_per_second > 0 && settings.frames_per_second <= 1000) || settings.crf < 0 ||
-        settings.crf > 51)
-      throw Error(ErrorCode::kUsage, "an MP4 film needs fps above 0 and up to 1000, and crf from 0 to 51");
+        settings.crf > kLastQuality)
+      throw Error(ErrorCode::kUsage, "a film needs fps above 0 and up to 1000, and crf from 0 to 51");
     av_log_set_level(AV_LOG_QUIET); // a library does not print; failures come back as return values
     AVFormatContext* output = nullptr;
-    check(avformat_alloc_output_context2(&output, nullptr, "mp4", path_.c_str()));
+    check(avformat_alloc_output_context2(&output, nullptr, webm_ ? "webm" : "mp4", path_.c_str()));
     output_.reset(output);
     check(avio_open(&output_->pb, path_.c_str(), AVIO_FLAG_WRITE));
     output_->flags |= AVFMT_FLAG_BITEXACT;
@@ -100,7 +120,7 @@ private:
     width_ = color.width;
     height_ = color.height;
     start_time_ = time;
-    const AVCodec& encoder = find_encoder();
+    const AVCodec& encoder = find_encoder(webm_);
     CodecContext codec(avcodec_alloc_context3(&encoder));
     codec->width = width_ + width_ % 2;
     codec->height = height_ + height_ % 2;
@@ -117,7 +137,12 @@ private:
       codec->flags |= AV_CODEC_FLAG_QSCALE;
       codec->global_quality = FF_QP2LAMBDA * kMpeg4Quality;
     } else {
-      check(av_opt_set_int(codec->priv_data, "crf", settings_.crf, 0));
+      check(av_opt_set_int(codec->priv_data, "crf",
+                           webm_ ? settings_.crf * kLastVp9Quality / kLastQuality : settings_.crf, 0));
+    }
+    if (webm_) {
+      codec->bit_rate = 0; // constant quality
+      check(av_opt_set_int(codec->priv_data, "cpu-used", kVp9Speed, 0));
     }
     check(avcodec_open2(codec.get(), &encoder, nullptr));
     stream_ = avformat_new_stream(output_.get(), nullptr);
@@ -179,6 +204,7 @@ private:
   }
 
   std::string path_;
+  bool webm_;
   Mp4Settings settings_;
   std::unique_ptr<AVFormatContext, ReleaseOutput> output_;
   CodecContext codec_;

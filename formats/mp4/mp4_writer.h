@@ -13,8 +13,9 @@ struct Mp4Settings {
   int crf = 18;                  ///< 0 (largest file) – 51 (smallest)
 };
 
-/// YUV 4:2:0, BT.709, one thread, nothing of date or machine: the same pictures give the same bytes. An odd size is
-/// made even by repeating the last row or column. The film starts with the first picture, whatever its time.
+/// MP4, or WebM where the file is called NAME.webm (also with .part behind it). YUV 4:2:0, BT.709, one thread, nothing
+/// of date or machine: the same pictures give the same bytes. An odd size is made even by repeating the last row or
+/// column. The film starts with the first picture, whatever its time.
 class Mp4Writer {
 public:
   /// Throws Error: kUsage for settings out of range, kMissingComponent without an encoder, kUnwritableOutput.

@@ -206,10 +206,10 @@ void add_render(CLI::App& app, Context& context) {
                                           [options, &context] { run(*options, context); });
   command.add_option("CLIP", options->clip, "The clip to draw")->required()->type_name("FILE");
   command
-      .add_option(
-          "OUT", options->out,
-          "A .mp4 film, a .png or .exr of the first view, or a folder for one .png per view; -O format=exr: one "
-          ".exr; -O format=data-set: a data set for other programs to train on")
+      .add_option("OUT", options->out,
+                  "A .mp4 or .webm film, a .png or .exr of the first view, or a folder for one .png per view; -O "
+                  "format=exr: one "
+                  ".exr; -O format=data-set: a data set for other programs to train on")
       ->required()
       ->type_name("PATH");
   add_view_options(command, *options);

@@ -27,6 +27,7 @@ const Door kDoors[] = {
     {{"render"}, "pictures", {"--size", "160x120"}, "pictures/000000.png", "drawing"},
     {{"render"}, "pictures", {"--size", "160x120", "-O", "format=exr"}, "pictures/000000.exr", "drawing"},
     {{"render"}, "film.mp4", {"--size", "160x120"}, "film.mp4", "drawing"},
+    {{"render"}, "film.webm", {"--size", "160x120"}, "film.webm", "drawing"},
     {{"render"}, "set", {"--size", "160x120", "-O", "format=data-set"}, "set/transforms.json", "drawing"},
 };
 

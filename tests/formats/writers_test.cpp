@@ -122,7 +122,7 @@ TEST_F(PngWriterTest, UnwritablePlacesAreErrorsThatNameThem) {
 }
 
 TEST_F(Mp4WriterTest, SamePicturesGiveTheSameBytes) {
-  for (const char* name : {"a.mp4", "b.mp4"}) {
+  for (const char* name : {"a.mp4", "b.mp4", "a.webm", "b.webm.2.part"}) {
     PictureWriter writer = open("mp4", name);
     for (int i = 0; i < 5; ++i) writer.write(picture(i));
     writer.finish();
@@ -131,20 +131,27 @@ TEST_F(Mp4WriterTest, SamePicturesGiveTheSameBytes) {
   ASSERT_GT(film.size(), 1000U);
   EXPECT_EQ(film, read_bytes(folder_.path() / "b.mp4"));
   EXPECT_EQ(static_cast<char>(film[4]), 'f'); // "ftyp" is the first box of every MP4
+  const Bytes web = read_bytes(folder_.path() / "a.webm");
+  ASSERT_GT(web.size(), 500U);
+  EXPECT_EQ(web, read_bytes(folder_.path() / "b.webm.2.part"));
+  EXPECT_EQ(static_cast<std::uint8_t>(web[0]), 0x1A); // the first byte of every Matroska file
 }
 
 TEST_F(Mp4WriterTest, FfprobeCountsThePictures) {
   if (std::system("ffprobe -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffprobe is not installed";
-  PictureWriter writer = open("mp4", "a.mp4");
-  for (int i = 0; i < 5; ++i) writer.write(picture(i));
-  writer.finish();
-  const fs::path said = folder_.path() / "said.txt";
-  const std::string command =
-      "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv '" +
-      (folder_.path() / "a.mp4").string() + "' > '" + said.string() + "' 2>&1";
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  const Bytes bytes = read_bytes(said);
-  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), "stream,20,14,5\n");
+  for (const auto& [name, codec] : {std::pair("a.mp4", "h264"), std::pair("a.webm", "vp9")}) {
+    PictureWriter writer = open("mp4", name);
+    for (int i = 0; i < 5; ++i) writer.write(picture(i));
+    writer.finish();
+    const fs::path said = folder_.path() / "said.txt";
+    const std::string command =
+        "ffprobe -v error -count_frames -show_entries stream=codec_name,width,height,nb_read_frames -of csv '" +
+        (folder_.path() / name).string() + "' > '" + said.string() + "' 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const Bytes bytes = read_bytes(said);
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+              std::string("stream,") + codec + ",20,14,5\n");
+  }
 }
 
 TEST_F(Mp4WriterTest, OddSizesAndSingleFramesAreFine) {
