@@ -4,6 +4,7 @@
 #include "azure_kinect/format.h"
 #include "data_set/format.h"
 #include "exr/format.h"
+#include "freenect/format.h"
 #include "gltf/format.h"
 #include "gltf_scene/format.h"
 #include "kinora/plugin.h"
@@ -24,11 +25,11 @@
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat,          &kNumberedFormat, &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
-      &kRecordingFormat,    &kClipFormat,     &kStrayFormat,       &kVideoPairFormat, &kAzureKinectFormat,
-      &kRecord3dFormat,     &kRosBagFormat,   &kMcapFormat,        &kPngFormat,       &exr_sequence_format(),
-      &gltf_scene_format(), &exr_format(),    &mp4_format(),       &kGltfFormat,      &kUsdFormat,
-      &kPlyFormat,          &kObjFormat,      &openvdb_format(),   &kDataSetFormat};
+      &kTumFormat,          &kNumberedFormat,   &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
+      &kRecordingFormat,    &kClipFormat,       &kStrayFormat,       &kVideoPairFormat, &kAzureKinectFormat,
+      &kRecord3dFormat,     &kRosBagFormat,     &kMcapFormat,        &kPngFormat,       &exr_sequence_format(),
+      &gltf_scene_format(), &freenect_format(), &exr_format(),       &mp4_format(),     &kGltfFormat,
+      &kUsdFormat,          &kPlyFormat,        &kObjFormat,         &openvdb_format(), &kDataSetFormat};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

@@ -16,11 +16,12 @@ template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* 
   }
 }
 
-/// Reader has fill_info(KinoraCaptureInfo&) const, next(KinoraFrame&) and seek(std::int64_t). An Error(kCorruptInput)
+/// Reader has fill_info(KinoraCaptureInfo&) const, next(KinoraFrame&) and, unless it only goes
+/// forwards, seek(std::int64_t). An Error(kCorruptInput)
 /// from next() is of that frame alone.
 template <class Reader, std::unique_ptr<Reader> (*open)(const char* path, const OptionMap& options)>
 constexpr void set_reader(KinoraFormat& format) {
-  format.capabilities |= KINORA_READS_FRAMES | KINORA_SEEKS;
+  format.capabilities |= KINORA_READS_FRAMES;
   format.open_reader = [](const char* path, const KinoraOptionValue* options, size_t option_count,
                           KinoraReader** reader, KinoraMessage* message) {
     return guarded(message, [&] {
@@ -39,12 +40,15 @@ constexpr void set_reader(KinoraFormat& format) {
         guarded(message, [&]() -> KinoraStatus { return reinterpret_cast<Reader*>(reader)->next(*frame); });
     return status == KINORA_CORRUPT ? KinoraStatus{KINORA_BAD_FRAME} : status;
   };
-  format.reader_seek = [](KinoraReader* reader, int64_t index, KinoraMessage* message) {
-    return guarded(message, [&] {
-      reinterpret_cast<Reader*>(reader)->seek(index);
-      return KinoraStatus{KINORA_OK};
-    });
-  };
+  if constexpr (requires(Reader & reader) { reader.seek(0); }) {
+    format.capabilities |= KINORA_SEEKS;
+    format.reader_seek = [](KinoraReader* reader, int64_t index, KinoraMessage* message) {
+      return guarded(message, [&] {
+        reinterpret_cast<Reader*>(reader)->seek(index);
+        return KinoraStatus{KINORA_OK};
+      });
+    };
+  }
   format.reader_close = [](KinoraReader* reader) { delete reinterpret_cast<Reader*>(reader); };
 }
 

@@ -217,6 +217,7 @@ enum { /* KinoraFormat.capabilities */
        KINORA_READS_MASKS = 1u << 3,
        KINORA_READS_CONFIDENCE = 1u << 4, /* of depth */
        KINORA_READS_INFRARED = 1u << 5,
+       KINORA_READS_DEVICE = 1u << 6,  /* a live camera, of which the path is "NAME:DEVICE" with the format's name */
        KINORA_WRITES_FRAMES = 1u << 8, /* captures: frames with colour, depth and calibration */
        KINORA_WRITES_TIMES = 1u << 9,  /* of frames; else they follow one another at the nominal rate */
        KINORA_WRITES_POSES = 1u << 10,

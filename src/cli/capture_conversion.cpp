@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "cli/clip_input.h"
+#include "cli/capture_input.h"
 #include "cli/output_file.h"
 #include "cli/text.h"
 #include "core/error.h"
@@ -168,7 +168,7 @@ Outcome convert(host::FrameReader& reader, const host::Options& options, const C
 } // namespace
 
 void convert_capture(const CaptureConversion& conversion, Context& context) {
-  require_input(conversion.input);
+  require_capture(conversion.input, context);
   const KinoraFormat& source = conversion.source_format.empty() ? context.plugins().recognise(conversion.input)
                                                                 : context.plugins().find(conversion.source_format);
   host::Options options = conversion.options;

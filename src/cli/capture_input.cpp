@@ -1,5 +1,7 @@
 #include "cli/capture_input.h"
 
+#include "cli/clip_input.h"
+
 namespace kinora::cli {
 
 void add_reading_options(CLI::App& command, CaptureReading& reading) {
@@ -8,6 +10,10 @@ void add_reading_options(CLI::App& command, CaptureReading& reading) {
   command.add_option("-O", reading.options, "An option of the format that reads (see kinora formats); may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+}
+
+void require_capture(const std::filesystem::path& capture, Context& context) {
+  if (!context.plugins().is_device(capture)) require_input(capture);
 }
 
 host::FrameReader open_frames(const std::filesystem::path& capture, const CaptureReading& reading, Context& context) {

@@ -18,6 +18,9 @@ struct CaptureReading {
 /// --format and -O, for commands that read captures.
 void add_reading_options(CLI::App& command, CaptureReading& reading);
 
+/// Throws Error(kUsage) if there is nothing at `capture` and it is no live camera.
+void require_capture(const std::filesystem::path& capture, Context& context);
+
 /// Opens the capture frame by frame. Throws what the format reports, and Error(kUsage) for an option that it has not.
 host::FrameReader open_frames(const std::filesystem::path& capture, const CaptureReading& reading, Context& context);
 

@@ -217,7 +217,7 @@ std::string summary(const Json& report) {
 
 void run(const Options& options, Context& context) {
   encode::EncodeOptions how = encode_options(options);
-  require_input(options.capture);
+  require_capture(options.capture, context);
   if (!options.segmenter.empty()) require_input(options.segmenter);
   if (!options.detector.empty()) require_input(options.detector);
   if (!options.body.empty()) {

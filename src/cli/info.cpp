@@ -173,7 +173,7 @@ std::string capture_text(const Json& info) {
 
 // A clip is told by its content, unless a format is asked for; anything else may be a capture.
 Json info_of(const fs::path& path, const CaptureReading& reading, Context& context) {
-  require_input(path);
+  require_capture(path, context);
   if (fs::is_regular_file(path) && reading.format.empty()) {
     try {
       return clip_json(path, context);

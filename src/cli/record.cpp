@@ -158,14 +158,16 @@ Outcome record_capture(const Options& options, Context& context) {
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kUnwritableOutput && outcome.opened)
       complete_and_tell(options.output, recorder, error);
-    throw;
+    if (!recorder) throw;
+    recorder->finish(); // the capture cannot be read any further
+    throw Error(error.code(), fmt::format("{}; {} is complete up to there", error.what(), options.output.string()));
   }
   outcome.disconnected = device && device->was_disconnected();
   return outcome;
 }
 
 void run(const Options& options, Context& context) {
-  require_input(options.capture);
+  require_capture(options.capture, context);
   check_output(options, context.shared.overwrite);
   const Outcome outcome = record_capture(options, context);
   std::error_code ignored;

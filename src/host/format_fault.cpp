@@ -21,6 +21,7 @@ constexpr Capability kCapabilities[] = {
     {KINORA_READS_MASKS, "read-masks"},
     {KINORA_READS_CONFIDENCE, "read-confidence"},
     {KINORA_READS_INFRARED, "read-infrared"},
+    {KINORA_READS_DEVICE, "read-device"},
     {KINORA_WRITES_FRAMES, "write-frames"},
     {KINORA_WRITES_TIMES, "write-times"},
     {KINORA_WRITES_POSES, "write-poses"},

@@ -96,8 +96,19 @@ std::vector<ProbeScore> PluginTable::probe(const fs::path& path) const {
   return scores;
 }
 
+const FormatEntry* PluginTable::device_format(const fs::path& input) const {
+  std::error_code ignored;
+  const std::string name = input.string().substr(0, input.string().find(':'));
+  if (name == input.string() || fs::exists(input, ignored)) return nullptr;
+  const auto found = std::ranges::find_if(formats_, [&](const FormatEntry& entry) {
+    return name == entry.format->name && supports(*entry.format, KINORA_READS_DEVICE);
+  });
+  return found == formats_.end() ? nullptr : &*found;
+}
+
 const KinoraFormat& PluginTable::recognise(const fs::path& path) const {
   std::error_code ignored;
+  if (const FormatEntry* device = device_format(path); device != nullptr) return opened(*device);
   if (!fs::exists(path, ignored))
     throw Error(ErrorCode::kUsage, path.string() + ": there is no such file or folder; check the path");
   const std::vector<ProbeScore> scores = probe(path);

@@ -62,9 +62,12 @@ public:
   /// plugins are asked in a child process, so that one that crashes or hangs is named as the reason and nothing more.
   std::vector<ProbeScore> probe(const std::filesystem::path& path) const;
 
-  /// The surest format of all. Throws Error: kUsage if there is no such file or folder, kNotRecognised, naming what
-  /// came closest, if no format is sure enough.
+  /// The surest format of all; of "NAME:DEVICE" the format of that name, if it reads live cameras. Throws Error: kUsage
+  /// if there is no such file or folder, kNotRecognised, naming what came closest, if no format is sure enough.
   const KinoraFormat& recognise(const std::filesystem::path& path) const;
+
+  /// Whether an input is "NAME:DEVICE" of a format that reads live cameras, and no file.
+  bool is_device(const std::filesystem::path& input) const { return device_format(input) != nullptr; }
 
   /// The format that writes files of this path's extension and has one of the capabilities (bits). Throws
   /// Error(kUsage), listing what can be written.
@@ -73,6 +76,7 @@ public:
 
 private:
   void check_free(const char* name, const std::string& origin) const;
+  const FormatEntry* device_format(const std::filesystem::path& input) const;
   /// The format with its functions.
   static const KinoraFormat& opened(const FormatEntry& entry);
 

@@ -70,18 +70,31 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
     EXPECT_FALSE(capability_names(*entry.format).empty());
     EXPECT_STRNE(entry.format->description, "");
   }
-  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd",      "numbered-folder",
-                                          "3dmatch",       "m3t",
-                                          "transforms",    "png",
-                                          "exr",           "exr-sequence",
-                                          "mp4",           "glb",
-                                          "gltf-scene",    "usd",
-                                          "ply",           "obj",
-                                          "openvdb",       "data-set",
-                                          "kinora-clip",   "kinora-recording",
-                                          "stray-scanner", "ros-bag",
-                                          "mcap",          "video-pair",
-                                          "azure-kinect",  "record3d"}));
+  EXPECT_EQ(names, (std::set<std::string>{"tum-rgbd",
+                                          "numbered-folder",
+                                          "3dmatch",
+                                          "m3t",
+                                          "transforms",
+                                          "png",
+                                          "exr",
+                                          "exr-sequence",
+                                          "mp4",
+                                          "freenect",
+                                          "glb",
+                                          "gltf-scene",
+                                          "usd",
+                                          "ply",
+                                          "obj",
+                                          "openvdb",
+                                          "data-set",
+                                          "kinora-clip",
+                                          "kinora-recording",
+                                          "stray-scanner",
+                                          "ros-bag",
+                                          "mcap",
+                                          "video-pair",
+                                          "azure-kinect",
+                                          "record3d"}));
 }
 
 TEST(PluginTable, ASecondFormatOfTheSameNameIsAnErrorAndChangesNothing) {
