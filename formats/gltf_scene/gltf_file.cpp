@@ -68,6 +68,7 @@ private:
         if (!is_child[i]) roots.push_back(static_cast<int>(i));
     }
     std::vector<std::pair<int, int>> waiting; // a node, and where its parent is
+    waiting.reserve(roots.size());
     for (const int root : roots) waiting.emplace_back(root, -1);
     for (std::size_t next = 0; next < waiting.size(); ++next) {
       const auto [index, parent] = waiting[next];

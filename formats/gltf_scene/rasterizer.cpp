@@ -39,8 +39,10 @@ Eigen::Vector3d sampled(const ColorImage& image, const Eigen::Vector2d& place) {
   const double fv = v - std::floor(v);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int k = 0; k < 4; ++k) {
-    const std::uint8_t* pixel = image.pixel(wrapped(u + k % 2, image.width()), wrapped(v + k / 2, image.height()));
-    const double weight = (k % 2 == 0 ? 1 - fu : fu) * (k / 2 == 0 ? 1 - fv : fv);
+    const int right = k % 2;
+    const int below = k / 2;
+    const std::uint8_t* pixel = image.pixel(wrapped(u + right, image.width()), wrapped(v + below, image.height()));
+    const double weight = (right == 0 ? 1 - fu : fu) * (below == 0 ? 1 - fv : fv);
     for (int c = 0; c < 3; ++c) sum[c] += weight * static_cast<double>(linear[pixel[c]]);
   }
   return sum;

@@ -195,6 +195,22 @@ TEST_F(ConvertTest, StrictFailsWhereALayerHasNoSurface) {
   EXPECT_FALSE(fs::exists(path("strict.glb")));
 }
 
+/// What moves in the file is labelled, as the layers are.
+TEST_F(ConvertTest, AFileThatWasWrittenIsACaptureAgain) {
+  ASSERT_EQ(convert("clip.glb").code, 0);
+  const Said said = run_kinora(folder_, {"convert", path("clip.glb").string(), path("capture").string(), "-O", "fps=10",
+                                         "-O", "width=160", "-O", "height=120"});
+  if (said.code == 6) GTEST_SKIP() << "Kinora is built without tinygltf";
+  ASSERT_EQ(said.code, 0) << said.err;
+  std::ifstream labels(path("capture/labels.json"));
+  const Json json = Json::parse(labels);
+  ASSERT_EQ(json.size(), 2U) << json.dump();
+  EXPECT_EQ(json["1"]["name"], "object mesh");
+  EXPECT_EQ(json["1"]["kind"], "rigid");
+  EXPECT_EQ(json["2"]["kind"], "deforming");
+  EXPECT_EQ(names_in(path("capture/rgb")).size(), static_cast<std::size_t>(kFrames));
+}
+
 TEST_F(TrackTest, EveryPointIsInEveryFrameAndFollowsItsLayer) {
   const Said said = track("points.csv", "0");
   ASSERT_EQ(said.code, 0) << said.err;

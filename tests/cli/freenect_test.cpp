@@ -11,7 +11,7 @@ class Freenect : public testing::Test {
 protected:
   Said run(const std::vector<std::string>& words) const {
     setenv("LD_PRELOAD", KINORA_SIMULATED_KINECT, 1);
-    const Said said = run_kinora(out_, words);
+    Said said = run_kinora(out_, words);
     unsetenv("LD_PRELOAD");
     return said;
   }

@@ -13,7 +13,7 @@ protected:
     write_numbered(folder_, 3);
     folder_.write("mask/000000.png", encode_png(ColorImage(kSampleWidth, kSampleHeight, 1, 1)));
   }
-  Said run(std::vector<std::string> words) const { return run_kinora(out_, words); }
+  Said run(const std::vector<std::string>& words) const { return run_kinora(out_, words); }
   std::string capture() const { return folder_.path().string(); }
   std::string out(const char* name) const { return (out_.path() / name).string(); }
 

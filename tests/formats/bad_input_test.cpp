@@ -156,7 +156,7 @@ struct Reader {
   Files spoilt;        ///< of "in"
   std::string removed; ///< of a capture in many files, one of its middle frame
 };
-void PrintTo(const Reader& reader, std::ostream* out) { *out << reader.format; }
+std::ostream& operator<<(std::ostream& out, const Reader& reader) { return out << reader.format; }
 
 const Reader kReaders[] = {
     {"tum-rgbd",

@@ -25,8 +25,8 @@ void write_exr(
     const fs::path& path, const std::map<std::string, float>& channels, const Imath::Box2i& window,
     const std::function<void(Imf::Header&)>& change = [](Imf::Header&) {}) {
   Imf::Header header({{0, 0}, {kSampleWidth - 1, kSampleHeight - 1}}, window);
-  const std::size_t columns = static_cast<std::size_t>(window.max.x - window.min.x + 1);
-  const std::size_t rows = static_cast<std::size_t>(window.max.y - window.min.y + 1);
+  const std::size_t columns = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
+  const std::size_t rows = static_cast<std::size_t>(window.max.y - window.min.y) + 1;
   std::list<std::vector<float>> values;
   Imf::FrameBuffer buffer;
   for (const auto& [name, value] : channels) {

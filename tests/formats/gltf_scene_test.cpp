@@ -137,7 +137,8 @@ TEST_F(HandmadeScene, DepthOfALeaningSheetIsExactAtEveryPixel) {
   std::size_t seen = 0;
   for (int v = 0; v < 48; ++v)
     for (int u = 0; u < 64; ++u) {
-      const double z = depth_at(capture.frames.at(0), static_cast<std::size_t>(64 * v + u));
+      const double z =
+          depth_at(capture.frames.at(0), std::size_t{64} * static_cast<std::size_t>(v) + static_cast<std::size_t>(u));
       if (z == 0) continue;
       ++seen;
       // On the sheet z_camera = 4 + y with y up: from 3 m at its lower edge to 5 m at its upper one.

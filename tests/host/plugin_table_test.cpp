@@ -1,5 +1,6 @@
 #include "host/plugin_table.h"
 
+#include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
