@@ -14,7 +14,7 @@ constexpr float kBand = 3; ///< voxels to either side, as OpenVDB's tools expect
 
 /// The share of light that each voxel stops: it crosses one half nearer to the surface than density, which has no top.
 openvdb::FloatGrid::Ptr opacity_of(const openvdb::FloatGrid& density) {
-  const auto opacity = density.deepCopy();
+  auto opacity = density.deepCopy();
   const double voxel = density.voxelSize().x();
   for (auto value = opacity->beginValueOn(); value; ++value)
     value.setValue(static_cast<float>(1 - std::exp(-*value * voxel)));
@@ -28,7 +28,7 @@ openvdb::FloatGrid::Ptr level_set_of(const openvdb::FloatGrid& density) {
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec4I> quads;
   openvdb::tools::volumeToMesh(*opacity, points, quads, kOpaque);
-  const auto distance =
+  auto distance =
       openvdb::tools::meshToUnsignedDistanceField<openvdb::FloatGrid>(density.transform(), points, {}, quads, kBand);
   const auto opacities = opacity->getConstAccessor();
   for (auto value = distance->beginValueOn(); value; ++value) {
