@@ -50,8 +50,8 @@ bool read_inside(std::vector<unsigned char>* out, std::string* error, const std:
   try {
     if (!is_inside(path, user)) throw Error(ErrorCode::kCorruptInput, path + ": lies outside of the file's folder");
     const std::vector<std::byte> bytes = read_file(path);
-    out->resize(bytes.size());
-    std::memcpy(out->data(), bytes.data(), bytes.size());
+    const auto* const first = reinterpret_cast<const unsigned char*>(bytes.data());
+    out->assign(first, first + bytes.size());
     return true;
   } catch (const Error& problem) {
     *error += problem.what();
