@@ -201,8 +201,9 @@ UsdText::UsdText(std::filesystem::path path, const UsdHeader& header)
     text += "\n    double3 xformOp:scale = ";
     append_vector(text, Eigen::Vector3d(per_metre, per_metre, per_metre), kTimeDecimals);
   }
-  text += std::string("\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"") +
-          (per_metre != 1 ? ", \"xformOp:scale\"" : "") + "]\n";
+  text += "\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"";
+  if (per_metre != 1) text += ", \"xformOp:scale\"";
+  text += "]\n";
   put(text);
 }
 
