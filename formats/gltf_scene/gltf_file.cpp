@@ -39,7 +39,7 @@ private:
     if (std::ranges::find(warnings_, warning) == warnings_.end()) warnings_.push_back(warning);
   }
   template <class T> const T& at(const std::vector<T>& list, int index, const char* what) const {
-    if (index < 0 || static_cast<std::size_t>(index) >= list.size()) fail(std::string(what) + " is not there");
+    if (index < 0 || static_cast<std::size_t>(index) >= list.size()) fail(std::string(what).append(" is not there"));
     return list[static_cast<std::size_t>(index)];
   }
 
@@ -172,7 +172,7 @@ private:
     const std::size_t count = made.positions.size();
     if (count == 0) fail("a mesh has no POSITION");
     made.material = material_of(given.material);
-    const std::string set = "TEXCOORD_" + std::to_string(made.material.texture_coordinates);
+    const std::string set = std::string("TEXCOORD_").append(std::to_string(made.material.texture_coordinates));
     const GltfNumbers places = attribute(given.attributes, set, count, {2});
     for (std::size_t i = 0; i < places.count; ++i)
       made.texture_coordinates.push_back(Eigen::Map<const Eigen::Vector2d>(places.values.data() + 2 * i).cast<float>());

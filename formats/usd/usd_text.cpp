@@ -189,14 +189,16 @@ UsdText::UsdText(std::filesystem::path path, const UsdHeader& header)
   if (!header.facts.empty()) text += layer_data(header.facts);
   text += "    defaultPrim = \"clip\"\n    doc = \"Kinora: colours as the camera saw them\"\n    metersPerUnit = ";
   append_number(text, 1 / per_metre, kTimeDecimals);
-  text += std::string("\n    upAxis = \"") + (header.axes.z_up ? "Z" : "Y") +
-          "\"\n    startTimeCode = 0\n    endTimeCode = " + time_code(header.last_time);
+  text += "\n    upAxis = ";
+  text += header.axes.z_up ? "\"Z\"" : "\"Y\"";
+  text += "\n    startTimeCode = 0\n    endTimeCode = ";
+  text += time_code(header.last_time);
   for (const char* key : {"timeCodesPerSecond", "framesPerSecond"}) {
     text.append("\n    ").append(key).append(" = ");
     append_number(text, rate_, kTimeDecimals);
   }
-  text += std::string("\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n    double xformOp:rotateX = ") +
-          (header.axes.z_up ? "-90" : "180");
+  text += "\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n    double xformOp:rotateX = ";
+  text += header.axes.z_up ? "-90" : "180";
   if (per_metre != 1) {
     text += "\n    double3 xformOp:scale = ";
     append_vector(text, Eigen::Vector3d(per_metre, per_metre, per_metre), kTimeDecimals);
