@@ -16,9 +16,9 @@ template <void (*probe)(const char*, KinoraProbe*)> void safe_probe(const char* 
   }
 }
 
-/// Reader has fill_info(KinoraCaptureInfo&) const, next(KinoraFrame&) and, unless it only goes
-/// forwards, seek(std::int64_t). An Error(kCorruptInput)
-/// from next() is of that frame alone.
+/// Reader has fill_info(KinoraCaptureInfo&) const, next(KinoraFrame&) and, unless it only goes forwards,
+/// seek(std::int64_t). An Error(kCorruptInput) from next() is of that frame alone. If sound comes with the frames, it
+/// has fill_sound(KinoraSound&) and next_sound(KinoraSoundPacket&), which return false where there is none.
 template <class Reader, std::unique_ptr<Reader> (*open)(const char* path, const OptionMap& options)>
 constexpr void set_reader(KinoraFormat& format) {
   format.capabilities |= KINORA_READS_FRAMES;
@@ -49,11 +49,25 @@ constexpr void set_reader(KinoraFormat& format) {
       });
     };
   }
+  if constexpr (requires(Reader & reader, KinoraSound & sound) { reader.fill_sound(sound); }) {
+    format.capabilities |= KINORA_READS_SOUND;
+    format.reader_sound = [](KinoraReader* reader, KinoraSound* sound, KinoraMessage* message) {
+      return guarded(message, [&]() -> KinoraStatus {
+        return reinterpret_cast<Reader*>(reader)->fill_sound(*sound) ? KINORA_OK : KINORA_END;
+      });
+    };
+    format.reader_sound_packet = [](KinoraReader* reader, KinoraSoundPacket* packet, KinoraMessage* message) {
+      return guarded(message, [&]() -> KinoraStatus {
+        return reinterpret_cast<Reader*>(reader)->next_sound(*packet) ? KINORA_OK : KINORA_END;
+      });
+    };
+  }
   format.reader_close = [](KinoraReader* reader) { delete reinterpret_cast<Reader*>(reader); };
 }
 
 /// Writer has set_capture(const KinoraCaptureInfo&), write(const KinoraFrame&), which returns why a frame is left out
-/// (empty: it is not), and finish().
+/// (empty: it is not), and finish(). If it has a place for sound: set_sound(const KinoraSound&) and
+/// write_sound(const KinoraSoundPacket&).
 template <class Writer, std::unique_ptr<Writer> (*open)(const char* path, const OptionMap& options)>
 constexpr void set_writer(KinoraFormat& format) {
   format.capabilities |= KINORA_WRITES_FRAMES;
@@ -71,6 +85,21 @@ constexpr void set_writer(KinoraFormat& format) {
       return why.empty() ? KinoraStatus{KINORA_OK} : KinoraStatus{KINORA_BAD_FRAME};
     });
   };
+  if constexpr (requires(Writer & writer, const KinoraSound& sound) { writer.set_sound(sound); }) {
+    format.capabilities |= KINORA_WRITES_SOUND;
+    format.writer_sound = [](KinoraWriter* writer, const KinoraSound* sound, KinoraMessage* message) {
+      return guarded(message, [&] {
+        reinterpret_cast<Writer*>(writer)->set_sound(*sound);
+        return KinoraStatus{KINORA_OK};
+      });
+    };
+    format.writer_sound_packet = [](KinoraWriter* writer, const KinoraSoundPacket* packet, KinoraMessage* message) {
+      return guarded(message, [&] {
+        reinterpret_cast<Writer*>(writer)->write_sound(*packet);
+        return KinoraStatus{KINORA_OK};
+      });
+    };
+  }
 }
 
 } // namespace kinora::formats

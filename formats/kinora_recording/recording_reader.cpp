@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "sound/plugin_sound.h"
 
 namespace kinora::formats {
 
@@ -109,5 +110,27 @@ KinoraImage RecordingReader::read_color(std::size_t index, KinoraFrame& frame) {
 }
 
 void RecordingReader::seek(std::int64_t index) { next_ = checked_seek(index, file_.frame_count()); }
+
+bool RecordingReader::fill_sound(KinoraSound& sound) const {
+  const container::Track* const track = file_.sound_track();
+  if (track == nullptr) return false;
+  sound::fill(sound, *track);
+  return true;
+}
+
+bool RecordingReader::next_sound(KinoraSoundPacket& packet) {
+  while (next_sound_ < file_.sound_packet_count()) {
+    try {
+      sound_packet_ = file_.read_sound(next_sound_++);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCorruptInput) throw;
+      continue;
+    }
+    if (sound_packet_.bytes.empty()) continue;
+    sound::fill(packet, sound_packet_, file_.description().start_time);
+    return true;
+  }
+  return false;
+}
 
 } // namespace kinora::formats

@@ -21,6 +21,9 @@ public:
   KinoraStatus next(KinoraFrame& frame);
   /// Throws Error(kUsage) outside of 0 … frame count.
   void seek(std::int64_t index);
+  bool fill_sound(KinoraSound& sound) const;
+  /// Damaged packets are passed over.
+  bool next_sound(KinoraSoundPacket& packet);
 
 private:
   KinoraImage read(std::size_t index, recording::Stream stream);
@@ -33,6 +36,8 @@ private:
   std::vector<std::string> warnings_;
   WarningTable warning_table_;
   std::size_t next_ = 0;
+  std::size_t next_sound_ = 0;
+  container::Payload sound_packet_;
   ColorImage color_;
   container::Bytes encoded_color_;
   std::array<std::vector<std::byte>, recording::kStreams> pixels_;

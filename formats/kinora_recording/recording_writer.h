@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "record/recorder.h"
+#include "sound/plugin_sound.h"
 
 namespace kinora::formats {
 
@@ -15,6 +17,9 @@ public:
   explicit RecordingWriter(std::filesystem::path path) : path_(std::move(path)) {}
 
   void set_capture(const KinoraCaptureInfo& info) { description_ = recording::description_of(info, ""); }
+  void set_sound(const KinoraSound& sound) { sound_ = sound::track_of(sound); }
+  /// Before the first frame, it waits for that. Sound from before the capture's start is left out.
+  void write_sound(const KinoraSoundPacket& packet);
   /// Empty, or why the frame is left out. Throws what Recorder throws.
   std::string write(const KinoraFrame& frame);
   /// Throws Error(kFailure) without a frame, and what Recorder throws.
@@ -23,6 +28,8 @@ public:
 private:
   std::filesystem::path path_;
   recording::Description description_;
+  std::optional<container::Track> sound_;
+  std::vector<container::Payload> early_sound_;
   std::optional<record::Recorder> recorder_;
 };
 

@@ -3,6 +3,8 @@
 #include "common/files.h"
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "sound/plugin_sound.h"
+#include "sound/sound_codec.h"
 
 namespace kinora::formats {
 namespace fs = std::filesystem;
@@ -122,5 +124,22 @@ KinoraStatus PairReader::next(KinoraFrame& frame) {
 }
 
 void PairReader::seek(std::int64_t index) { next_ = checked_seek(index, frames_.size()); }
+
+bool PairReader::fill_sound(KinoraSound& sound) {
+  try {
+    sound_ = sound::open_sound(files_.color);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kCorruptInput) throw;
+    return false; // it has none
+  }
+  sound::fill(sound, sound_->track());
+  return true;
+}
+
+bool PairReader::next_sound(KinoraSoundPacket& packet) {
+  if (!sound_ || !sound_->next(sound_packet_)) return false;
+  sound::fill(packet, sound_packet_, 0);
+  return true;
+}
 
 } // namespace kinora::formats

@@ -10,6 +10,7 @@
 #include "common/capture_info.h"
 #include "common/frame_pairs.h"
 #include "common/video_file.h"
+#include "sound/sound_source.h"
 #include "video_pair/hue_depth.h"
 
 namespace kinora::formats {
@@ -32,6 +33,9 @@ public:
   KinoraStatus next(KinoraFrame& frame);
   /// Throws Error(kUsage) outside of 0 … frame count.
   void seek(std::int64_t index);
+  /// Sound is that of the video of colour.
+  bool fill_sound(KinoraSound& sound);
+  bool next_sound(KinoraSoundPacket& packet);
 
 private:
   VideoPair files_;
@@ -48,6 +52,8 @@ private:
   ColorImage color_;
   std::vector<std::byte> jpeg_;
   DepthImage16 depth_;
+  std::unique_ptr<sound::SoundSource> sound_;
+  container::Payload sound_packet_;
 };
 
 } // namespace kinora::formats

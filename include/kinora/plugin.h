@@ -125,6 +125,26 @@ typedef struct KinoraFrame {
   size_t color_jpeg_bytes;
 } KinoraFrame;
 
+/* What the packets of a capture's sound are. */
+typedef struct KinoraSound {
+  KINORA_STRUCT_HEADER;
+  const char* codec;        /* Matroska's CodecID: "A_OPUS", "A_FLAC", "A_PCM/INT/LIT" and so on */
+  const void* private_data; /* Matroska's CodecPrivate for this codec; NULL if there is none */
+  size_t private_bytes;
+  double sampling_rate; /* Hz, before anything is left out */
+  int32_t channels;
+  int32_t bits; /* of a sample; 0: not said */
+  double delay; /* seconds at the beginning that are decoded and not heard (Matroska's CodecDelay) */
+} KinoraSound;
+
+/* A piece of sound that can be decoded behind those before it. */
+typedef struct KinoraSoundPacket {
+  KINORA_STRUCT_HEADER;
+  double time; /* when its first sample is heard, plus the delay: seconds on the clock of KinoraFrame.time */
+  const void* data;
+  size_t bytes;
+} KinoraSoundPacket;
+
 /* One picture for a writer. */
 typedef struct KinoraPicture {
   KINORA_STRUCT_HEADER;
@@ -217,13 +237,15 @@ enum { /* KinoraFormat.capabilities */
        KINORA_READS_MASKS = 1u << 3,
        KINORA_READS_CONFIDENCE = 1u << 4, /* of depth */
        KINORA_READS_INFRARED = 1u << 5,
-       KINORA_READS_DEVICE = 1u << 6,  /* a live camera, of which the path is "NAME:DEVICE" with the format's name */
+       KINORA_READS_DEVICE = 1u << 6, /* a live camera, of which the path is "NAME:DEVICE" with the format's name */
+       KINORA_READS_SOUND = 1u << 7,
        KINORA_WRITES_FRAMES = 1u << 8, /* captures: frames with colour, depth and calibration */
        KINORA_WRITES_TIMES = 1u << 9,  /* of frames; else they follow one another at the nominal rate */
        KINORA_WRITES_POSES = 1u << 10,
        KINORA_WRITES_MASKS = 1u << 11,
        KINORA_WRITES_INFRARED = 1u << 12,
        KINORA_WRITES_DEPTH_CAMERA = 1u << 13, /* depth that is not registered; else the host gives no such capture */
+       KINORA_WRITES_SOUND = 1u << 14,        /* of captures */
        KINORA_WRITES_PICTURES = 1u << 16,
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
@@ -326,6 +348,18 @@ typedef struct KinoraFormat {
    * others. Called at most once, before all that is written. NULL if the format has no place for it. */
   KinoraStatus (*writer_facts)(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count,
                                KinoraMessage* message);
+
+  /* Formats that were made before these members existed end here. */
+
+  /* Sound that comes with the frames. Both need KINORA_READS_SOUND, else NULL. KINORA_END: this capture has none. */
+  KinoraStatus (*reader_sound)(KinoraReader* reader, KinoraSound* sound, KinoraMessage* message);
+  /* The next packet from the capture's beginning on, whichever frames have been read; its bytes are valid until the
+   * next call of this function. KINORA_END: there is no further one. Times never decrease. */
+  KinoraStatus (*reader_sound_packet)(KinoraReader* reader, KinoraSoundPacket* packet, KinoraMessage* message);
+  /* Both need KINORA_WRITES_SOUND, else NULL. Called at most once, before the first frame. */
+  KinoraStatus (*writer_sound)(KinoraWriter* writer, const KinoraSound* sound, KinoraMessage* message);
+  /* Each comes before the first frame that is later. */
+  KinoraStatus (*writer_sound_packet)(KinoraWriter* writer, const KinoraSoundPacket* packet, KinoraMessage* message);
 } KinoraFormat;
 
 typedef struct KinoraPlugin {

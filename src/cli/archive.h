@@ -8,8 +8,9 @@
 namespace kinora::cli {
 
 /// Writes the clip of `clip_file`, and behind it all frames of the capture as kinora record has them, to `output`.
-/// Throws what reading and writing throw.
+/// `audio`: a file with the capture's sound; empty: what comes with the frames. Throws what reading and writing throw.
 void write_archive(const std::filesystem::path& clip_file, const std::filesystem::path& capture,
-                   const CaptureReading& reading, const std::filesystem::path& output, Context& context);
+                   const CaptureReading& reading, const std::filesystem::path& audio,
+                   const std::filesystem::path& output, Context& context);
 
 } // namespace kinora::cli

@@ -77,6 +77,9 @@ public:
     if (info.has_poses != 0 && !keeps(KINORA_WRITES_POSES)) tell("camera poses");
     if (info.has_masks != 0 && !keeps(KINORA_WRITES_MASKS)) tell("masks");
   }
+  void check_sound(host::FrameReader& reader) {
+    if (!keeps(KINORA_WRITES_SOUND) && reader.sound()) tell("sound");
+  }
 
   void check(const KinoraFrame& frame, double nominal_time) {
     constexpr double kSameTime = 5e-4;
@@ -98,6 +101,31 @@ private:
   const CaptureConversion& conversion_;
   Context& context_;
   std::set<std::string> told_;
+};
+
+/// Sound in step with the frames that are converted.
+class SoundCopy {
+public:
+  SoundCopy(host::FrameReader& reader, host::FrameWriter& writer) : reader_(reader), writer_(writer) {
+    if (!host::supports(writer.format(), KINORA_WRITES_SOUND)) return;
+    const std::optional<KinoraSound> sound = reader.sound();
+    if (!sound) return;
+    writer.set_sound(*sound);
+    waiting_ = reader.next_sound();
+  }
+
+  /// All from the first of these times on, up to this one.
+  void go_on_to(double time) {
+    if (!begin_) begin_ = time;
+    for (; waiting_ && waiting_->time <= time; waiting_ = reader_.next_sound())
+      if (waiting_->time >= *begin_) writer_.write_sound(*waiting_);
+  }
+
+private:
+  host::FrameReader& reader_;
+  host::FrameWriter& writer_;
+  std::optional<KinoraSoundPacket> waiting_;
+  std::optional<double> begin_;
 };
 
 std::vector<std::string> option_names(const KinoraFormat& format) {
@@ -128,6 +156,7 @@ void convert_frames(host::FrameReader& reader, host::FrameWriter& writer, const 
     outcome.problems.push_back(problem);
   };
   std::optional<double> first_time;
+  SoundCopy sound(reader, writer);
   const std::int64_t end =
       std::min<std::int64_t>(range.end.value_or(std::numeric_limits<int>::max()), info.frame_count);
   for (std::int64_t index = range.begin; index < end; index += range.step) {
@@ -141,6 +170,7 @@ void convert_frames(host::FrameReader& reader, host::FrameWriter& writer, const 
     }
     if (!first_time) first_time = read->frame.time;
     losses.check(read->frame, *first_time + static_cast<double>(outcome.frames) / info.frames_per_second);
+    sound.go_on_to(read->frame.time);
     if (const std::string why = writer.write(read->frame); why.empty())
       ++outcome.frames;
     else
@@ -178,6 +208,7 @@ void convert_capture(const CaptureConversion& conversion, Context& context) {
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
   Losses losses(conversion, context);
   losses.check(reader.info());
+  losses.check_sound(reader);
   Outcome outcome;
   if (conversion.dry_run)
     outcome.frames = static_cast<std::size_t>(conversion.frames.count_of(static_cast<int>(reader.info().frame_count)));

@@ -13,11 +13,13 @@
 #include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/quality_text.h"
+#include "cli/sound_input.h"
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/live/live_encoder.h"
 #include "evaluate/evaluate.h"
 #include "ingest/files/body_mesh.h"
+#include "sound/sound_codec.h"
 #include "tracking/body/shape_from_mesh.h"
 
 namespace kinora::cli {
@@ -37,6 +39,7 @@ struct Options {
   std::string preset = "balanced";
   std::string frames;
   CaptureReading reading;
+  std::filesystem::path audio;
   bool no_masks = false;
   std::filesystem::path segmenter;
   std::filesystem::path detector;
@@ -134,6 +137,20 @@ std::string settings_help() {
          encode::list_settings(settings).text();
 }
 
+/// What is heard while the clip's frames are seen, small enough for a clip; nothing if there is no sound.
+std::optional<container::Sound> sound_of(const Options& options, const clip::Clip& clip, Context& context) {
+  if (context.plugins().is_device(options.capture)) return std::nullopt;
+  host::FrameReader reader = open_frames(options.capture, options.reading, context);
+  const std::unique_ptr<sound::SoundSource> sound = open_sound_of(reader, options.audio);
+  if (!sound) return std::nullopt;
+  reader.seek(clip.capture_frames.front());
+  const std::optional<host::ReadFrame> first = reader.next();
+  if (!first || !first->problem.empty()) return std::nullopt;
+  const std::int64_t begin = nanoseconds_of(first->frame.time, reader.info());
+  const double length = clip.times.back() - clip.times.front() + 1 / reader.info().frames_per_second;
+  return sound::compact(sound::excerpt(*sound, begin, begin + std::llround(length * 1e9)));
+}
+
 encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
                                  Context& context) {
   ingest::CaptureOptions capture_how = capture_options(options);
@@ -152,6 +169,7 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
     if (preview) preview->show(clip);
   };
   encode::EncodeResult result = encode::encode_live(*capture, request, how, context.progress);
+  result.clip.sound = sound_of(options, result.clip, context);
   file.finish(result.clip);
   result.report["live"]["disconnected"] = capture_how.device->was_disconnected();
   return result;
@@ -162,10 +180,11 @@ encode::EncodeResult encode_file(const Options& options, const encode::EncodeOpt
                                  Context& context) {
   encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
   context.progress.stage("writing", 0);
+  result.clip.sound = sound_of(options, result.clip, context);
   if (options.archive) {
     const Unfinished clip(options.clip, Unfinished::Kind::kFile);
     clip::write_clip(result.clip, clip.path());
-    write_archive(clip.path(), options.capture, options.reading, out.writing_path(), context);
+    write_archive(clip.path(), options.capture, options.reading, options.audio, out.writing_path(), context);
   } else {
     clip::write_clip(result.clip, out.writing_path());
   }
@@ -220,12 +239,16 @@ void run(const Options& options, Context& context) {
   require_capture(options.capture, context);
   if (!options.segmenter.empty()) require_input(options.segmenter);
   if (!options.detector.empty()) require_input(options.detector);
+  if (!options.audio.empty()) {
+    require_input(options.audio);
+    sound::open_sound(options.audio); // before hours of work
+  }
   if (!options.body.empty()) {
     require_input(options.body);
     how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
     how.body_from = options.body.filename().string();
   }
-  const std::vector inputs{options.capture, options.segmenter, options.detector, options.body};
+  const std::vector inputs{options.capture, options.segmenter, options.detector, options.body, options.audio};
   OutputFile out(options.clip, context.shared.overwrite, inputs);
   std::optional<OutputFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite, inputs);
@@ -284,6 +307,7 @@ void add_encode(CLI::App& app, Context& context) {
   command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")
       ->type_name("A:B:S");
   add_reading_options(command, options->reading);
+  add_audio_option(command, options->audio);
   command.add_flag("--no-masks", options->no_masks, "Do not read masks: tell people and things by what moves");
   command
       .add_option("--segmenter", options->segmenter,

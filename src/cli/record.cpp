@@ -13,6 +13,7 @@
 #include "cli/commands.h"
 #include "cli/live_device.h"
 #include "cli/output_file.h"
+#include "cli/sound_input.h"
 #include "cli/text.h"
 #include "core/error.h"
 #include "record/recorder.h"
@@ -27,6 +28,7 @@ struct Options {
   std::filesystem::path capture;
   std::filesystem::path output;
   CaptureReading reading;
+  std::filesystem::path audio;
   double duration = std::numeric_limits<double>::infinity();
   LiveOptions live;
 };
@@ -86,9 +88,18 @@ std::string progress_detail(const std::filesystem::path& output, const Outcome& 
   return detail;
 }
 
-void record_frames(host::FrameReader& reader, const Options& options, std::optional<record::Recorder>& recorder,
-                   Outcome& outcome, Context& context) {
+/// All that is to be heard up to a frame.
+void record_sound(sound::SoundFeed& feed, std::int64_t time_ns, record::Recorder& recorder) {
+  container::Payload packet;
+  while (feed.next_until(time_ns, packet))
+    if (packet.time_ns >= 0) recorder.write_sound(packet);
+}
+
+void record_frames(host::FrameReader& reader, sound::SoundSource* sound, const Options& options,
+                   std::optional<record::Recorder>& recorder, Outcome& outcome, Context& context) {
   const recording::Description description = recording::description_of(reader.info(), reader.format().name);
+  std::optional<sound::SoundFeed> feed;
+  if (sound != nullptr) feed.emplace(*sound);
   while (auto read = reader.next()) {
     outcome.interrupted = context.progress.cancelled();
     if (outcome.interrupted) return;
@@ -103,10 +114,11 @@ void record_frames(host::FrameReader& reader, const Options& options, std::optio
     if (!recorder) {
       outcome.first_time = frame.time;
       outcome.opened = std::ofstream(options.output, std::ios::app).is_open();
-      recorder.emplace(options.output, description, frame);
+      recorder.emplace(options.output, description, frame, sound != nullptr ? &sound->track() : nullptr);
     }
     if (frame.time - outcome.first_time >= options.duration) return;
     outcome.last_time = frame.time;
+    if (feed) record_sound(*feed, nanoseconds_of(frame.time, reader.info()), *recorder);
     if (recorder->write(frame, arrival)) {
       ++outcome.frames;
     } else {
@@ -146,11 +158,12 @@ Outcome record_capture(const Options& options, Context& context) {
   const std::shared_ptr<host::SimulatedDevice> device = make_device(options.live, kQueueSeconds);
   reader.replay(device);
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
+  const std::unique_ptr<sound::SoundSource> sound = open_sound_of(reader, options.audio);
   context.progress.stage("recording", static_cast<std::size_t>(reader.info().frame_count));
   std::optional<record::Recorder> recorder;
   Outcome outcome;
   try {
-    record_frames(reader, options, recorder, outcome, context);
+    record_frames(reader, sound.get(), options, recorder, outcome, context);
     if (!recorder)
       throw Error(outcome.interrupted ? ErrorCode::kInterrupted : ErrorCode::kCorruptInput,
                   fmt::format("{}: no frame was recorded, and no file was made", options.capture.string()));
@@ -213,6 +226,7 @@ void add_record(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber)
       ->type_name("S");
   add_reading_options(command, options->reading);
+  add_audio_option(command, options->audio);
   add_live_options(command, options->live, "Replay the capture at its own pace, and lose what cannot be kept up with");
   context.add_overwrite(command);
 }

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "container/sound.h"
 #include "core/camera.h"
 #include "fields/model/confidence.h"
 #include "fields/model/field.h"
@@ -31,6 +32,7 @@ struct Clip {
   Intrinsics intrinsics;            ///< of the capture camera
   std::vector<SE3> camera_to_world; ///< path of the capture camera: one pose per frame, or one for all if it is still
   std::vector<Layer> layers;
+  std::optional<container::Sound> sound = std::nullopt; ///< times as those of the frames
   nlohmann::json metadata = nlohmann::json::object(); ///< configuration of the run, what was modelled and why, versions
 
   Camera capture_camera(double frame) const; ///< interpolated along the path

@@ -12,6 +12,7 @@
 #include "clip/coding/allocation_budget.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/joints_codec.h"
+#include "clip/stored_sound.h"
 #include "container/reader.h"
 #include "container/writer.h"
 #include "core/error.h"
@@ -92,6 +93,12 @@ void require_pieces_of_one(const StoredClip& a, const StoredClip& b) {
     };
     require_same(std::all_of(b.attachments.begin(), b.attachments.end(), same), a, b, "the camera");
   }
+  require_same(a.sound.has_value() == b.sound.has_value(), a, b, "whether there is sound");
+  if (a.sound) {
+    const bool same =
+        a.sound->track.codec == b.sound->track.codec && a.sound->track.private_data == b.sound->track.private_data;
+    require_same(same, a, b, "the codec of sound");
+  }
   const std::vector<Role> ours = roles_of(a.description);
   const std::vector<Role> theirs = roles_of(b.description);
   require_same(ours.size() == theirs.size(), a, b, "the number of tracks");
@@ -122,9 +129,10 @@ std::int64_t delay_of_second(const std::vector<std::int64_t>& first, const std::
 } // namespace
 
 StoredClip load_stored_clip(const std::filesystem::path& path) {
-  read_clip(path); // whole and sound
-  container::Reader reader(path);
   StoredClip clip;
+  clip.sound = read_clip(path).sound; // the clip is whole and in order
+  container::Reader reader(path);
+  bool sound_found = false;
   clip.name = path.string();
   for (const container::StoredAttachment& stored : reader.attachments()) {
     Bytes bytes = reader.read_attachment(stored);
@@ -141,6 +149,8 @@ StoredClip load_stored_clip(const std::filesystem::path& path) {
   for (const container::StoredTrack& stored : reader.tracks()) {
     if (stored.ours && clip.payloads.contains(stored.track.id)) {
       clip.tracks.push_back(stored.track);
+    } else if (clip.sound && !sound_found && is_clip_sound(stored)) {
+      sound_found = true;
     } else {
       clip.others.push_back(stored.track.name.empty() ? stored.track.codec : stored.track.name);
     }
@@ -159,6 +169,7 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   container::FileHead head;
   head.kind = std::string(kClipKind);
   head.tracks = clip.tracks;
+  if (clip.sound) head.tracks.push_back(clip.sound->track);
   head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
   head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
   head.duration_ns = clip.description.times_ns.back();
@@ -173,6 +184,10 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   const auto second = std::ranges::find_if(
       payloads, [&clip](const Payload* payload) { return payload->time_ns != clip.description.times_ns.front(); });
   payloads.insert(second, lasting.begin(), lasting.end());
+  if (clip.sound) {
+    for (const Payload& packet : clip.sound->packets) payloads.push_back(&packet);
+    std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
+  }
   container::Writer writer(path, head);
   for (const Payload* payload : payloads) writer.write(payload->track, payload->time_ns, payload->key, payload->bytes);
   writer.finish();
@@ -188,6 +203,12 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
   slice(piece.description.times_ns);
   slice(piece.description.capture_frames);
   slice(piece.description.held_out);
+  if (piece.sound) {
+    const std::int64_t first = piece.description.times_ns.front();
+    const std::int64_t last = end < clip.description.times_ns.size() ? clip.description.times_ns[end] : INT64_MAX;
+    std::erase_if(piece.sound->packets,
+                  [&](const Payload& packet) { return packet.time_ns < first || packet.time_ns >= last; });
+  }
   for (const Role& role : roles_of(clip.description)) {
     std::vector<Payload>& payloads = piece.payloads.at(role.id);
     if (role.per_frame) {
@@ -206,6 +227,16 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
   return piece;
 }
 
+static void append_sound(const StoredClip& second, std::int64_t delay, StoredClip& whole) {
+  if (!whole.sound) return;
+  const std::int64_t begin = second.description.times_ns.front() + delay;
+  std::erase_if(whole.sound->packets, [begin](const Payload& packet) { return packet.time_ns >= begin; });
+  for (Payload packet : second.sound->packets) {
+    packet.time_ns += delay;
+    whole.sound->packets.push_back(std::move(packet));
+  }
+}
+
 StoredClip join(const StoredClip& first, const StoredClip& second) {
   require_pieces_of_one(first, second);
   StoredClip whole = first;
@@ -215,6 +246,7 @@ StoredClip join(const StoredClip& first, const StoredClip& second) {
   append(whole.description.capture_frames, second.description.capture_frames);
   append(whole.description.held_out, second.description.held_out);
   append(whole.others, second.others);
+  append_sound(second, delay, whole);
   const std::vector<Role> ours = roles_of(first.description);
   const std::vector<Role> theirs = roles_of(second.description);
   for (std::size_t i = 0; i < ours.size(); ++i) {

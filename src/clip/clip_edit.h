@@ -9,6 +9,7 @@
 
 #include "clip/clip_description.h"
 #include "container/payload.h"
+#include "container/sound.h"
 
 namespace kinora::clip {
 
@@ -19,6 +20,7 @@ struct StoredClip {
   std::vector<container::Track> tracks;                              ///< the clip's own
   std::vector<container::Attachment> attachments;                    ///< the clip's own, without clip.json
   std::map<std::uint16_t, std::vector<container::Payload>> payloads; ///< by track, in the order of time
+  std::optional<container::Sound> sound;
   std::vector<std::string> others; ///< names of tracks and attachments that are not the clip's: they are left out
 };
 

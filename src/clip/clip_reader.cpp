@@ -1,11 +1,11 @@
 // read_clip: a clip out of a file that is not trusted.
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "clip/byte_account.h"
 #include "clip/clip_description.h"
 #include "clip/clip_io.h"
 #include "clip/codec_ids.h"
@@ -17,6 +17,7 @@
 #include "clip/payloads/field_codec.h"
 #include "clip/payloads/joints_codec.h"
 #include "clip/payloads/pose_codec.h"
+#include "clip/stored_sound.h"
 #include "container/reader.h"
 #include "core/error.h"
 
@@ -62,7 +63,7 @@ public:
   /// `missing`: null if everything must be there.
   ClipReader(std::unique_ptr<container::ByteSource> source, std::vector<std::string>* missing)
       : reader_(std::move(source), missing == nullptr ? container::Reading::kStrict : container::Reading::kSalvage),
-        budget_(reader_.file_bytes()), missing_(missing) {}
+        budget_(reader_.file_bytes()), sound_(reader_), missing_(missing) {}
 
   Clip read() {
     check_kind();
@@ -80,42 +81,22 @@ public:
     clip_.held_out = description_.held_out;
     clip_.layers.resize(description_.layers.size());
     prepare_destinations();
-    Payload payload;
-    while (reader_.next(payload)) take_if_usable(payload);
+    container::StoredBlock block;
+    while (reader_.next_block(block)) {
+      if (reader_.tracks()[block.track].ours)
+        take_if_usable(reader_.read_payload(block));
+      else
+        sound_.take(reader_, block, budget_);
+    }
     assemble();
+    clip_.sound = std::move(sound_).gathered();
     report_damage();
     return std::move(clip_);
   }
 
-  ByteAccount account() const {
-    ByteAccount account;
-    account.total = static_cast<std::size_t>(reader_.file_bytes());
-    for (const StoredTrack& track : reader_.tracks()) {
-      const auto found = bytes_.find(track.track.id);
-      if (!track.ours) continue;
-      const std::size_t payloads = found == bytes_.end() ? 0 : found->second;
-      account.entries.push_back({track.track.name, payloads + track.track.private_data.size()});
-    }
-    for (const StoredAttachment& stored : reader_.attachments()) {
-      account.entries.push_back({account_name(stored.name), static_cast<std::size_t>(stored.stored_bytes)});
-    }
-    if (!reader_.damage().empty()) {
-      account.entries.push_back({"damaged", static_cast<std::size_t>(reader_.damage().bytes())});
-    }
-    const auto add = [](std::size_t sum, const ByteAccount::Entry& entry) { return sum + entry.bytes; };
-    const std::size_t known = std::accumulate(account.entries.begin(), account.entries.end(), std::size_t{0}, add);
-    account.entries.push_back({"container", account.total - std::min(account.total, known)});
-    return account;
-  }
+  ByteAccount account() const { return account_of(reader_, bytes_, sound_.bytes()); }
 
 private:
-  static std::string account_name(const std::string& file) {
-    if (file == kClipFile) return "timeline";
-    if (file == kCalibrationFile) return "calibration";
-    if (file == kMetadataFile || file == kCompressedMetadataFile) return "metadata";
-    return "attachment " + file;
-  }
-
   /// Of what need not be there if parts may be missing; `part` says what that is.
   template <class Work> void allow_missing(const std::string& part, const Work& work) {
     try {
@@ -401,6 +382,7 @@ private:
 
   container::Reader reader_;
   AllocationBudget budget_;
+  StoredSound sound_;
   ClipDescription description_;
   Clip clip_;
   std::map<std::uint16_t, Destination> destinations_;

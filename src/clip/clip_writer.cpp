@@ -1,4 +1,5 @@
 // write_clip: what stands in which track and attachment.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -52,6 +53,11 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
       head.tracks.push_back({layer.joints_track, std::string(kJointsCodec), "joints " + layer.name, {}});
     }
   }
+  if (clip.sound) {
+    head.tracks.push_back(clip.sound->track);
+    head.tracks.back().id = container::kSoundTrack;
+    head.tracks.back().name = container::kSoundName;
+  }
   constexpr const char* kJson = "application/json";
   head.attachments = {
       {kClipFile, kJson, "Timeline and layers", to_json(description)},
@@ -93,6 +99,10 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
     if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
   }
   for (std::size_t frame = 1; frame < clip.times.size(); ++frame) add_poses(frame);
+  if (clip.sound) {
+    for (const Payload& packet : clip.sound->packets) add(container::kSoundTrack, packet.time_ns, true, packet.bytes);
+    std::ranges::stable_sort(payloads, {}, &Payload::time_ns);
+  }
   return payloads;
 }
 

@@ -25,6 +25,8 @@ constexpr const char* kApplication = "Kinora";
 constexpr std::uint64_t kSubtitle = 0x11;
 constexpr std::uint64_t kVideo = 1;
 constexpr std::uint64_t kSound = 2;
+constexpr const char* kOpusCodec = "A_OPUS";
+constexpr std::uint64_t kOpusPreRollNs = 80'000'000; // RFC 7845, section 4.6
 
 template <class Child> void set_uint(EbmlMaster& parent, std::uint64_t value) {
   static_cast<EbmlUInteger&>(GetChild<Child>(parent)).SetValue(value);
@@ -61,10 +63,11 @@ void fill_media(KaxTrackEntry& entry, const MediaFormat& media) {
     set_uint<KaxVideoPixelHeight>(video, static_cast<std::uint64_t>(media.height));
     return;
   }
+  if (media.delay_ns > 0) set_uint<KaxCodecDelay>(entry, static_cast<std::uint64_t>(media.delay_ns));
   auto& audio = GetChild<KaxTrackAudio>(entry);
   static_cast<EbmlFloat&>(GetChild<KaxAudioSamplingFreq>(audio)).SetValue(media.sampling_rate);
   set_uint<KaxAudioChannels>(audio, static_cast<std::uint64_t>(media.channels));
-  set_uint<KaxAudioBitDepth>(audio, static_cast<std::uint64_t>(media.bits));
+  if (media.bits > 0) set_uint<KaxAudioBitDepth>(audio, static_cast<std::uint64_t>(media.bits));
 }
 
 void add_tag(KaxTag& tag, const std::string& name, const std::string& value) {
@@ -108,6 +111,7 @@ void fill_tracks(KaxTracks& tracks, const FileHead& head) {
     if (!track.media) set_bytes<KaxCodecPrivate>(entry, wrap_private(track));
     if (track.media && !track.private_data.empty()) set_bytes<KaxCodecPrivate>(entry, track.private_data);
     if (track.media) fill_media(entry, *track.media);
+    if (track.codec == kOpusCodec) set_uint<KaxSeekPreRoll>(entry, kOpusPreRollNs);
     entry.SetGlobalTimecodeScale(kTimestampScaleNs);
   }
 }

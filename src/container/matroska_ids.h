@@ -33,6 +33,7 @@ inline constexpr std::uint32_t kTrackName = 0x536E;
 inline constexpr std::uint32_t kCodecId = 0x86;
 inline constexpr std::uint32_t kCodecPrivate = 0x63A2;
 inline constexpr std::uint32_t kDefaultDuration = 0x23E383;
+inline constexpr std::uint32_t kCodecDelay = 0x56AA;
 inline constexpr std::uint32_t kVideo = 0xE0;
 inline constexpr std::uint32_t kPixelWidth = 0xB0;
 inline constexpr std::uint32_t kPixelHeight = 0xBA;

@@ -20,6 +20,7 @@ struct MediaFormat {
   int channels = 0;
   int bits = 0;                 ///< of a sample
   std::int64_t duration_ns = 0; ///< nominal, of a frame
+  std::int64_t delay_ns = 0;    ///< of sound: decoded at the beginning and not heard (CodecDelay)
 };
 
 /// A track of payloads of one kind; or of blocks of a codec that any player understands.

@@ -79,8 +79,15 @@ StoredTrack parse_track(ByteSource& source, const Element& entry) {
     case ids::kDefaultDuration:
       media.duration_ns = static_cast<std::int64_t>(read_uint(source, child));
       break;
-    case ids::kVideo:
+    case ids::kCodecDelay:
+      media.delay_ns = static_cast<std::int64_t>(read_uint(source, child));
+      break;
     case ids::kAudio:
+      media.sampling_rate = 8000; // what holds where nothing is said: RFC 9559, section 5.1.4.1.29
+      media.channels = 1;
+      parse_media(source, child, media);
+      break;
+    case ids::kVideo:
       parse_media(source, child, media);
       break;
     case ids::kContentEncodings:

@@ -22,12 +22,14 @@ constexpr Capability kCapabilities[] = {
     {KINORA_READS_CONFIDENCE, "read-confidence"},
     {KINORA_READS_INFRARED, "read-infrared"},
     {KINORA_READS_DEVICE, "read-device"},
+    {KINORA_READS_SOUND, "read-sound"},
     {KINORA_WRITES_FRAMES, "write-frames"},
     {KINORA_WRITES_TIMES, "write-times"},
     {KINORA_WRITES_POSES, "write-poses"},
     {KINORA_WRITES_MASKS, "write-masks"},
     {KINORA_WRITES_INFRARED, "write-infrared"},
     {KINORA_WRITES_DEPTH_CAMERA, "write-depth-camera"},
+    {KINORA_WRITES_SOUND, "write-sound"},
     {KINORA_WRITES_PICTURES, "write-pictures"},
     {KINORA_WRITES_FILM, "write-film"},
     {KINORA_WRITES_ALPHA, "write-alpha"},
@@ -73,6 +75,10 @@ std::string fault_of_writing(const KinoraFormat& format) {
   if (supports(format, KINORA_WRITES_FRAMES) && (format.struct_size < offsetof(KinoraFormat, writer_facts) ||
                                                  format.writer_capture == nullptr || format.writer_frame == nullptr))
     return " lacks writer_capture or writer_frame";
+  if (supports(format, KINORA_WRITES_SOUND) &&
+      (format.struct_size < sizeof(KinoraFormat) || format.writer_sound == nullptr ||
+       format.writer_sound_packet == nullptr))
+    return " lacks writer_sound or writer_sound_packet";
   return {};
 }
 
@@ -104,6 +110,10 @@ std::string fault_of(const KinoraFormat* format) {
                 format->reader_next == nullptr || format->reader_close == nullptr))
     return name + " lacks a function for reading";
   if (reads && supports(*format, KINORA_SEEKS) && format->reader_seek == nullptr) return name + " lacks reader_seek";
+  if (reads && supports(*format, KINORA_READS_SOUND) &&
+      (format->struct_size < offsetof(KinoraFormat, writer_sound) || format->reader_sound == nullptr ||
+       format->reader_sound_packet == nullptr))
+    return name + " lacks reader_sound or reader_sound_packet";
   const std::string fault = writes_anything(*format) ? fault_of_writing(*format) : "";
   return fault.empty() ? fault : name + fault;
 }

@@ -111,6 +111,25 @@ std::optional<ReadFrame> FrameReader::read_next() {
   return read;
 }
 
+std::optional<KinoraSound> FrameReader::sound() {
+  if (!supports(*format_, KINORA_READS_SOUND)) return std::nullopt;
+  auto message = make_struct<KinoraMessage>();
+  auto sound = make_struct<KinoraSound>();
+  const KinoraStatus status = format_->reader_sound(reader_.get(), &sound, &message);
+  if (status == KINORA_END) return std::nullopt;
+  if (status != KINORA_OK) throw error_of(status, message, format_->name);
+  return sound;
+}
+
+std::optional<KinoraSoundPacket> FrameReader::next_sound() {
+  auto message = make_struct<KinoraMessage>();
+  auto packet = make_struct<KinoraSoundPacket>();
+  const KinoraStatus status = format_->reader_sound_packet(reader_.get(), &packet, &message);
+  if (status == KINORA_END) return std::nullopt;
+  if (status != KINORA_OK) throw error_of(status, message, format_->name);
+  return packet;
+}
+
 void FrameReader::seek(std::int64_t index) {
   if (index == position_) return;
   if (supports(*format_, KINORA_SEEKS)) {

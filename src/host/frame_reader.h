@@ -38,6 +38,11 @@ public:
   void seek(std::int64_t index);
   /// Index of the frame that comes next.
   std::int64_t position() const { return position_; }
+  /// What the packets of the capture's sound are; nothing if it has none. Valid as long as the reader.
+  std::optional<KinoraSound> sound();
+  /// The next packet of sound, from the beginning on, whichever frames were read; valid until the next call. Nothing at
+  /// the end. Throws Error when it cannot be read any further.
+  std::optional<KinoraSoundPacket> next_sound();
   /// From now on frames come as this device gives them, and end with it.
   void replay(std::shared_ptr<SimulatedDevice> device) { device_ = std::move(device); }
 

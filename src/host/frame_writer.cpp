@@ -30,4 +30,16 @@ std::string FrameWriter::write(const KinoraFrame& frame) {
   return error.what();
 }
 
+void FrameWriter::set_sound(const KinoraSound& sound) {
+  auto message = make_struct<KinoraMessage>();
+  const KinoraStatus status = format_->writer_sound(writer_.get(), &sound, &message);
+  if (status != KINORA_OK) throw error_of(status, message, format_->name);
+}
+
+void FrameWriter::write_sound(const KinoraSoundPacket& packet) {
+  auto message = make_struct<KinoraMessage>();
+  const KinoraStatus status = format_->writer_sound_packet(writer_.get(), &packet, &message);
+  if (status != KINORA_OK) throw error_of(status, message, format_->name);
+}
+
 } // namespace kinora::host

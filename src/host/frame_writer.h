@@ -21,6 +21,10 @@ public:
   /// Empty, or why the frame does not fit those before and is left out. Images that the format has no place for are
   /// dropped. Throws Error, normally kUnwritableOutput.
   std::string write(const KinoraFrame& frame);
+  /// Sound: what its packets will be, before the first frame, and each before the first frame that is later. Only for
+  /// formats that write it (KINORA_WRITES_SOUND).
+  void set_sound(const KinoraSound& sound);
+  void write_sound(const KinoraSoundPacket& packet);
   /// Completes the output. Nothing may be written afterwards.
   void finish() { finish_writer(*format_, writer_); }
 

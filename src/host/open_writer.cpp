@@ -26,7 +26,8 @@ WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, c
 }
 
 void describe_output(const KinoraFormat& format, const WriterHandle& writer, const Facts& facts) {
-  if (facts.empty() || format.struct_size < sizeof(KinoraFormat) || format.writer_facts == nullptr) return;
+  if (facts.empty() || format.struct_size < offsetof(KinoraFormat, reader_sound) || format.writer_facts == nullptr)
+    return;
   std::vector<KinoraOptionValue> given;
   for (const auto& [name, value] : facts) given.push_back({name.c_str(), value.c_str()});
   auto message = make_struct<KinoraMessage>();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ std::string text_of_size(int width, int height) { return fmt::format("{}x{}", wi
 } // namespace
 
 Recorder::Recorder(const std::filesystem::path& path, const recording::Description& description,
-                   const KinoraFrame& first)
+                   const KinoraFrame& first, const container::Track* sound)
     : description_(description), jpeg_(first.color_jpeg != nullptr) {
   container::FileHead head;
   head.kind = recording::kRecordingKind;
@@ -41,6 +42,11 @@ Recorder::Recorder(const std::filesystem::path& path, const recording::Descripti
     const auto stream = static_cast<Stream>(s);
     const bool wanted = image_of(first, stream).data != nullptr || (stream == Stream::kLabels && description.has_masks);
     if (wanted) head.tracks.push_back(track_of(stream, stream == Stream::kColor && jpeg_));
+  }
+  if (sound != nullptr) {
+    head.tracks.push_back(*sound);
+    head.tracks.back().id = container::kSoundTrack;
+    head.tracks.back().name = container::kCaptureSoundName;
   }
   head.tracks.push_back({recording::kFrameTrack, recording::kFrameCodec, "capture frames", {}, std::nullopt});
   const std::string json = recording::to_json(description);
@@ -139,8 +145,19 @@ bool Recorder::write(const KinoraFrame& frame, const Arrival& arrival) {
     writer_->write(track_id(picture.stream), time_ns, true, picture.bytes);
     record.parts.push_back({picture.stream, container::crc32c(picture.bytes)});
   }
-  writer_->write(recording::kFrameTrack, time_ns, true, recording::encode_record(record));
+  write_record(record, time_ns);
   return true;
+}
+
+void Recorder::write_record(recording::FrameRecord& record, std::int64_t time_ns) {
+  record.sound = std::exchange(sound_, {});
+  writer_->write(recording::kFrameTrack, time_ns, true, recording::encode_record(record));
+}
+
+void Recorder::write_sound(const container::Payload& packet) {
+  last_time_ns_ = std::max(last_time_ns_, packet.time_ns);
+  writer_->write(container::kSoundTrack, last_time_ns_, true, packet.bytes);
+  sound_.push_back(container::crc32c(packet.bytes));
 }
 
 void Recorder::write_problem(std::int64_t index, double time, const std::string& problem, const Arrival& arrival) {
@@ -150,7 +167,7 @@ void Recorder::write_problem(std::int64_t index, double time, const std::string&
   record.index = index;
   record.time = std::isfinite(time) ? time : description_.start_time;
   record.problem = problem;
-  writer_->write(recording::kFrameTrack, block_time(record.time), true, recording::encode_record(record));
+  write_record(record, block_time(record.time));
 }
 
 } // namespace kinora::record

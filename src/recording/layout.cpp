@@ -23,6 +23,7 @@ constexpr std::uint8_t kHasHostTime = 2;
 constexpr std::size_t kFixedBytes = 40;
 constexpr std::size_t kPoseBytes = 16 * sizeof(double);
 constexpr std::size_t kPartBytes = 8;
+constexpr std::uint32_t kSoundPart = 5; // where parts say their stream
 
 Json json_of(const KinoraCamera& camera) {
   return {{"width", camera.width},
@@ -125,7 +126,7 @@ container::Bytes encode_record(const FrameRecord& record) {
   put(out, kRecordVersion);
   put(out,
       static_cast<std::uint8_t>((record.camera_to_world ? kHasPose : 0) | (record.host_time_ns ? kHasHostTime : 0)));
-  put(out, static_cast<std::uint16_t>(record.parts.size()));
+  put(out, static_cast<std::uint16_t>(record.parts.size() + record.sound.size()));
   put(out, record.dropped_before);
   put(out, record.index);
   put(out, record.time);
@@ -136,6 +137,10 @@ container::Bytes encode_record(const FrameRecord& record) {
   for (const Part& part : record.parts) {
     put(out, static_cast<std::uint32_t>(part.stream));
     put(out, part.checksum);
+  }
+  for (const std::uint32_t checksum : record.sound) {
+    put(out, kSoundPart);
+    put(out, checksum);
   }
   for (const char letter : record.problem) out.push_back(static_cast<std::byte>(letter));
   return out;
@@ -168,6 +173,7 @@ FrameRecord decode_record(std::span<const std::byte> bytes, const std::string& l
   for (std::size_t i = 0; i < parts; ++i, at += kPartBytes) {
     const auto stream = get<std::uint32_t>(bytes, at);
     if (stream < kStreams) record.parts.push_back({static_cast<Stream>(stream), get<std::uint32_t>(bytes, at + 4)});
+    if (stream == kSoundPart) record.sound.push_back(get<std::uint32_t>(bytes, at + 4));
   }
   record.problem.assign(reinterpret_cast<const char*>(bytes.data()) + at, bytes.size() - at);
   if (!std::isfinite(record.time)) fail("has a time that is no number");

@@ -70,7 +70,8 @@ struct FrameRecord {
   std::optional<std::array<double, 16>> camera_to_world;
   std::uint32_t dropped_before = 0; ///< frames between the one before and this one that are not recorded
   std::vector<Part> parts;
-  std::string problem; ///< why the source could not give the frame; then there are no parts
+  std::vector<std::uint32_t> sound; ///< CRC-32C of each packet of sound since the frame before
+  std::string problem;              ///< why the source could not give the frame; then there are no parts
 };
 
 container::Bytes encode_record(const FrameRecord& record);

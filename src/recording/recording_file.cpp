@@ -56,6 +56,8 @@ void RecordingFile::find_tracks() {
   for (std::size_t i = 0; i < reader_.tracks().size(); ++i) {
     const container::StoredTrack& stored = reader_.tracks()[i];
     if (stored.ours && stored.track.codec == kFrameCodec) frame_track_ = i;
+    const bool is_sound = stored.type == container::kSoundType && !stored.encoded_again && !stored.ours;
+    if (is_sound && (!sound_track_ || stored.track.name == container::kCaptureSoundName)) sound_track_ = i;
     if (stored.ours || (stored.track.codec != kFfv1Codec && stored.track.codec != kMjpegCodec)) continue;
     for (std::size_t s = 0; s < kStreams; ++s)
       if (stored.track.name == track_name(static_cast<Stream>(s))) tracks_.emplace(static_cast<Stream>(s), i);
@@ -74,6 +76,11 @@ void RecordingFile::read_structure() {
       const container::Payload payload = reader_.read_payload(block);
       const std::string location = fmt::format("{}: byte {}", reader_.name(), payload.offset);
       frames_.push_back({decode_record(payload.bytes, location), block.time_ns});
+      const std::vector<std::uint32_t>& sound = frames_.back().record.sound;
+      sound_checksums_.insert(sound.begin(), sound.end());
+      sound_packets_named_ += sound.size();
+    } else if (block.track == sound_track_) {
+      if (!block.laced) sound_blocks_.push_back(block);
     } else if (!stored.ours && !block.laced) {
       blocks_.emplace(Place{block.track, block.time_ns}, block);
     }
@@ -109,6 +116,23 @@ std::optional<StoredPicture> RecordingFile::read(std::size_t frame, Stream strea
   throw_lost(frame, stream, found ? "is damaged" : "is lost");
 }
 
+const container::Track* RecordingFile::sound_track() const {
+  return sound_track_ ? &reader_.tracks()[*sound_track_].track : nullptr;
+}
+
+container::Payload RecordingFile::read_sound(std::size_t packet) {
+  const container::StoredBlock& block = sound_blocks_[packet];
+  container::Payload payload{container::kSoundTrack, block.time_ns, true, reader_.read_block(block)};
+  if (sound_packets_named_ > 0 && !sound_checksums_.contains(container::crc32c(payload.bytes)))
+    throw Error(ErrorCode::kCorruptInput,
+                fmt::format("{}: byte {}: a packet of sound is damaged", reader_.name(), block.offset));
+  return payload;
+}
+
+std::size_t RecordingFile::lost_sound_packets() const {
+  return sound_packets_named_ - std::min(sound_packets_named_, sound_blocks_.size());
+}
+
 std::vector<std::byte> RecordingFile::decode(std::size_t frame, Stream stream, const PictureShape& shape,
                                              const container::Bytes& bytes) {
   auto& [known_shape, decoder] = decoders_[stream];
@@ -132,6 +156,19 @@ static std::int64_t frames_missing_between(const FrameRecord& before, const Fram
   return after.index - before.index - 1 - static_cast<std::int64_t>(after.dropped_before);
 }
 
+static void check_sound(RecordingFile& file, std::vector<std::string>& damaged) {
+  for (std::size_t i = 0; i < file.sound_packet_count(); ++i) {
+    try {
+      file.read_sound(i);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCorruptInput) throw;
+      damaged.emplace_back(error.what());
+    }
+  }
+  if (const std::size_t lost = file.lost_sound_packets(); lost > 0)
+    damaged.push_back(fmt::format("the recording lacks {} packets of sound", lost));
+}
+
 std::vector<std::string> check_recording(RecordingFile& file, const std::function<void(std::size_t)>& before_frame) {
   std::vector<std::string> damaged;
   for (std::size_t i = 0; i < file.frame_count(); ++i) {
@@ -151,6 +188,7 @@ std::vector<std::string> check_recording(RecordingFile& file, const std::functio
       damaged.emplace_back(error.what());
     }
   }
+  check_sound(file, damaged);
   return damaged;
 }
 

@@ -5,8 +5,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <unordered_set>
 
 #include "container/reader.h"
+#include "container/sound.h"
 #include "recording/layout.h"
 #include "recording/lossless_video.h"
 
@@ -40,6 +42,16 @@ public:
   std::uint64_t file_bytes() const { return reader_.file_bytes(); }
   bool has(Stream stream) const { return tracks_.contains(stream); }
 
+  /// What its packets of sound are; null if it has none.
+  const container::Track* sound_track() const;
+  /// In the file's order.
+  std::size_t sound_packet_count() const { return sound_blocks_.size(); }
+  /// A packet of sound, its time from the description's start. Throws Error(kCorruptInput) if it is damaged: no
+  /// frame's record knows it. Sound that somebody else has put into the file is given as it is.
+  container::Payload read_sound(std::size_t packet);
+  /// Packets of which nothing is there.
+  std::size_t lost_sound_packets() const;
+
   /// The bytes of a picture, checked. Nothing if the frame has none. Throws Error(kCorruptInput), naming the frame.
   std::optional<StoredPicture> read(std::size_t frame, Stream stream);
   /// The pixels of an FFV1 picture. Throws Error(kCorruptInput), naming the frame; kMissingComponent.
@@ -61,14 +73,19 @@ private:
   Description description_;
   std::optional<std::size_t> frame_track_;
   std::multimap<Stream, std::size_t> tracks_;
+  std::optional<std::size_t> sound_track_;
   std::vector<Frame> frames_;
   std::multimap<Place, container::StoredBlock> blocks_;
+  std::vector<container::StoredBlock> sound_blocks_;
+  std::unordered_set<std::uint32_t> sound_checksums_; ///< of all packets that frames' records name
+  std::size_t sound_packets_named_ = 0;
   std::map<std::string, std::uint64_t> bytes_by_track_;
   std::map<Stream, std::pair<PictureShape, std::unique_ptr<LosslessDecoder>>> decoders_;
 };
 
-/// Every picture of every frame, read, checked and decoded. Returns a sentence for each frame that is damaged, and for
-/// each gap in the frames' numbers that the camera's own losses do not explain.
+/// Every picture of every frame, read, checked and decoded, and every packet of sound. Returns a sentence for each
+/// frame that is damaged, for each gap in the frames' numbers that the camera's own losses do not explain, and for
+/// sound that is damaged or missing.
 std::vector<std::string> check_recording(RecordingFile& file, const std::function<void(std::size_t)>& before_frame);
 
 /// The shape that a stream's pictures have.

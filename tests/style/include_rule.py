@@ -26,6 +26,7 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "player/window": ["player"],
 }
 MAKE = {  # from a capture to a clip
+    "sound": ["container", "include/kinora"],
     "recording": ["container", "include/kinora"],  # what its file holds, and reading it
     "host": ["core", "include/kinora"],
     "ingest/frame": ["core"],
@@ -57,15 +58,16 @@ MAKE = {  # from a capture to a clip
 LOOK = {  # at what was made
     "evaluate": ["player", "ingest/joints"],
     "bake": ["clip", "fields/network", "motion/skinning", "host"],
-    "cli": ["encode/live", "evaluate", "bake", "record", "player/http", "player/window"],
+    "cli": ["encode/live", "evaluate", "bake", "record", "sound", "player/http", "player/window"],
 }
 FORMATS = {
     "include/kinora": [],  # what is installed stands alone
     "formats/common": ["core", "include/kinora"],
     "formats/kinora_clip": ["formats/common", "player"],
-    "formats/kinora_recording": ["formats/common", "record"],
+    "formats/kinora_recording": ["formats/common", "record", "sound"],
+    "formats/video_pair": ["formats/common", "sound"],
     "formats/*": ["formats/common"],  # one folder per format; none sees another
-    "formats": ["formats/*", "formats/kinora_clip", "formats/kinora_recording"],  # the table of the formats that come with Kinora
+    "formats": ["formats/*", "formats/kinora_clip", "formats/kinora_recording", "formats/video_pair"],  # the table of the formats that come with Kinora
 }
 RULES = PLAY | MAKE | LOOK | FORMATS
 
@@ -77,7 +79,7 @@ ONE_USER = {
     "httplib.h": re.compile(r"src/player/http/.*"),
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
-    "libav": re.compile(r"(formats/(mp4|video)/.*|src/recording/ffv1_module\.cpp)"),
+    "libav": re.compile(r"(formats/(mp4|video)/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
     "libfreenect": re.compile(r"formats/freenect/.*"),
     "tiny_gltf.h": re.compile(r"formats/gltf_scene/gltf_library\.h"),
     "OpenEXR/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
