@@ -58,8 +58,10 @@ Intrinsics OniReader::camera_of_stream(const OniStream& stream, double focal_len
 void OniReader::pair_pictures() {
   std::vector<OniPicture>& colors = color_stream_.pictures;
   std::vector<OniPicture>& depths = depth_stream_.pictures;
-  const bool sorted = put_in_order(colors) | put_in_order(depths);
-  if (sorted) warnings_.push_back(file_.name() + ": pictures are out of order; frames are taken in order of time");
+  const bool color_moved = put_in_order(colors);
+  const bool depth_moved = put_in_order(depths);
+  if (color_moved || depth_moved)
+    warnings_.push_back(file_.name() + ": pictures are out of order; frames are taken in order of time");
   for (const auto& [color, depth] : pair_by_time(times_of(colors), times_of(depths), kMaxTimeDifference))
     frames_.push_back({colors[color].time, colors[color], depths[depth]});
   if (frames_.empty())
