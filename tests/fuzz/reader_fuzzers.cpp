@@ -137,7 +137,7 @@ void unpack_rvl(std::span<const std::byte> input) { (void)formats::unpack_rvl(in
 std::vector<Bytes> rvls() {
   const std::uint32_t words[] = {2, 2, 0x12A10100U};
   const auto bytes = std::as_bytes(std::span(words));
-  return {{bytes.begin(), bytes.end()}};
+  return {{bytes.begin(), bytes.end()}, contents_of(fs::path(KINORA_ROS_SAMPLES) / "image_transport.rvl")};
 }
 
 } // namespace
