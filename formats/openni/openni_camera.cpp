@@ -82,7 +82,7 @@ void OpenNiCamera::fail(const std::string& why) const {
 
 std::string OpenNiCamera::uri() const {
   const std::size_t colon = address_.find(':');
-  const std::string name = colon == std::string::npos ? "" : address_.substr(colon + 1);
+  std::string name = colon == std::string::npos ? "" : address_.substr(colon + 1);
   int number = 0;
   const auto [stopped, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   const bool is_number = error == std::errc() && stopped == name.data() + name.size();

@@ -1,4 +1,5 @@
 // OpenEXR files as a capture: those of Kinora, and those that others write.
+#include <algorithm>
 #include <list>
 
 #include <gtest/gtest.h>
