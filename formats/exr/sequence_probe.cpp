@@ -87,7 +87,9 @@ std::vector<std::string> exr_channel_names(const fs::path& path) {
     const std::string type = zero_ended(reader);
     const auto value = reader.bytes(reader.number<std::uint32_t>());
     check_length(type, {value, path.string() + ": the attribute " + name});
-    if (name == "channels" && channels.empty()) channels = names_of({value, path.string()});
+    if (type != "chlist") continue;
+    std::vector<std::string> names = names_of({value, path.string()}); // of each list, for its length
+    if (name == "channels" && channels.empty()) channels = std::move(names);
   }
   if (channels.empty()) reader.fail("has no channels");
   return channels;
