@@ -71,7 +71,10 @@ function(kinora_module name)
   set(exports ${PROJECT_SOURCE_DIR}/cmake/module.map)
   add_library(${target} MODULE ${arg_SOURCES})
   target_link_libraries(${target} PRIVATE kinora_flags ${arg_LINK} Eigen3::Eigen)
-  target_link_options(${target} PRIVATE LINKER:--version-script=${exports} LINKER:-z,defs)
+  target_link_options(${target} PRIVATE LINKER:--version-script=${exports})
+  if(NOT KINORA_SANITIZE) # Clang's sanitizers are in the program that loads the module
+    target_link_options(${target} PRIVATE LINKER:-z,defs)
+  endif()
   set_target_properties(
     ${target} PROPERTIES PREFIX "" OUTPUT_NAME ${name} DEFINE_SYMBOL "" LINK_DEPENDS ${exports}
                          LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/kinora)

@@ -12,6 +12,7 @@
 #include "kinora_recording/format.h"
 #include "mp4/format.h"
 #include "obj/format.h"
+#include "openni/format.h"
 #include "openvdb/format.h"
 #include "ply/format.h"
 #include "png/format.h"
@@ -25,11 +26,12 @@
 const KinoraPlugin* kinora_builtin_plugin() {
   using namespace kinora::formats;
   static const KinoraFormat* const formats[] = {
-      &kTumFormat,          &kNumberedFormat,   &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
-      &kRecordingFormat,    &kClipFormat,       &kStrayFormat,       &kVideoPairFormat, &kAzureKinectFormat,
-      &kRecord3dFormat,     &kRosBagFormat,     &kMcapFormat,        &kPngFormat,       &exr_sequence_format(),
-      &gltf_scene_format(), &freenect_format(), &exr_format(),       &mp4_format(),     &kGltfFormat,
-      &kUsdFormat,          &kPlyFormat,        &kObjFormat,         &openvdb_format(), &kDataSetFormat};
+      &kTumFormat,       &kNumberedFormat,     &kThreeDMatchFormat, &kM3tFormat,       &kTransformsFormat,
+      &kRecordingFormat, &kClipFormat,         &kStrayFormat,       &kVideoPairFormat, &kAzureKinectFormat,
+      &kRecord3dFormat,  &kRosBagFormat,       &kMcapFormat,        &kPngFormat,       &exr_sequence_format(),
+      &kOniFormat,       &gltf_scene_format(), &freenect_format(),  &openni_format(),  &exr_format(),
+      &mp4_format(),     &kGltfFormat,         &kUsdFormat,         &kPlyFormat,       &kObjFormat,
+      &openvdb_format(), &kDataSetFormat};
   static const KinoraPlugin plugin = {sizeof(KinoraPlugin), KINORA_PLUGIN_ABI, "built-in", "", formats,
                                       std::size(formats)};
   return &plugin;

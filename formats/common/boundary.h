@@ -19,6 +19,20 @@ template <class Struct> constexpr Struct make_struct() {
   return made;
 }
 
+/// A format as it is listed, without functions.
+template <std::size_t count>
+constexpr KinoraFormat describe(const char* name, const char* description, const char* extensions,
+                                std::uint64_t capabilities, const KinoraOption (&options)[count]) {
+  auto format = make_struct<KinoraFormat>();
+  format.name = name;
+  format.description = description;
+  format.extensions = extensions;
+  format.capabilities = capabilities;
+  format.options = options;
+  format.option_count = count;
+  return format;
+}
+
 inline KinoraStatus status_of(ErrorCode code) {
   switch (code) {
   case ErrorCode::kUsage:

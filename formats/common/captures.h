@@ -65,6 +65,13 @@ constexpr void set_reader(KinoraFormat& format) {
   format.reader_close = [](KinoraReader* reader) { delete reinterpret_cast<Reader*>(reader); };
 }
 
+/// The format with these functions.
+template <class Reader, std::unique_ptr<Reader> (*open)(const char* path, const OptionMap& options)>
+constexpr KinoraFormat with_reader(KinoraFormat format) {
+  set_reader<Reader, open>(format);
+  return format;
+}
+
 /// Writer has set_capture(const KinoraCaptureInfo&), write(const KinoraFrame&), which returns why a frame is left out
 /// (empty: it is not), and finish(). If it has a place for sound: set_sound(const KinoraSound&) and
 /// write_sound(const KinoraSoundPacket&).

@@ -66,4 +66,12 @@ template <const FormatModule& module> KinoraFormat deferred_format(KinoraFormat 
   return format;
 }
 
+/// As deferred_format, of live cameras.
+template <const FormatModule& module> KinoraFormat deferred_camera(KinoraFormat format) {
+  format.probe = [](const char* /*path*/, KinoraProbe* answer) {
+    answer_probe(answer, 0, std::string("no file, but a camera: name it ") + module.format + ":0");
+  };
+  return deferred_format<module>(format);
+}
+
 } // namespace kinora::formats

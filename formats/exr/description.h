@@ -1,8 +1,6 @@
 // What the OpenEXR formats say of themselves.
 #pragma once
 
-#include <iterator>
-
 #include "common/boundary.h"
 
 namespace kinora::formats {
@@ -14,16 +12,11 @@ inline constexpr KinoraOption kExrOptions[] = {
 
 /// Without functions.
 constexpr KinoraFormat exr_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "exr";
-  format.description =
-      "OpenEXR pictures: linear half RGBA with float Z, label id, normals N, confidence and the camera";
-  format.extensions = ".exr";
-  format.capabilities = KINORA_WRITES_PICTURES | KINORA_WRITES_ALPHA | KINORA_WRITES_METRIC_DEPTH |
-                        KINORA_WRITES_NORMALS | KINORA_WRITES_CONFIDENCE | KINORA_WRITES_LABELS | KINORA_WRITES_CAMERAS;
-  format.options = kExrOptions;
-  format.option_count = std::size(kExrOptions);
-  return format;
+  return describe(
+      "exr", "OpenEXR pictures: linear half RGBA with float Z, label id, normals N, confidence and the camera", ".exr",
+      KINORA_WRITES_PICTURES | KINORA_WRITES_ALPHA | KINORA_WRITES_METRIC_DEPTH | KINORA_WRITES_NORMALS |
+          KINORA_WRITES_CONFIDENCE | KINORA_WRITES_LABELS | KINORA_WRITES_CAMERAS,
+      kExrOptions);
 }
 
 inline constexpr KinoraOption kExrSequenceOptions[] = {
@@ -32,16 +25,11 @@ inline constexpr KinoraOption kExrSequenceOptions[] = {
 
 /// Without functions but those that are given.
 constexpr KinoraFormat exr_sequence_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "exr-sequence";
-  format.description = "folder of OpenEXR files with colour and depth (R G B Z), one for each frame";
-  format.extensions = "";
-  format.capabilities = KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS |
-                        KINORA_READS_CONFIDENCE | KINORA_READS_INFRARED | KINORA_WRITES_FRAMES | KINORA_WRITES_TIMES |
-                        KINORA_WRITES_POSES | KINORA_WRITES_MASKS | KINORA_WRITES_INFRARED | KINORA_WRITES_CONFIDENCE;
-  format.options = kExrSequenceOptions;
-  format.option_count = std::size(kExrSequenceOptions);
-  return format;
+  return describe("exr-sequence", "folder of OpenEXR files with colour and depth (R G B Z), one for each frame", "",
+                  KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS |
+                      KINORA_READS_CONFIDENCE | KINORA_READS_INFRARED | KINORA_WRITES_FRAMES | KINORA_WRITES_TIMES |
+                      KINORA_WRITES_POSES | KINORA_WRITES_MASKS | KINORA_WRITES_INFRARED | KINORA_WRITES_CONFIDENCE,
+                  kExrSequenceOptions);
 }
 
 } // namespace kinora::formats

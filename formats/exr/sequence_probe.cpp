@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string_view>
 
 #include "common/boundary.h"
 #include "common/byte_reader.h"
@@ -25,6 +26,37 @@ std::string zero_ended(ByteReader& reader) {
   return text;
 }
 
+struct FixedSize {
+  std::string_view type;
+  std::uint32_t bytes;
+};
+constexpr FixedSize kFixedSizes[] = {{"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+                                     {"compression", 1}, {"double", 8},   {"envmap", 1},
+                                     {"float", 4},       {"int", 4},      {"keycode", 28},
+                                     {"lineOrder", 1},   {"m33f", 36},    {"m44f", 64},
+                                     {"m33d", 72},       {"m44d", 128},   {"rational", 8},
+                                     {"timecode", 8},    {"tiledesc", 9}, {"v2i", 8},
+                                     {"v2f", 8},         {"v2d", 16},     {"v3i", 12},
+                                     {"v3f", 12},        {"v3d", 24},     {"deepImageState", 1}};
+
+/// Throws Error(kCorruptInput) if a value is not as long as its attribute says: the library reads what its type needs,
+/// would go on in the middle of another attribute, and believe whatever size it finds there.
+void check_length(const std::string& type, ByteReader value) {
+  constexpr std::uint32_t kMaxUnpacked = 1U << 26;
+  const auto* fixed = std::ranges::find(kFixedSizes, type, &FixedSize::type);
+  if (fixed != std::end(kFixedSizes)) value.bytes(fixed->bytes);
+  if (type == "stringvector")
+    while (value.left() > 0) value.bytes(value.number<std::uint32_t>());
+  if (type == "preview") {
+    const std::uint64_t width = value.number<std::uint32_t>();
+    const std::uint64_t pixels = width * value.number<std::uint32_t>();
+    value.bytes(pixels > value.left() ? pixels : 4 * pixels);
+  }
+  if (type == "idmanifest" && value.number<std::uint32_t>() > kMaxUnpacked) value.fail("its manifest is absurd");
+  const bool as_long_as_told = fixed == std::end(kFixedSizes) && type != "preview";
+  if (!as_long_as_told && value.left() > 0) value.fail("it is longer than a " + type);
+}
+
 /// The names in a channel list. Source: "OpenEXR File Layout", "Structure".
 std::vector<std::string> names_of(ByteReader list) {
   constexpr std::uint64_t kChannelBytes = 16; // what follows a name
@@ -33,6 +65,7 @@ std::vector<std::string> names_of(ByteReader list) {
     names.push_back(name);
     list.bytes(kChannelBytes);
   }
+  if (list.left() > 0) list.fail("the list of channels is longer than its channels");
   return names;
 }
 
@@ -51,9 +84,12 @@ std::vector<std::string> exr_channel_names(const fs::path& path) {
     if (name.empty() && (!many || !in_part)) break;
     in_part = !name.empty();
     if (!in_part) continue;
-    zero_ended(reader); // type
+    const std::string type = zero_ended(reader);
     const auto value = reader.bytes(reader.number<std::uint32_t>());
-    if (name == "channels" && channels.empty()) channels = names_of({value, path.string()});
+    check_length(type, {value, path.string() + ": the attribute " + name});
+    if (type != "chlist") continue;
+    std::vector<std::string> names = names_of({value, path.string()}); // of each list, for its length
+    if (name == "channels" && channels.empty()) channels = std::move(names);
   }
   if (channels.empty()) reader.fail("has no channels");
   return channels;

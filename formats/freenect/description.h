@@ -1,8 +1,6 @@
 // What the format of live Kinects says of itself.
 #pragma once
 
-#include <iterator>
-
 #include "common/boundary.h"
 
 namespace kinora::formats {
@@ -13,14 +11,8 @@ inline constexpr KinoraOption kFreenectOptions[] = {
 
 /// Without functions.
 constexpr KinoraFormat freenect_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "freenect";
-  format.description = "live camera: the first Kinect, as freenect:0, freenect:1, …";
-  format.extensions = "";
-  format.capabilities = KINORA_READS_FRAMES | KINORA_READS_DEVICE;
-  format.options = kFreenectOptions;
-  format.option_count = std::size(kFreenectOptions);
-  return format;
+  return describe("freenect", "live camera: the first Kinect, as freenect:0, freenect:1, …", "",
+                  KINORA_READS_FRAMES | KINORA_READS_DEVICE, kFreenectOptions);
 }
 
 } // namespace kinora::formats

@@ -8,13 +8,7 @@ namespace kinora::formats {
 static constexpr FormatModule kModule = {"freenect", "freenect", "for cameras of the first Kinect"};
 
 const KinoraFormat& freenect_format() {
-  static const KinoraFormat format = [] {
-    KinoraFormat made = deferred_format<kModule>(freenect_description());
-    made.probe = [](const char* /*path*/, KinoraProbe* answer) {
-      answer_probe(answer, 0, "no file, but a camera: name it freenect:0");
-    };
-    return made;
-  }();
+  static const KinoraFormat format = deferred_camera<kModule>(freenect_description());
   return format;
 }
 

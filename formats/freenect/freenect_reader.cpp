@@ -1,12 +1,11 @@
 #include "freenect/freenect_reader.h"
 
 #include <charconv>
-#include <chrono>
-#include <cmath>
 #include <cstring>
 
 #include <libfreenect.h>
 
+#include "common/capture_info.h"
 #include "core/error.h"
 
 namespace kinora::formats {
@@ -16,9 +15,6 @@ constexpr int kWidth = 640;
 constexpr int kHeight = 480;
 constexpr double kFramesPerSecond = 30;
 constexpr double kTicksPerSecond = 60e6; // of the camera's clock, whose 32 bits begin anew after 71 s
-constexpr double kMaxTimeDifference = 0.02;
-constexpr std::size_t kMaxWaiting = 15;
-constexpr auto kPatience = std::chrono::seconds(2);
 
 /// The number in "freenect:N".
 int number_in(const std::string& address) {
@@ -40,8 +36,7 @@ double seconds_between(std::uint32_t from, std::uint32_t to) {
 } // namespace
 
 FreenectReader::FreenectReader(const std::string& address, double seconds, double focal_length)
-    : address_(address), seconds_(seconds), focal_length_(focal_length) {
-  if (!(seconds > 0 && seconds <= 1e6)) throw Error(ErrorCode::kUsage, "seconds must lie between 0 and a million");
+    : address_(address), focal_length_(focal_length), frames_(address, seconds) {
   if (!(focal_length > 0 && focal_length < 1e5)) throw Error(ErrorCode::kUsage, "focal must be a number of pixels");
   try {
     open(number_in(address));
@@ -100,52 +95,32 @@ void FreenectReader::listen() {
   }
 }
 
+double FreenectReader::seconds_at(std::uint32_t ticks) {
+  if (last_ticks_) clock_ += seconds_between(*last_ticks_, ticks);
+  last_ticks_ = ticks;
+  return clock_;
+}
+
 void FreenectReader::take_depth(const void* pixels, std::uint32_t ticks) {
-  Stamped<DepthImage16> taken{ticks, DepthImage16(kWidth, kHeight)};
-  std::memcpy(taken.pixels.data(), pixels, taken.pixels.values().size_bytes());
-  depth_ = std::move(taken);
-  pair_up();
+  DepthImage16 depth(kWidth, kHeight);
+  std::memcpy(depth.data(), pixels, depth.values().size_bytes());
+  frames_.add(seconds_at(ticks), std::move(depth));
 }
 
 void FreenectReader::take_color(const void* pixels, std::uint32_t ticks) {
-  Stamped<ColorImage> taken{ticks, ColorImage(kWidth, kHeight, 3)};
-  std::memcpy(taken.pixels.data(), pixels, taken.pixels.values().size_bytes());
-  color_ = std::move(taken);
-  pair_up();
-}
-
-void FreenectReader::pair_up() {
-  if (!color_ || !depth_ || std::abs(seconds_between(color_->ticks, depth_->ticks)) > kMaxTimeDifference) return;
-  if (last_ticks_) clock_ += seconds_between(*last_ticks_, color_->ticks);
-  last_ticks_ = color_->ticks;
-  const std::lock_guard lock(mutex_);
-  waiting_.push_back({clock_, std::move(color_->pixels), std::move(depth_->pixels)});
-  if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
-  color_.reset();
-  depth_.reset();
-  arrived_.notify_one();
+  ColorImage color(kWidth, kHeight, 3);
+  std::memcpy(color.data(), pixels, color.values().size_bytes());
+  frames_.add(seconds_at(ticks), std::move(color));
 }
 
 void FreenectReader::fill_info(KinoraCaptureInfo& info) const {
-  info.frame_count = std::max<std::int64_t>(std::llround(seconds_ * kFramesPerSecond), 1);
-  info.start_time = 0;
-  info.frames_per_second = kFramesPerSecond;
+  frames_.fill_info(info, kFramesPerSecond);
   info.camera = camera_of({kWidth, kHeight, focal_length_, focal_length_, (kWidth - 1) / 2.0, (kHeight - 1) / 2.0}, {});
 }
 
 KinoraStatus FreenectReader::next(KinoraFrame& frame) {
-  std::unique_lock lock(mutex_);
-  if (!arrived_.wait_for(lock, kPatience, [this] { return !waiting_.empty(); }))
-    throw Error(ErrorCode::kFailure, address_ + ": the camera gives no frames any more; is it still plugged in?");
-  if (waiting_.front().time > seconds_) return KINORA_END;
-  given_ = std::move(waiting_.front());
-  waiting_.pop_front();
-  frame.index = next_++;
-  frame.time = given_.time;
-  frame.color = view_of(given_.color, KINORA_PIXEL_U8);
-  frame.depth = view_of(given_.depth, KINORA_PIXEL_U16);
   frame.depth_unit = 0.001;
-  return KINORA_OK;
+  return frames_.next(frame);
 }
 
 } // namespace kinora::formats

@@ -13,13 +13,7 @@ std::unique_ptr<FreenectReader> open_camera(const char* path, const OptionMap& o
 }
 
 /// The program's own format has the probe.
-constexpr KinoraFormat module_format() {
-  KinoraFormat format = freenect_description();
-  set_reader<FreenectReader, open_camera>(format);
-  return format;
-}
-
-constexpr KinoraFormat kFormat = module_format();
+constexpr KinoraFormat kFormat = with_reader<FreenectReader, open_camera>(freenect_description());
 
 } // namespace
 } // namespace kinora::formats

@@ -1,8 +1,6 @@
 // What the format of animated scenes says of itself.
 #pragma once
 
-#include <iterator>
-
 #include "common/boundary.h"
 
 namespace kinora::formats {
@@ -19,14 +17,8 @@ inline constexpr KinoraOption kGltfSceneOptions[] = {
 
 /// Without functions.
 constexpr KinoraFormat gltf_scene_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "gltf-scene";
-  format.description = "animated glTF or GLB before a virtual RGB-D camera: base colours, exact depth";
-  format.extensions = "";
-  format.capabilities = KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS;
-  format.options = kGltfSceneOptions;
-  format.option_count = std::size(kGltfSceneOptions);
-  return format;
+  return describe("gltf-scene", "animated glTF or GLB before a virtual RGB-D camera: base colours, exact depth", "",
+                  KINORA_READS_FRAMES | KINORA_SEEKS | KINORA_READS_POSES | KINORA_READS_MASKS, kGltfSceneOptions);
 }
 
 } // namespace kinora::formats

@@ -19,13 +19,7 @@ std::unique_ptr<SceneReader> open_scene(const char* path, const OptionMap& optio
 }
 
 /// The program's own format has the probe.
-constexpr KinoraFormat module_format() {
-  KinoraFormat format = gltf_scene_description();
-  set_reader<SceneReader, open_scene>(format);
-  return format;
-}
-
-constexpr KinoraFormat kFormat = module_format();
+constexpr KinoraFormat kFormat = with_reader<SceneReader, open_scene>(gltf_scene_description());
 
 } // namespace
 } // namespace kinora::formats

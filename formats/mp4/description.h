@@ -1,8 +1,6 @@
 // What the MP4 format says of itself.
 #pragma once
 
-#include <iterator>
-
 #include "common/boundary.h"
 
 namespace kinora::formats {
@@ -14,14 +12,8 @@ inline constexpr KinoraOption kMp4Options[] = {
 
 /// Without functions.
 constexpr KinoraFormat mp4_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "mp4";
-  format.description = "film: MP4 with H.264, or MPEG-4 part 2 where no H.264 encoder is installed; WebM with VP9";
-  format.extensions = ".mp4 .webm";
-  format.capabilities = KINORA_WRITES_PICTURES | KINORA_WRITES_FILM;
-  format.options = kMp4Options;
-  format.option_count = std::size(kMp4Options);
-  return format;
+  return describe("mp4", "film: MP4 with H.264, or MPEG-4 part 2 where no H.264 encoder is installed; WebM with VP9",
+                  ".mp4 .webm", KINORA_WRITES_PICTURES | KINORA_WRITES_FILM, kMp4Options);
 }
 
 } // namespace kinora::formats

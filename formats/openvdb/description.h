@@ -1,8 +1,6 @@
 // What the OpenVDB format says of itself.
 #pragma once
 
-#include <iterator>
-
 #include "common/boundary.h"
 #include "common/world_axes.h"
 
@@ -23,14 +21,8 @@ inline constexpr KinoraOption kOpenVdbOptions[] = {
 
 /// Without functions.
 constexpr KinoraFormat openvdb_description() {
-  auto format = make_struct<KinoraFormat>();
-  format.name = "openvdb";
-  format.description = "OpenVDB volume of one time: fog, a level set or both, and colour";
-  format.extensions = ".vdb";
-  format.capabilities = KINORA_WRITES_VOLUMES;
-  format.options = kOpenVdbOptions;
-  format.option_count = std::size(kOpenVdbOptions);
-  return format;
+  return describe("openvdb", "OpenVDB volume of one time: fog, a level set or both, and colour", ".vdb",
+                  KINORA_WRITES_VOLUMES, kOpenVdbOptions);
 }
 
 } // namespace kinora::formats

@@ -48,24 +48,15 @@ std::vector<LogReader::Stamped> LogReader::stamped_messages(const CameraTopic& t
     }
     stamped.push_back({time, i});
   }
-  const auto earlier = [](const Stamped& a, const Stamped& b) { return a.time < b.time; };
-  if (!std::is_sorted(stamped.begin(), stamped.end(), earlier)) {
+  if (put_in_order(stamped))
     topics_.warnings.push_back(messages_.name() + ": the time stamps of " + log.channels[topic.channel].topic +
                                " are out of order; frames are taken in order of time");
-    std::stable_sort(stamped.begin(), stamped.end(), earlier);
-  }
   return stamped;
 }
 
 void LogReader::pair_messages() {
   const std::vector<Stamped> colors = stamped_messages(topics_.color);
   const std::vector<Stamped> depths = stamped_messages(topics_.depth);
-  const auto times_of = [](const std::vector<Stamped>& list) {
-    std::vector<double> times;
-    times.reserve(list.size());
-    for (const Stamped& entry : list) times.push_back(entry.time);
-    return times;
-  };
   for (const auto& [color, depth] : pair_by_time(times_of(colors), times_of(depths), kMaxTimeDifference))
     frames_.push_back({colors[color].time, colors[color].message, depths[depth].message});
   if (frames_.empty())
@@ -73,10 +64,7 @@ void LogReader::pair_messages() {
   if (frames_.size() < colors.size())
     topics_.warnings.push_back(messages_.name() + ": " + std::to_string(colors.size() - frames_.size()) +
                                " colour images have no depth image within 20 ms and are left out");
-  std::vector<double> times;
-  times.reserve(frames_.size());
-  for (const Frame& frame : frames_) times.push_back(frame.time);
-  frames_per_second_ = median_rate(times);
+  frames_per_second_ = median_rate(times_of(frames_));
 }
 
 void LogReader::fill_info(KinoraCaptureInfo& info) const {

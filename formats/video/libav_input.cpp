@@ -15,6 +15,8 @@ double time_of(std::int64_t timestamp, const AVStream& stream) {
 }
 
 AvInput open_input(const std::filesystem::path& path) {
+  constexpr std::size_t kMaxBlock = std::size_t{192} << 20; // a picture of 16 bits of 8192x8192; else a size is absurd
+  av_max_alloc(kMaxBlock);
   av_log_set_level(AV_LOG_QUIET); // a library does not print; failures come back as return values
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0); // a file cannot make us open another one
@@ -25,7 +27,9 @@ AvInput open_input(const std::filesystem::path& path) {
   AvInput input(context);
   if (result >= 0) result = avformat_find_stream_info(input.get(), nullptr);
   if (result < 0)
-    throw Error(ErrorCode::kCorruptInput, path.string() + ": not a video that can be read: " + libav_text(result));
+    throw Error(ErrorCode::kCorruptInput,
+                path.string() + ": not a video that can be read: " +
+                    (result == AVERROR(ENOMEM) ? "a size in it is absurd" : libav_text(result)));
   return input;
 }
 

@@ -375,6 +375,32 @@ typedef struct KinoraPlugin {
 typedef const KinoraPlugin* (*KinoraPluginEntry)(uint32_t host_abi_version);
 #define KINORA_PLUGIN_ENTRY "kinora_plugin"
 
+/* ---- what the host gives
+ *
+ * A plugin that exports kinora_plugin_host is given this once, after kinora_plugin has answered and before anything of
+ * it is used. It stays as it is for the life of the process; its functions may be called from any thread. No plugin
+ * needs it. */
+typedef struct KinoraFile KinoraFile; /* the host's own */
+
+typedef struct KinoraHost {
+  KINORA_STRUCT_HEADER;
+  /* One sentence for the user. A warning is always shown, the rest to who wants to know more (-v). */
+  void (*log)(const char* sentence, int32_t is_warning);
+  /* Memory as malloc gives it, NULL if there is none; what is left over is released with `release`, also NULL. */
+  void* (*allocate)(size_t bytes);
+  void (*release)(void* memory);
+  /* A regular file that is read at any place. NULL with a message if it cannot be opened; `bytes` is its size. */
+  KinoraFile* (*open_file)(const char* path, uint64_t* bytes, KinoraMessage* message);
+  /* All `bytes` from `offset` on, or KINORA_CORRUPT with a message if the file ends before. */
+  KinoraStatus (*read_file)(KinoraFile* file, uint64_t offset, void* to, size_t bytes, KinoraMessage* message);
+  void (*close_file)(KinoraFile* file);
+  /* How far something is that takes long, such as opening: `done` of `total` steps. Not 0: the user wants to stop, and
+   * the plugin shall come back soon with KINORA_FAILURE. */
+  int32_t (*progress)(uint64_t done, uint64_t total);
+} KinoraHost;
+typedef void (*KinoraPluginHostEntry)(const KinoraHost* host);
+#define KINORA_PLUGIN_HOST_ENTRY "kinora_plugin_host"
+
 /* The formats that come with Kinora, in the same form. */
 const KinoraPlugin* kinora_builtin_plugin(void);
 

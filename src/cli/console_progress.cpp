@@ -35,6 +35,7 @@ ConsoleProgress::ConsoleProgress() : terminal_(isatty(STDERR_FILENO) != 0), colo
 ConsoleProgress::~ConsoleProgress() { finish(); }
 
 void ConsoleProgress::stage(const std::string& name, std::size_t total) {
+  const std::lock_guard lock(mutex_);
   finish();
   name_ = name;
   detail_.clear();
@@ -50,6 +51,7 @@ void ConsoleProgress::stage(const std::string& name, std::size_t total) {
 }
 
 void ConsoleProgress::advance(std::size_t done, const std::string& detail) {
+  const std::lock_guard lock(mutex_);
   done_ = done;
   detail_ = detail;
   if (verbosity_ == Verbosity::kQuiet) return;
@@ -84,18 +86,21 @@ void ConsoleProgress::draw_bar() {
 }
 
 void ConsoleProgress::warn(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
   if (verbosity_ == Verbosity::kQuiet) return;
   finish();
   put(fmt::format("{}warning:{} {}\n", color_ ? "\x1b[33m" : "", color_ ? "\x1b[0m" : "", sentence));
 }
 
 void ConsoleProgress::detail(const std::string& sentence) {
+  const std::lock_guard lock(mutex_);
   if (verbosity_ != Verbosity::kVerbose) return;
   finish();
   put(sentence + "\n");
 }
 
 void ConsoleProgress::finish() {
+  const std::lock_guard lock(mutex_);
   if (!line_open_) return;
   put("\n");
   line_open_ = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <mutex>
 #include <string>
 
 #include "core/progress.h"
@@ -10,7 +11,7 @@ namespace kinora::cli {
 
 enum class Verbosity { kQuiet, kNormal, kVerbose };
 
-/// Cancelled by the signals of interrupt.h. Not thread-safe but for cancelled().
+/// Cancelled by the signals of interrupt.h. Thread-safe: plugins speak from the threads that read.
 class ConsoleProgress : public Progress {
 public:
   ConsoleProgress();
@@ -34,6 +35,7 @@ private:
 
   void draw_bar();
 
+  std::recursive_mutex mutex_; ///< of all that follows; for one function calls another
   bool terminal_;
   bool color_;
   Verbosity verbosity_ = Verbosity::kNormal;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "host/host_services.h"
 
 namespace kinora::cli {
 
@@ -44,6 +45,14 @@ const host::PluginTable& Context::plugins() {
   if (!plugins_) {
     plugins_ = std::make_unique<host::PluginTable>(host::PluginTable::builtin());
     if (!shared.no_external_plugins) {
+      host::set_plugin_listener({[this](const std::string& sentence, bool is_warning) {
+                                   is_warning ? progress.warn(sentence) : progress.detail(sentence);
+                                 },
+                                 [this](std::uint64_t done, std::uint64_t total) {
+                                   if (done == 0) progress.stage("in a plugin", total);
+                                   progress.advance(done, "");
+                                   return progress.cancelled();
+                                 }});
       host::load_external_plugins(*plugins_, host::plugin_folders(shared.plugin_folders), progress);
     }
   }

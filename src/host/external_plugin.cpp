@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "host/format_fault.h"
+#include "host/host_services.h"
 #include "host/interface_struct.h"
 #include "host/isolated.h"
 
@@ -37,6 +38,8 @@ const KinoraPlugin& open_library(const fs::path& path) {
     throw Error(ErrorCode::kMissingComponent,
                 fmt::format("{}: made for version {} of the plugin interface, not {}; get a matching build",
                             path.string(), plugin->abi_version, KINORA_PLUGIN_ABI));
+  const auto host_entry = reinterpret_cast<KinoraPluginHostEntry>(dlsym(library, KINORA_PLUGIN_HOST_ENTRY));
+  if (host_entry != nullptr) host_entry(&host_services());
   return *plugin;
 }
 

@@ -210,6 +210,13 @@ INSTANTIATE_TEST_SUITE_P(All, RoundTrip, testing::Combine(testing::ValuesIn(kSou
                            return name;
                          });
 
+class Interruption : public testing::TestWithParam<Target> {
+protected:
+  TemporaryFolder from_;
+  TemporaryFolder to_;
+  TemporaryFolder out_;
+};
+
 class CaptureConversion : public testing::Test {
 protected:
   CaptureConversion() { make_tum(from_); }
@@ -262,6 +269,33 @@ TEST_F(CaptureConversion, ABadFrameIsNamedAndTheOthersAreWritten) {
   EXPECT_EQ(nlohmann::json::parse(said.out)["problems"].size(), 1U);
   EXPECT_EQ(read_capture(to_.path() / "a").frames.size(), static_cast<std::size_t>(kFrames - 1));
 }
+
+TEST_P(Interruption, LeavesNothing) {
+  constexpr int kMany = 200;
+  constexpr int kWidth = 640, kHeight = 480;
+  from_.write("intrinsics.json", R"({"fx": 500, "fy": 500, "cx": 319.5, "cy": 239.5})");
+  const auto color = encode_png(sample_color(kWidth, kHeight, 3));
+  const auto depth = encode_png16(sample_depth(kWidth, kHeight, 1000));
+  for (int i = 0; i < kMany; ++i) {
+    from_.write("color/" + six_digits(i) + ".png", color);
+    from_.write("depth/" + six_digits(i) + ".png", depth);
+  }
+  const Target& target = GetParam();
+  std::vector<std::string> words = {"convert", from_.path().string(), (to_.path() / target.output).string(), "--to",
+                                    target.format};
+  if (std::string(target.format) == "transforms") words.insert(words.end(), {"-O", "still=true"});
+  Running running(out_.path(), words);
+  ASSERT_TRUE(running.wait_for("converting"));
+  running.interrupt();
+  expect_error(running.finish(), 130, "interrupted");
+  EXPECT_TRUE(fs::is_empty(to_.path())) << "neither the output nor what would have become it";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Interruption, testing::ValuesIn(kTargets), [](const auto& chosen) {
+  std::string name = chosen.param.format;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
 
 TEST_F(CaptureConversion, NothingIsReplacedUnasked) {
   ASSERT_EQ(convert("a").code, 0);

@@ -1,4 +1,6 @@
 // Words, exit codes and machine output of the commands that need no training.
+#include <set>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
@@ -126,6 +128,34 @@ TEST_F(Tool, FormatsAndProbeSpeakJson) {
   const Json probe = Json::parse(run({"probe", folder_.path(), "--json"}).out);
   EXPECT_EQ(probe.at("formats").at(0).at("name"), "numbered-folder");
   EXPECT_GT(probe.at("formats").at(0).at("confidence"), 50);
+}
+
+TEST_F(Tool, ProbeTellsEveryFormatsScoreAndReason) {
+  write_numbered(folder_, 3);
+  const Json probe = Json::parse(run({"probe", folder_.path(), "--json"}).out);
+  std::set<std::string> told;
+  for (const Json& answer : probe.at("formats")) {
+    EXPECT_FALSE(answer.at("reason").get<std::string>().empty()) << answer;
+    EXPECT_GE(answer.at("confidence"), 0);
+    told.insert(answer.at("name"));
+  }
+  const Json formats = Json::parse(run({"formats", "--json"}).out);
+  int readers = 0;
+  for (const Json& format : formats.at("formats")) {
+    const Json& can = format.at("capabilities");
+    if (std::find(can.begin(), can.end(), "read-frames") == can.end()) continue;
+    EXPECT_TRUE(told.contains(format.at("name").get<std::string>())) << format.at("name");
+    ++readers;
+  }
+  EXPECT_GE(readers, 18);
+}
+
+TEST_F(Tool, ProbeSaysWhichFormatItIsAndWhatIsBroken) {
+  folder_.write("a.oni", "NI10 and nothing that could follow");
+  const Said said = run({"probe", path("a.oni")});
+  EXPECT_NE(said.out.find("It is oni but broken: "), std::string::npos) << said.out;
+  const Json probe = Json::parse(run({"probe", path("a.oni"), "--json"}).out);
+  EXPECT_NE(probe.at("problem").get<std::string>().find("without pictures"), std::string::npos) << probe;
 }
 
 TEST_F(Tool, ProbeKnowsAClip) {

@@ -86,6 +86,31 @@ TEST_F(AzureKinectTest, ColourDepthInfraredAndBothCamerasAreRead) {
   }
 }
 
+/// Raw with the first byte the higher one, under the four letters b16g, which ffmpeg does not write.
+TEST_F(AzureKinectTest, DepthAsTheRecorderStoresItIsReadAlsoAfterMkvmerge) {
+  const auto in_folder = [&](const std::string& command) {
+    return std::system(("cd '" + folder_.path().string() + "' && " + command).c_str()) == 0;
+  };
+  ASSERT_TRUE(in_folder("ffmpeg -v error -y -i r.mkv -map 0 -c copy -c:v:1 rawvideo -pix_fmt:v:1 gray16be "
+                        "-allow_raw_vfw 1 raw.mkv"));
+  std::ifstream in(folder_.path() / "raw.mkv", std::ios::binary);
+  std::string file{std::istreambuf_iterator<char>(in), {}};
+  const std::uint32_t start[] = {40, 320}; // of Windows' BITMAPINFOHEADER: its size, and the width
+  const std::size_t head = file.find(std::string(reinterpret_cast<const char*>(start), sizeof start));
+  ASSERT_NE(head, std::string::npos);
+  const std::int32_t height = 288;
+  std::memcpy(file.data() + head + 8, &height, sizeof height);
+  file.replace(head + 16, 4, "b16g");
+  folder_.write("r.mkv", file);
+  for (int i = 0; i < 2; ++i) {
+    const CopiedCapture capture = test::read_capture(path());
+    ASSERT_EQ(capture.frames.size(), static_cast<std::size_t>(kFrames));
+    for (std::size_t k = 0; k < capture.frames.size(); ++k)
+      EXPECT_EQ(reinterpret_cast<const std::uint16_t*>(capture.frames[k].depth.data())[5000], 1000 + 100 * k);
+    if (!in_folder("mkvmerge -q -o merged.mkv r.mkv && mv merged.mkv r.mkv")) GTEST_SKIP() << "no mkvmerge";
+  }
+}
+
 TEST_F(AzureKinectTest, DamagedFilesAreRefusedAtEveryLength) {
   test::expect_bears_truncation(path(), path(), "azure-kinect", kFrames);
 }

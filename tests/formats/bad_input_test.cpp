@@ -146,6 +146,8 @@ constexpr const char* kBag = "ros_samples/aligned_lz4.bag";
 constexpr const char* kRealSense = "ros_samples/librealsense.bag";
 constexpr const char* kMcap = "ros_samples/plain.mcap";
 constexpr const char* kZstdMcap = "ros_samples/zstd.mcap";
+constexpr const char* kOni = "oni_samples/lossless.oni";
+constexpr const char* kJpegOni = "oni_samples/jpeg.oni";
 constexpr const char* kR3d = "record3d_samples/sample.r3d";
 constexpr const char* kGlb = "blender_samples/scene.glb";
 
@@ -195,6 +197,8 @@ const Reader kReaders[] = {
     {"ros-bag", copy_sample<kRealSense>, "librealsense.bag", {"librealsense.bag"}, ""},
     {"mcap", copy_sample<kMcap>, "plain.mcap", {"plain.mcap"}, ""},
     {"mcap", copy_sample<kZstdMcap>, "zstd.mcap", {"zstd.mcap"}, ""},
+    {"oni", copy_sample<kOni>, "lossless.oni", {"lossless.oni"}, ""},
+    {"oni", copy_sample<kJpegOni>, "jpeg.oni", {"jpeg.oni"}, ""},
     {"gltf-scene", copy_sample<kGlb>, "scene.glb", {"scene.glb"}, ""}};
 
 std::string contents(const fs::path& path) {

@@ -1,4 +1,5 @@
 // OpenEXR files as a capture: those of Kinora, and those that others write.
+#include <algorithm>
 #include <list>
 
 #include <gtest/gtest.h>
@@ -163,6 +164,29 @@ TEST_F(ExrSequence, DamagedFilesAreRefusedAtEveryLength) {
   fs::remove(file(1));
   fs::remove(file(2));
   expect_bears_truncation(file(0), folder_.path(), "exr-sequence", 1);
+}
+
+/// The library would read on in the middle of the next attribute, and allocate whatever size it finds there.
+TEST_F(ExrSequence, AttributesOfAnotherLengthThanTheirTypeAreRefused) {
+  write_frames();
+  folder_.write("intrinsics.json", kSampleIntrinsics);
+  std::ifstream in(file(0), std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), {}};
+  for (const std::string& attribute :
+       {std::string("displayWindow\0box2i", 19), std::string("compression\0compression", 23),
+        std::string("pixelAspectRatio\0float", 22)}) {
+    const std::size_t at = whole.find(attribute + std::string("\0", 1));
+    ASSERT_NE(at, std::string::npos) << attribute;
+    for (const char length : {'\0', '\x60'}) {
+      std::string file_bytes = whole;
+      file_bytes[at + attribute.size() + 1] = length;
+      std::ofstream(file(0), std::ios::binary | std::ios::trunc) << file_bytes;
+      const CopiedCapture capture = read_capture(folder_.path(), "exr-sequence");
+      EXPECT_TRUE(std::ranges::any_of(capture.frames, [&](const CopiedFrame& frame) {
+        return frame.problem.find(std::string("the attribute ") + attribute.c_str()) != std::string::npos;
+      })) << attribute;
+    }
+  }
 }
 
 TEST_F(ExrSequence, WhatIsMissingIsNamed) {

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "formats/damage.h"
+#include "formats/oni_samples/pattern.h"
 #include "ros/message_log.h"
 #include "ros/messages.h"
 #include "ros/ros_images.h"
@@ -234,6 +235,16 @@ TEST(Rvl, DepthComesBackToTheBit) {
       depth_image_of(message_of(rvl_message(DepthImage16(8, 8, 1, 0)), "16UC1; compressedDepth rvl"), true, "a")
           .values(),
       [](std::uint16_t value) { return value == 0; }));
+}
+
+TEST(Rvl, WhatRosPackedIsUnpackedToTheBit) {
+  std::ifstream file(fs::path(KINORA_ROS_SAMPLES) / "image_transport.rvl", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const DepthImage16 image = unpack_rvl(std::as_bytes(std::span(bytes)), "a");
+  ASSERT_EQ(image.width(), test::oni::kWidth);
+  ASSERT_EQ(image.height(), test::oni::kHeight);
+  for (int v = 0; v < image.height(); ++v)
+    for (int u = 0; u < image.width(); ++u) ASSERT_EQ(image.at(u, v), test::oni::depth_at(u, v, 3)) << u << " " << v;
 }
 
 TEST(Rvl, MetresThatWereFloatsAreInverted) {

@@ -1,5 +1,6 @@
 // Kinora's file: the container as bytes, and clips whose payloads and attachments are spoilt under checksums that are
 // right, as a hostile writer would make them.
+#include "bake/analytic_field.h"
 #include "clip/clip_io.h"
 #include "clip/sample_clip.h"
 #include "container/ebml_builder.h"
@@ -7,6 +8,8 @@
 #include "container/writer.h"
 #include "core/error.h"
 #include "fuzz/fuzzer.h"
+#include "host/plugin_table.h"
+#include "ingest/capture/capture.h"
 
 namespace kinora::fuzz {
 namespace {
@@ -138,10 +141,31 @@ void read_clip(std::span<const std::byte> input) {
   expect_refusal_or_success([&] { clip::read_clip(folder / "b.mkv"); });
 }
 
+/// Also drawn, as a capture.
+void read_clip_as_capture(std::span<const std::byte> input) {
+  static const container::testing::TemporaryFolder folder;
+  static const host::PluginTable plugins = host::PluginTable::builtin();
+  static const bool written = [] {
+    clip::write_clip(bake::testing::sample_clip(2), folder / "a.mkv");
+    return true;
+  }();
+  require(written, "the sample cannot be written");
+  write_damaged(folder / "a.mkv", folder / "b.mkv", Damage(input));
+  ingest::CaptureOptions options;
+  options.format = "kinora-clip";
+  options.frames.end = 1;
+  Progress progress;
+  const auto capture = ingest::Capture::open(plugins, folder / "b.mkv", options, progress);
+  while (capture->next()) {
+  }
+}
+
 } // namespace
 
 std::vector<Fuzzer> file_fuzzers() {
-  return {{"container", container_seeds, read_container, 8000}, {"clip", damage_scripts, read_clip, 100}};
+  return {{"container", container_seeds, read_container, 8000},
+          {"clip", damage_scripts, read_clip, 100},
+          {"clip_capture", damage_scripts, read_clip_as_capture, 15}};
 }
 
 } // namespace kinora::fuzz

@@ -86,20 +86,69 @@ std::vector<Bytes> recordings() {
   return {contents_of(folder.path() / "r.mkv")};
 }
 
+// ---- OpenNI
+
+void read_oni(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("a.oni", input);
+  read_capture(folder.path() / "a.oni", "oni");
+}
+std::vector<Bytes> onis() {
+  const fs::path samples = KINORA_ONI_SAMPLES;
+  return {contents_of(samples / "lossless.oni"), contents_of(samples / "jpeg.oni")};
+}
+
+// ---- videos, as FFmpeg wrote them
+
+fs::path video_sample(const char* name) { return fs::path(KINORA_VIDEO_SAMPLES) / name; }
+
+/// One of a pair: grey of 16 bits, or colours that mean depth.
+void read_depth_video(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("color.mkv", contents_of(video_sample("color.mkv")));
+  folder.write("intrinsics.json", R"({"fx": 30, "fy": 30, "cx": 15.5, "cy": 11.5})");
+  folder.write("depth.mkv", input);
+  read_capture(folder.path(), "video-pair");
+}
+std::vector<Bytes> depth_videos() {
+  return {contents_of(video_sample("depth.mkv")), contents_of(video_sample("rgb.mp4"))};
+}
+
+void read_stray_video(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("odometry.csv", "timestamp, frame, x, y, z, qx, qy, qz, qw\n50.0, 000000, 0, 0, 0, 0, 0, 0.6, 0.8\n");
+  folder.write("camera_matrix.csv", "30,0,15.5\n0,30,11.5\n0,0,1\n");
+  folder.write("depth/000000.png", test::depth_bytes(0));
+  folder.write("rgb.mp4", input);
+  read_capture(folder.path(), "stray-scanner");
+}
+std::vector<Bytes> stray_videos() { return {contents_of(video_sample("rgb.mp4"))}; }
+
+void read_kinect(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("a.mkv", input);
+  read_capture(folder.path() / "a.mkv", "azure-kinect");
+}
+std::vector<Bytes> kinects() { return {contents_of(video_sample("kinect.mkv"))}; }
+
 // ---- depth of ROS
 
 void unpack_rvl(std::span<const std::byte> input) { (void)formats::unpack_rvl(input, "fuzz"); }
 std::vector<Bytes> rvls() {
   const std::uint32_t words[] = {2, 2, 0x12A10100U};
   const auto bytes = std::as_bytes(std::span(words));
-  return {{bytes.begin(), bytes.end()}};
+  return {{bytes.begin(), bytes.end()}, contents_of(fs::path(KINORA_ROS_SAMPLES) / "image_transport.rvl")};
 }
 
 } // namespace
 
 std::vector<Fuzzer> reader_fuzzers() {
-  return {{"exr", exrs, read_exr, 300},
+  return {{"depth_video", depth_videos, read_depth_video, 200},
+          {"stray_video", stray_videos, read_stray_video, 200},
+          {"azure_kinect", kinects, read_kinect, 30},
+          {"exr", exrs, read_exr, 300},
           {"gltf", gltfs, read_gltf, 400},
+          {"oni", onis, read_oni, 300},
           {"recording", recordings, read_recording, 100},
           {"rvl", rvls, unpack_rvl, 3000}};
 }

@@ -13,6 +13,12 @@
 #define EXAMPLE_ABI KINORA_PLUGIN_ABI
 #endif
 
+#ifdef EXAMPLE_HOSTED
+static const KinoraHost* host;
+void kinora_plugin_host(const KinoraHost* given);
+void kinora_plugin_host(const KinoraHost* given) { host = given; }
+#endif
+
 enum { WIDTH = 8, HEIGHT = 6, FRAMES = 4 };
 
 struct KinoraReader {
@@ -40,6 +46,33 @@ static void probe(const char* path, KinoraProbe* answer) {
   strcpy(answer->reason, answer->confidence > 0 ? "begins with \"flat\"" : "does not begin with \"flat\"");
 }
 
+#ifdef EXAMPLE_HOSTED
+/* With the host's files, memory, log and progress. */
+static KinoraStatus open_reader(const char* path, const KinoraOptionValue* options, size_t option_count,
+                                KinoraReader** reader, KinoraMessage* message) {
+  char head[4];
+  uint64_t bytes = 0;
+  KinoraFile* file = host->open_file(path, &bytes, message);
+  (void)options, (void)option_count;
+  if (file == NULL) return KINORA_FAILURE;
+  KinoraStatus status = host->read_file(file, 0, head, sizeof head, message);
+  if (status == KINORA_OK) status = host->read_file(file, bytes - 4, head, sizeof head, message);
+  host->close_file(file);
+  if (status != KINORA_OK) return status;
+  host->log("the world is flat", 1);
+  host->log("it has four corners", 0);
+  for (uint64_t step = 0; step < 3; ++step) {
+    if (host->progress(step, 3) == 0) continue;
+    strcpy(message->text, "stopped as asked");
+    return KINORA_FAILURE;
+  }
+  *reader = host->allocate(sizeof **reader);
+  if (*reader == NULL) return KINORA_FAILURE;
+  memset(*reader, 0, sizeof **reader);
+  return KINORA_OK;
+}
+static void reader_close(KinoraReader* reader) { host->release(reader); }
+#else
 static KinoraStatus open_reader(const char* path, const KinoraOptionValue* options, size_t option_count,
                                 KinoraReader** reader, KinoraMessage* message) {
   (void)path, (void)options, (void)option_count;
@@ -48,6 +81,8 @@ static KinoraStatus open_reader(const char* path, const KinoraOptionValue* optio
   strcpy(message->text, "out of memory");
   return KINORA_FAILURE;
 }
+static void reader_close(KinoraReader* reader) { free(reader); }
+#endif
 
 static KinoraStatus reader_info(KinoraReader* reader, KinoraCaptureInfo* info, KinoraMessage* message) {
   (void)reader, (void)message;
@@ -93,8 +128,6 @@ static KinoraStatus reader_next(KinoraReader* reader, KinoraFrame* frame, Kinora
   frame->depth_unit = 0.002;
   return KINORA_OK;
 }
-
-static void reader_close(KinoraReader* reader) { free(reader); }
 
 static const KinoraFormat format = {.struct_size = sizeof(KinoraFormat),
                                     .abi_version = KINORA_PLUGIN_ABI,

@@ -4,6 +4,7 @@
 
 #include "formats/sample_capture.h"
 #include "host/frame_reader.h"
+#include "host/host_services.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
@@ -51,6 +52,43 @@ TEST_F(ExternalPlugins, AFormatWrittenInCIsRecognisedAndRead) {
   EXPECT_EQ(static_cast<const std::uint8_t*>(good->frame.color.data)[0], 103);
   EXPECT_FALSE(reader.next());
   EXPECT_THROW(reader.seek(0), Error);
+}
+
+TEST_F(ExternalPlugins, TheHostGivesThemFilesMemoryALogAndProgress) {
+  std::vector<std::string> said;
+  std::uint64_t steps = 0;
+  bool stop = false;
+  set_plugin_listener({[&](const std::string& sentence, bool is_warning) {
+                         said.push_back((is_warning ? "warning: " : "detail: ") + sentence);
+                       },
+                       [&](std::uint64_t done, std::uint64_t total) {
+                         EXPECT_EQ(total, 3U);
+                         steps = done;
+                         return stop;
+                       }});
+  load({KINORA_EXAMPLE_PLUGIN_HOSTED});
+  folder_.write("a.world", "flat and grey");
+  const KinoraFormat& format = table_.find("flat");
+  {
+    FrameReader reader(format, folder_.path() / "a.world", {});
+    EXPECT_TRUE(reader.next());
+  }
+  EXPECT_EQ(said, (std::vector<std::string>{"warning: the world is flat", "detail: it has four corners"}));
+  EXPECT_EQ(steps, 2U);
+  const auto refused = [&](const char* file, const std::string& why) {
+    try {
+      const FrameReader reader(format, folder_.path() / file, {});
+      ADD_FAILURE() << file;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  };
+  refused("absent.world", "not a regular file");
+  folder_.write("short.world", "fl");
+  refused("short.world", "ends too early");
+  stop = true;
+  refused("a.world", "stopped as asked");
+  set_plugin_listener({});
 }
 
 TEST_F(ExternalPlugins, APluginWhoseNameIsTakenIsLeftOutWithOneWarning) {

@@ -4,6 +4,7 @@
 
 #include "formats/sample_capture.h"
 #include "host/frame_reader.h"
+#include "host/picture_writer.h"
 #include "host/plugin_table.h"
 
 namespace kinora::host {
@@ -88,6 +89,24 @@ TEST_F(PluginFolder, AFrozenBinaryOfTheFirstInterfaceStillReads) {
   const auto frame = reader.next();
   ASSERT_TRUE(frame);
   EXPECT_EQ(static_cast<const std::uint16_t*>(frame->frame.depth.data)[0], 500);
+}
+
+TEST_F(PluginFolder, AFrozenBinaryOfTheFirstInterfaceStillWrites) {
+  if (std::string(KINORA_FROZEN_WRITER).empty()) GTEST_SKIP() << "it is a binary for another processor";
+  Json json = manifest();
+  json["formats"] = {{{"name", "lines"},
+                      {"description", "a line for each picture"},
+                      {"extensions", ".lines"},
+                      {"can", {"write-pictures"}}}};
+  load(json, KINORA_FROZEN_WRITER);
+  ASSERT_TRUE(listener_.warnings.empty()) << listener_.warnings[0];
+  const fs::path path = folder_.path() / "a.lines";
+  PictureWriter writer(table_.find("lines"), path, {});
+  writer.write({"first", 0, ColorImage(4, 3, 3, 77), {}, {}, {}});
+  writer.write({"second", 0.1, ColorImage(4, 3, 4, 255), {}, {}, {}});
+  writer.finish();
+  std::ifstream file(path);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), "first 4x3 77\nsecond 4x3 255\n");
 }
 
 TEST_F(PluginFolder, TheLibraryIsNotOpenedForFilesWithoutItsBytes) {

@@ -86,6 +86,8 @@ TEST(PluginTable, BuiltinFormatsHaveUniqueNamesAndDescriptions) {
                                           "usd",
                                           "ply",
                                           "obj",
+                                          "oni",
+                                          "openni",
                                           "openvdb",
                                           "data-set",
                                           "kinora-clip",

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Builds samples/plugin as its author would, outside of the tree and against an installed Kinora, and uses it.
+"""Builds samples/plugin and samples/camera_plugin as their authors would, outside of the tree and against an installed
+Kinora, and uses them; of the cameras the simulated one, the others are compiled against stubs of their SDKs.
 
 usage: plugin_check.py ROOT BUILD
 """
@@ -28,8 +29,8 @@ def write_capture(path, frames):
             file.write(bytes([100 + frame]) * pixels + struct.pack("<H", 1500) * pixels)
 
 
-def build_with_cmake(sample, prefix, build):
-    run("cmake", "-S", sample, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_INSTALL_PREFIX={prefix}")
+def build_with_cmake(sample, prefix, build, *more):
+    run("cmake", "-S", sample, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_INSTALL_PREFIX={prefix}", *more)
     run("cmake", "--build", build)
     run("cmake", "--install", build)
 
@@ -64,6 +65,27 @@ def check_missing(kinora, sample, capture, folder):
             sys.exit(f"kinora {command} does not say which plugin is missing: {done.returncode} {done.stderr}")
 
 
+def expect_refusal(code, sentence, *words):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+    if done.returncode != code or sentence not in done.stderr:
+        sys.exit(f"{' '.join(map(str, words))}: exit code {done.returncode}, not {code}: {done.stderr}")
+
+
+def check_cameras(root, prefix, folder):
+    sample = folder / "camera"
+    shutil.copytree(root / "samples/camera_plugin", sample)
+    for sdk in ("realsense", "k4a"):
+        run("cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-I", prefix / "include",
+            "-I", root / "tests/samples/sdk_stubs", sample / f"{sdk}.c")
+    build_with_cmake(sample, prefix, folder / "camera_build", "-DCAMERA=simulated")
+    kinora = prefix / "bin/kinora"
+    run(kinora, "record", "simulated:0", folder / "live.mkv", "-O", "seconds=0.11")
+    if json.loads(run(kinora, "info", folder / "live.mkv", "--json"))["frames"] != 4:
+        sys.exit("the simulated camera was not recorded for as long as it was asked for")
+    expect_refusal(1, "is complete up to there", kinora, "record", "simulated:0", folder / "silent.mkv")
+    expect_refusal(6, "there is no such camera", kinora, "record", "simulated:7", folder / "none.mkv")
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
@@ -79,6 +101,7 @@ def main():
         check_use(prefix / "bin/kinora", folder / "a.raw", "--plugin-dir", folder / "mine")
         build_with_cmake(sample, prefix, folder / "build")
         check_use(prefix / "bin/kinora", folder / "a.raw")
+        check_cameras(pathlib.Path(sys.argv[1]), prefix, folder)
 
 
 if __name__ == "__main__":

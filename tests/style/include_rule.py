@@ -81,6 +81,7 @@ ONE_USER = {
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/(mp4|video)/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
     "libfreenect": re.compile(r"formats/freenect/.*"),
+    "OpenNI.h": re.compile(r"(formats/openni/.*|tests/formats/oni_samples/.*)"),
     "tiny_gltf.h": re.compile(r"formats/gltf_scene/gltf_library\.h"),
     "OpenEXR/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
     "Imath/": re.compile(r"(formats/exr/.*|tests/formats/exr_test\.cpp)"),
