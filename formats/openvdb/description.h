@@ -27,7 +27,8 @@ constexpr KinoraFormat openvdb_description() {
   format.name = "openvdb";
   format.description = "OpenVDB volume of one time: fog, a level set or both, and colour";
   format.extensions = ".vdb";
-  format.capabilities = KINORA_WRITES_VOLUMES;
+  format.capabilities = KINORA_WRITES_VOLUMES | KINORA_WRITES_VOLUME_INDEX;
+  format.index_extension = ".usda";
   format.options = kOpenVdbOptions;
   format.option_count = std::size(kOpenVdbOptions);
   return format;

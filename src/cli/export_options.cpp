@@ -50,7 +50,10 @@ constexpr ExportOption kOptions[] = {
     {{"texture", "int", "2048", "Pixels per side of a layer's texture at most; 0: colours in the vertices.", nullptr},
      kMeshes,
      KINORA_WRITES_TEXTURES},
-    {{"voxel", "number", "0.01", "Side of a voxel in metres.", nullptr}, KINORA_WRITES_VOLUMES}};
+    {{"voxel", "number", "0.01", "Side of a voxel in metres.", nullptr}, KINORA_WRITES_VOLUMES},
+    {{"index", "bool", "false", "One more file that shows the others in turn: of OpenVDB NAME.usda, a USD Volume.",
+      nullptr},
+     KINORA_WRITES_VOLUME_INDEX}};
 
 bool is_among(const char* name, std::span<const KinoraOption> options) {
   return std::ranges::any_of(options, [&](const KinoraOption& o) { return std::string_view(o.name) == name; });
@@ -63,6 +66,11 @@ template <class Number> Number number_of(const std::string& name, const std::str
       std::isfinite(static_cast<double>(value)))
     return value;
   throw Error(ErrorCode::kUsage, fmt::format("-O {}={}: the value must be a number that is not negative", name, text));
+}
+
+bool flag_of(const std::string& name, const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  throw Error(ErrorCode::kUsage, fmt::format("-O {}={}: the value must be true or false", name, text));
 }
 
 std::vector<std::string> split_at_commas(const std::string& text) {
@@ -161,6 +169,7 @@ void apply_options(host::Options given, Conversion& conversion, Context& context
   take("error", conversion.surface.simplification);
   take("still-error", conversion.surface.still_simplification);
   take("voxel", conversion.volume.voxel);
+  if (const std::string index = text("index"); !index.empty()) conversion.index = flag_of("index", index);
   if (const std::string origin = text("origin"); !origin.empty()) conversion.origin = point_of(origin);
   take("fps", conversion.fps);
   if (conversion.fps > 0)

@@ -43,6 +43,8 @@ constexpr Capability kCapabilities[] = {
     {KINORA_WRITES_LABELS, "write-labels"},
     {KINORA_WRITES_CAMERAS, "write-cameras"},
     {KINORA_WRITES_FILES_BESIDE, "write-files-beside"},
+    {KINORA_WRITES_VOLUME_INDEX, "write-volume-index"},
+    {KINORA_WRITES_PICTURE_LAYERS, "write-picture-layers"},
 };
 
 /// Every format has the members before this one; see plugin.h.
@@ -73,6 +75,10 @@ std::string fault_of_writing(const KinoraFormat& format) {
   if (supports(format, KINORA_WRITES_FRAMES) && (format.struct_size < offsetof(KinoraFormat, writer_facts) ||
                                                  format.writer_capture == nullptr || format.writer_frame == nullptr))
     return " lacks writer_capture or writer_frame";
+  if (supports(format, KINORA_WRITES_VOLUME_INDEX) &&
+      (format.struct_size < sizeof(KinoraFormat) || format.index_extension == nullptr ||
+       format.write_volume_index == nullptr))
+    return " lacks write_volume_index";
   return {};
 }
 

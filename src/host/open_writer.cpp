@@ -1,5 +1,7 @@
 #include "host/open_writer.h"
 
+#include <cstddef>
+
 #include <fmt/format.h>
 
 #include "host/interface_struct.h"
@@ -26,7 +28,8 @@ WriterHandle open_writer(const KinoraFormat& format, std::uint64_t capability, c
 }
 
 void describe_output(const KinoraFormat& format, const WriterHandle& writer, const Facts& facts) {
-  if (facts.empty() || format.struct_size < sizeof(KinoraFormat) || format.writer_facts == nullptr) return;
+  if (facts.empty() || format.struct_size < offsetof(KinoraFormat, index_extension) || format.writer_facts == nullptr)
+    return;
   std::vector<KinoraOptionValue> given;
   for (const auto& [name, value] : facts) given.push_back({name.c_str(), value.c_str()});
   auto message = make_struct<KinoraMessage>();
