@@ -54,6 +54,13 @@ template <const FormatModule& module> KinoraFormat deferred_format(KinoraFormat 
     format.writer_write = [](auto... given) { return opened_format<module>().writer_write(given...); };
   if ((format.capabilities & KINORA_WRITES_VOLUMES) != 0)
     format.writer_volume = [](auto... given) { return opened_format<module>().writer_volume(given...); };
+  if ((format.capabilities & KINORA_WRITES_VOLUME_INDEX) != 0)
+    format.write_volume_index = [](const char* path, const KinoraOptionValue* options, std::size_t option_count,
+                                   const KinoraVolumeSequence* sequence, KinoraMessage* message) {
+      return guarded(message, [&] {
+        return opened_format<module>().write_volume_index(path, options, option_count, sequence, message);
+      });
+    };
   if ((format.capabilities & KINORA_WRITES_FRAMES) != 0) {
     format.writer_capture = [](auto... given) { return opened_format<module>().writer_capture(given...); };
     format.writer_frame = [](auto... given) { return opened_format<module>().writer_frame(given...); };

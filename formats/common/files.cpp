@@ -45,13 +45,25 @@ std::string read_text(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::span<const std::byte> bytes) {
-  const auto fail = [&path] {
-    throw Error(ErrorCode::kUnwritableOutput, path.string() + ": cannot be written: " + std::strerror(errno));
-  };
-  File file(std::fopen(path.c_str(), "wb"), &std::fclose);
-  if (!file) fail();
-  if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) fail();
-  if (std::fclose(file.release()) != 0) fail();
+  FileWriter file(path);
+  file.write(bytes);
+  file.finish();
+}
+
+FileWriter::FileWriter(fs::path path) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb"), &std::fclose) {
+  if (!file_) fail();
+}
+
+void FileWriter::write(std::span<const std::byte> bytes) {
+  if (!bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();
+}
+
+void FileWriter::finish() {
+  if (std::fclose(file_.release()) != 0) fail();
+}
+
+void FileWriter::fail() const {
+  throw Error(ErrorCode::kUnwritableOutput, path_.string() + ": cannot be written: " + std::strerror(errno));
 }
 
 std::vector<std::string_view> split_words(std::string_view text) {

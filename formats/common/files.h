@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +21,21 @@ std::string read_text(const std::filesystem::path& path);
 
 /// Replaces the file. Throws Error(kUnwritableOutput) naming the path, also when the disk is full.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+/// Replaces a file piece by piece. Each call throws Error(kUnwritableOutput) naming the path.
+class FileWriter {
+public:
+  explicit FileWriter(std::filesystem::path path);
+  void write(std::span<const std::byte> bytes);
+  /// All is written, as far as the system says.
+  void finish();
+
+private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
 
 /// The words of a text, split at white space and commas. They point into `text`.
 std::vector<std::string_view> split_words(std::string_view text);

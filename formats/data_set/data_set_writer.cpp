@@ -76,7 +76,9 @@ void DataSetWriter::finish() const {
   Json json = {{"camera_model", "OPENCV"}, {"depth_unit_scale_factor", kMillimetre}};
   const double first = frames_.front()["time"];
   const double last = frames_.back()["time"];
-  if (last > first) json["fps"] = static_cast<double>(frames_.size() - 1) / (last - first);
+  std::size_t times = 1; // of one time there may be several views
+  for (std::size_t i = 1; i < frames_.size(); ++i) times += frames_[i]["time"] > frames_[i - 1]["time"] ? 1U : 0U;
+  if (last > first) json["fps"] = static_cast<double>(times - 1) / (last - first);
   Json frames = frames_;
   for (const char* key : {"w", "h", "fl_x", "fl_y", "cx", "cy"}) {
     const bool shared =

@@ -8,14 +8,17 @@ namespace kinora::formats {
 inline constexpr KinoraOption kExrOptions[] = {
     {"layout", "auto|folder|file", "auto",
      "A folder of pictures or a single one; auto: a file if the path ends in .exr.", nullptr},
-    {"compression", "zip|piz|none", "zip", "Without loss: in blocks of 16 rows, by wavelets, or not at all.", nullptr}};
+    {"compression", "zip|piz|none", "zip", "Without loss: in blocks of 16 rows, by wavelets, or not at all.", nullptr},
+    {"views", "files|parts", "files",
+     "A file for each picture of a folder, or one for each time, with the views as parts that have their names.",
+     nullptr}};
 
 /// Without functions.
 constexpr KinoraFormat exr_description() {
   return describe(
       "exr", "OpenEXR pictures: linear half RGBA with float Z, label id, normals N, confidence and the camera", ".exr",
       KINORA_WRITES_PICTURES | KINORA_WRITES_ALPHA | KINORA_WRITES_METRIC_DEPTH | KINORA_WRITES_NORMALS |
-          KINORA_WRITES_CONFIDENCE | KINORA_WRITES_LABELS | KINORA_WRITES_CAMERAS,
+          KINORA_WRITES_CONFIDENCE | KINORA_WRITES_LABELS | KINORA_WRITES_CAMERAS | KINORA_WRITES_PICTURE_LAYERS,
       kExrOptions);
 }
 

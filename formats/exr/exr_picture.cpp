@@ -6,8 +6,10 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
-#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 
 #include "core/error.h"
@@ -34,15 +36,6 @@ private:
   std::size_t position_ = 0;
 };
 
-/// Of sRGB, 0 to 255.
-std::array<float, 256> linear_table() {
-  std::array<float, 256> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = static_cast<float>(linear_light(static_cast<double>(i) / 255));
-  }
-  return table;
-}
-
 Imf::Compression library_name(ExrCompression compression) {
   switch (compression) {
   case ExrCompression::kNone:
@@ -55,6 +48,22 @@ Imf::Compression library_name(ExrCompression compression) {
 }
 
 } // namespace
+
+const std::array<float, 256>& linear_codes() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> made{};
+    for (std::size_t i = 0; i < made.size(); ++i)
+      made[i] = static_cast<float>(linear_light(static_cast<double>(i) / 255));
+    return made;
+  }();
+  return table;
+}
+
+std::vector<std::byte> bytes_written(const std::string& name, const std::function<void(Imf::OStream&)>& write) {
+  MemoryStream stream(name);
+  write(stream);
+  return stream.bytes();
+}
 
 ExrCompression compression_called(const std::string& name) {
   if (name == "piz") return ExrCompression::kPiz;
@@ -86,8 +95,8 @@ void ExrPicture::add_slice(const char* name, Imf::PixelType type, char* values, 
 }
 
 void ExrPicture::add_colors(const ColorImage& color) {
-  static const std::array<float, 256> linear = linear_table();
-  static const std::array<half, 256> opaque = [] {
+  const std::array<float, 256>& linear = linear_codes();
+  static const std::array<half, 256> opaque = [&linear] {
     std::array<half, 256> codes;
     std::ranges::copy(linear, codes.begin());
     return codes;
@@ -144,13 +153,32 @@ void ExrPicture::require_size(int width, int height) const {
 }
 
 std::vector<std::byte> ExrPicture::bytes(const std::string& name) const {
-  MemoryStream stream(name);
-  {
+  return bytes_written(name, [this](Imf::OStream& stream) {
     Imf::OutputFile file(stream, header_);
     file.setFrameBuffer(slices_);
     file.writePixels(header_.dataWindow().max.y + 1);
+  });
+}
+
+std::vector<std::byte> ExrPicture::bytes_of_views(std::vector<ExrPicture>& pictures,
+                                                  const std::vector<std::string>& views, const std::string& name) {
+  std::vector<Imf::Header> headers;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Imath::Box2i& window = pictures.front().header_.dataWindow();
+    pictures[i].require_size(window.max.x + 1, window.max.y + 1);
+    headers.push_back(pictures[i].header_);
+    headers.back().setName(views[i]);
+    headers.back().setView(views[i]);
+    headers.back().setType(Imf::SCANLINEIMAGE);
   }
-  return stream.bytes();
+  return bytes_written(name, [&](Imf::OStream& stream) {
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()));
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      Imf::OutputPart part(file, static_cast<int>(i));
+      part.setFrameBuffer(pictures[i].slices_);
+      part.writePixels(headers[i].dataWindow().max.y + 1);
+    }
+  });
 }
 
 } // namespace kinora::formats

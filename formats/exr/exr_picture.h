@@ -1,8 +1,10 @@
 // The channels and the header of one OpenEXR file, and its bytes.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <string>
 #include <vector>
@@ -10,6 +12,7 @@
 #include <Imath/half.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 
 #include "core/image.h"
 #include "core/se3.h"
@@ -18,6 +21,12 @@
 namespace kinora::formats {
 
 enum class ExrCompression { kNone, kZip, kPiz };
+
+/// Linear light of the 256 codes of sRGB.
+const std::array<float, 256>& linear_codes();
+
+/// The bytes of what `write` writes into a stream of this name.
+std::vector<std::byte> bytes_written(const std::string& name, const std::function<void(Imf::OStream&)>& write);
 
 /// "zip", "piz", "none".
 ExrCompression compression_called(const std::string& name);
@@ -44,6 +53,10 @@ public:
   void require_size(int width, int height) const;
   /// The whole file, the same for the same picture. `name`: for errors.
   std::vector<std::byte> bytes(const std::string& name) const;
+  /// A file with a part for each picture, called and marked as the view that it is. Throws Error(kUsage) if they have
+  /// different sizes.
+  static std::vector<std::byte> bytes_of_views(std::vector<ExrPicture>& pictures, const std::vector<std::string>& views,
+                                               const std::string& name);
 
 private:
   void add_slice(const char* name, Imf::PixelType type, char* values, std::size_t size);

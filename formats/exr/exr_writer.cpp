@@ -5,6 +5,8 @@
 
 #include "common/files.h"
 #include "common/pictures.h"
+#include "core/error.h"
+#include "exr/deep_picture.h"
 
 namespace kinora::formats {
 namespace {
@@ -19,25 +21,38 @@ void add_normals(const Image<float>& normals, ExrPicture& picture) {
   }
 }
 
-void add_labels(const KinoraPicture& given, ExrPicture& picture) {
-  const Image<std::uint8_t> labels = labels_of(given.labels);
+void add_labels(const LabelImage& labels, ExrPicture& picture) {
   picture.require_size(labels.width(), labels.height());
   picture.add("id", std::vector<std::uint32_t>(labels.data(), labels.data() + labels.pixel_count()));
+}
+
+std::string meanings_of(const KinoraPicture& given) {
   std::string meanings;
   for (std::size_t i = 0; i < given.label_count; ++i) {
     const KinoraLabel& label = given.label_meanings[i];
     meanings += (meanings.empty() ? "" : ", ") + std::to_string(label.label) + " " + label.name;
   }
-  picture.header().insert("labels", Imf::StringAttribute(meanings));
+  return meanings;
 }
 
 } // namespace
 
-void ExrWriter::write(const KinoraPicture& given) {
+ExrPicture ExrWriter::described(const KinoraPicture& given, int width, int height) const {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-  const std::filesystem::path path = files_.next(given.name);
+  ExrPicture picture(width, height, compression_);
+  if (given.has_camera != 0) {
+    picture.add_intrinsics(given.camera);
+    picture.add_pose(SE3(RowMajor(Eigen::Map<const RowMajor>(given.camera_to_world))));
+  }
+  if (given.label_count > 0) picture.header().insert("labels", Imf::StringAttribute(meanings_of(given)));
+  picture.header().insert("time", Imf::DoubleAttribute(given.time));
+  picture.header().insert("software", Imf::StringAttribute("Kinora"));
+  return picture;
+}
+
+ExrPicture ExrWriter::picture_of(const KinoraPicture& given) const {
   const ColorImage color = color_of(given.color);
-  ExrPicture picture(color.width(), color.height(), compression_);
+  ExrPicture picture = described(given, color.width(), color.height());
   picture.add_colors(color);
   if (given.metric_depth.data != nullptr) {
     const Image<float> depth = metric_depth_of(given.metric_depth);
@@ -46,14 +61,48 @@ void ExrWriter::write(const KinoraPicture& given) {
   }
   if (given.normal.data != nullptr) add_normals(normal_of(given.normal), picture);
   if (given.confidence.data != nullptr) picture.add_confidence(confidence_of(given.confidence));
-  if (given.labels.data != nullptr) add_labels(given, picture);
-  if (given.has_camera != 0) {
-    picture.add_intrinsics(given.camera);
-    picture.add_pose(SE3(RowMajor(Eigen::Map<const RowMajor>(given.camera_to_world))));
+  if (given.labels.data != nullptr) add_labels(labels_of(given.labels), picture);
+  return picture;
+}
+
+void ExrWriter::write(const KinoraPicture& given) {
+  ExrPicture picture = picture_of(given);
+  const std::filesystem::path path = files_.next(given.name);
+  if (views_as_parts_) {
+    hold(given, std::move(picture));
+  } else {
+    write_file(path, picture.bytes(path.string()));
   }
-  picture.header().insert("time", Imf::DoubleAttribute(given.time));
-  picture.header().insert("software", Imf::StringAttribute("Kinora"));
-  write_file(path, picture.bytes(path.string()));
+  if (given.layer_count == 0) return;
+  const std::filesystem::path deep = path_beside(path, ".deep.exr");
+  write_file(deep, deep_bytes(std::span(given.layers, given.layer_count),
+                              described(given, given.color.width, given.color.height).header(), deep.string()));
+}
+
+void ExrWriter::hold(const KinoraPicture& given, ExrPicture picture) {
+  if (time_ && given.time < *time_)
+    throw Error(ErrorCode::kUsage, std::string("the view \"") + given.name +
+                                       "\" follows one of a later time; give the cameras in order of time");
+  if (time_ && given.time > *time_) write_views();
+  time_ = given.time;
+  waiting_.push_back(std::move(picture));
+  names_.emplace_back(given.name);
+}
+
+void ExrWriter::write_views() {
+  if (waiting_.empty()) return;
+  constexpr std::size_t kDigits = 6;
+  std::string number = std::to_string(written_++);
+  if (number.size() < kDigits) number.insert(0, kDigits - number.size(), '0');
+  const std::filesystem::path path = files_.next(number);
+  write_file(path, ExrPicture::bytes_of_views(waiting_, names_, path.string()));
+  waiting_.clear();
+  names_.clear();
+}
+
+void ExrWriter::finish() {
+  write_views();
+  files_.finish();
 }
 
 } // namespace kinora::formats

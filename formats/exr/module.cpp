@@ -16,7 +16,9 @@ ExrCompression compression_of(const OptionMap& options, const char* otherwise) {
 
 std::unique_ptr<ExrWriter> open_exr(const char* path, const OptionMap& options) {
   const auto layout = PictureFiles::layout_of(option_text(options, "layout", "auto"), path, ".exr");
-  return std::make_unique<ExrWriter>(PictureFiles(path, layout, ".exr"), compression_of(options, "zip"));
+  return std::make_unique<ExrWriter>(PictureFiles(path, layout, ".exr"), compression_of(options, "zip"),
+                                     layout == PictureFiles::Layout::kFolder &&
+                                         option_text(options, "views") == "parts");
 }
 
 std::unique_ptr<ExrSequenceReader> open_sequence(const char* path, const OptionMap& options) {

@@ -1,9 +1,11 @@
 #include "gltf/glb_buffer.h"
 
 #include <bit>
+#include <cstring>
 
 #include <meshoptimizer.h>
 
+#include "common/files.h"
 #include "core/error.h"
 
 namespace kinora::formats {
@@ -82,9 +84,9 @@ std::size_t GlbBuffer::stride_of(const GlbElements& elements) {
 }
 
 int GlbBuffer::add_bytes(std::span<const std::byte> bytes) {
-  pad(bytes_, std::byte{0});
+  bytes_.pad(kAlignment);
   views_.push_back({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}});
-  append(bytes_, bytes);
+  bytes_.append(bytes);
   return static_cast<int>(views_.size()) - 1;
 }
 
@@ -135,30 +137,32 @@ void GlbBuffer::describe(nlohmann::json& gltf) const {
   gltf["accessors"] = accessors_;
 }
 
-std::vector<std::byte> glb_file(const nlohmann::json& gltf, std::span<const std::byte> binary,
-                                const std::string& location) {
+void write_glb(const std::filesystem::path& path, const nlohmann::json& gltf, ByteSpool& binary) {
   const std::string text = gltf.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::vector<std::byte> json;
-  append(json, std::as_bytes(std::span(text)));
-  pad(json, std::byte{' '});
-  std::vector<std::byte> data(binary.begin(), binary.end());
-  pad(data, std::byte{0});
-  const std::size_t total = 12 + 8 + json.size() + 8 + data.size();
+  std::vector<std::byte> head;
+  append_number(head, kMagic);
+  append_number(head, 2);
+  append_number(head, 0); // the whole length, below
+  append_number(head, 0); // that of the text
+  append_number(head, kJsonChunk);
+  const std::size_t text_begin = head.size();
+  append(head, std::as_bytes(std::span(text)));
+  pad(head, std::byte{' '});
+  const auto text_bytes = static_cast<std::uint32_t>(head.size() - text_begin);
+  binary.pad(kAlignment);
+  const std::size_t total = head.size() + 8 + binary.size();
   if (total > 0xFFFFFFFFU)
     throw Error(ErrorCode::kFailure,
-                location + ": a GLB file holds at most 4 GiB; take fewer frames or fewer triangles");
-  std::vector<std::byte> file;
-  file.reserve(total);
-  append_number(file, kMagic);
-  append_number(file, 2);
-  append_number(file, static_cast<std::uint32_t>(total));
-  append_number(file, static_cast<std::uint32_t>(json.size()));
-  append_number(file, kJsonChunk);
-  append(file, json);
-  append_number(file, static_cast<std::uint32_t>(data.size()));
-  append_number(file, kBinaryChunk);
-  append(file, data);
-  return file;
+                path.string() + ": a GLB file holds at most 4 GiB; take fewer frames or fewer triangles");
+  const auto total_bytes = static_cast<std::uint32_t>(total);
+  std::memcpy(head.data() + 8, &total_bytes, sizeof total_bytes);
+  std::memcpy(head.data() + 12, &text_bytes, sizeof text_bytes);
+  append_number(head, static_cast<std::uint32_t>(binary.size()));
+  append_number(head, kBinaryChunk);
+  FileWriter file(path);
+  file.write(head);
+  binary.read([&file](std::span<const std::byte> piece) { file.write(piece); });
+  file.finish();
 }
 
 } // namespace kinora::formats

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "common/byte_spool.h"
 
 namespace kinora::formats {
 
@@ -48,7 +51,8 @@ inline constexpr GlbElements kGlbIndices = {5125, "SCALAR", 1};
 /// One buffer that grows. Numbers must be in little-endian order, as all machines that Kinora runs on have it.
 class GlbBuffer {
 public:
-  explicit GlbBuffer(GlbPacking packing = GlbPacking::kPlain) : packing_(packing) {}
+  /// `output`: the file that it becomes a part of; long buffers wait beside it (byte_spool.h).
+  GlbBuffer(std::filesystem::path output, GlbPacking packing) : packing_(packing), bytes_(std::move(output)) {}
 
   /// Appends values as a buffer view of their own and returns the number of the accessor that reads them.
   template <class Value> int add(std::span<const Value> values, const GlbElements& elements, GlbTarget target) {
@@ -85,7 +89,7 @@ public:
     accessors_.back()["max"] = high;
   }
 
-  const std::vector<std::byte>& bytes() const { return bytes_; }
+  ByteSpool& bytes() { return bytes_; }
   /// Adds "buffers", "bufferViews" and "accessors".
   void describe(nlohmann::json& gltf) const;
 
@@ -93,15 +97,14 @@ private:
   static std::size_t stride_of(const GlbElements& elements);
 
   GlbPacking packing_;
-  std::vector<std::byte> bytes_;
+  ByteSpool bytes_;
   std::size_t unpacked_ = 0; ///< bytes of the buffer that packed views fill when they are read
   nlohmann::json views_ = nlohmann::json::array();
   nlohmann::json accessors_ = nlohmann::json::array();
 };
 
-/// The file: header, JSON chunk, binary chunk. Throws Error(kFailure), naming `location`, if it is longer than the 4
-/// GiB that the format can state.
-std::vector<std::byte> glb_file(const nlohmann::json& gltf, std::span<const std::byte> binary,
-                                const std::string& location);
+/// Writes the file: header, JSON chunk, binary chunk. Throws Error: kFailure if it is longer than the 4 GiB that the
+/// format can state, kUnwritableOutput.
+void write_glb(const std::filesystem::path& path, const nlohmann::json& gltf, ByteSpool& binary);
 
 } // namespace kinora::formats

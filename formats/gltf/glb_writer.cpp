@@ -53,7 +53,7 @@ void unpack_in_joints(const GlbBox& box, std::vector<float>& inverse_bind) {
 
 GlbWriter::GlbWriter(std::filesystem::path path, const GlbSettings& settings)
     : path_(std::move(path)), settings_(settings),
-      buffer_(settings.compression == Compression::kMeshopt ? GlbPacking::kMeshopt : GlbPacking::kPlain) {
+      buffer_(path_, settings.compression == Compression::kMeshopt ? GlbPacking::kMeshopt : GlbPacking::kPlain) {
   if (settings.bending == Bending::kMorph && settings.compression == Compression::kDraco)
     throw Error(ErrorCode::kUsage,
                 "Draco packs no morph targets; take -O compression=meshopt, or -O animation=sequence");
@@ -244,7 +244,7 @@ void GlbWriter::finish() {
   if (!skins.empty()) gltf["skins"] = skins;
   if (!scene_.animation["channels"].empty()) gltf["animations"] = {scene_.animation};
   buffer_.describe(gltf);
-  write_file(path_, glb_file(gltf, buffer_.bytes(), path_.string()));
+  write_glb(path_, gltf, buffer_.bytes());
 }
 
 } // namespace kinora::formats

@@ -21,8 +21,10 @@ inline constexpr KinoraOption kOpenVdbOptions[] = {
 
 /// Without functions.
 constexpr KinoraFormat openvdb_description() {
-  return describe("openvdb", "OpenVDB volume of one time: fog, a level set or both, and colour", ".vdb",
-                  KINORA_WRITES_VOLUMES, kOpenVdbOptions);
+  KinoraFormat format = describe("openvdb", "OpenVDB volume of one time: fog, a level set or both, and colour", ".vdb",
+                                 KINORA_WRITES_VOLUMES | KINORA_WRITES_VOLUME_INDEX, kOpenVdbOptions);
+  format.index_extension = ".usda";
+  return format;
 }
 
 } // namespace kinora::formats

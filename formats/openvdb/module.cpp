@@ -2,6 +2,7 @@
 #include "common/module_plugin.h"
 #include "common/writers.h"
 #include "openvdb/description.h"
+#include "openvdb/usd_volume.h"
 #include "openvdb/vdb_writer.h"
 
 namespace kinora::formats {
@@ -34,6 +35,13 @@ constexpr KinoraFormat module_format() {
                            KinoraMessage* message) {
     return guarded(message, [&] {
       reinterpret_cast<VdbWriter*>(writer)->describe(facts_of(facts, count));
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  format.write_volume_index = [](const char* path, const KinoraOptionValue* options, std::size_t option_count,
+                                 const KinoraVolumeSequence* sequence, KinoraMessage* message) {
+    return guarded(message, [&] {
+      write_usd_volume(path, *sequence, settings_of(option_map(options, option_count)));
       return KinoraStatus{KINORA_OK};
     });
   };

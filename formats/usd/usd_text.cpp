@@ -16,7 +16,6 @@ constexpr int kPositionDecimals = 4; ///< a tenth of a millimetre
 constexpr int kTransformDecimals = 7;
 constexpr int kTextureDecimals = 5;
 constexpr int kColorDecimals = 4;
-constexpr int kTimeDecimals = 3;
 
 template <class Vector> void append_vector(std::string& text, const Vector& vector, int decimals) {
   text += '(';
@@ -72,22 +71,6 @@ std::vector<std::string> rotations_of(const BlendedMesh& mesh) {
     last = values;
   }
   return rotations;
-}
-
-/// A string as USD writes it.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
-std::string layer_data(const Facts& facts) {
-  std::string text = "    customLayerData = {\n";
-  for (const auto& [name, value] : facts) text += "        string " + name + " = " + quoted(value) + "\n";
-  return text + "    }\n";
 }
 
 /// `text` with every NAME and every TEXTURE replaced.
@@ -181,27 +164,16 @@ std::string usd_name(const std::string& name, std::set<std::string>& taken) {
   return unique;
 }
 
-UsdText::UsdText(std::filesystem::path path, const UsdHeader& header)
-    : path_(std::move(path)), rate_(header.rate), file_(std::fopen(path_.c_str(), "wb")) {
+UsdText::UsdText(std::filesystem::path path, const UsdLayer& layer)
+    : path_(std::move(path)), rate_(layer.rate), file_(std::fopen(path_.c_str(), "wb")) {
   if (!file_) fail();
-  const double per_metre = header.axes.per_metre;
-  std::string text = "#usda 1.0\n(\n";
-  if (!header.facts.empty()) text += layer_data(header.facts);
-  text += "    defaultPrim = \"clip\"\n    doc = \"Kinora: colours as the camera saw them\"\n    metersPerUnit = ";
-  append_number(text, 1 / per_metre, kTimeDecimals);
-  text += "\n    upAxis = ";
-  text += header.axes.z_up ? "\"Z\"" : "\"Y\"";
-  text += "\n    startTimeCode = 0\n    endTimeCode = ";
-  text += time_code(header.last_time);
-  for (const char* key : {"timeCodesPerSecond", "framesPerSecond"}) {
-    text.append("\n    ").append(key).append(" = ");
-    append_number(text, rate_, kTimeDecimals);
-  }
-  text += "\n)\n\ndef Xform \"clip\" (\n    kind = \"component\"\n)\n{\n    double xformOp:rotateX = ";
-  text += header.axes.z_up ? "-90" : "180";
+  const double per_metre = layer.axes.per_metre;
+  std::string text = usd_layer_head(layer);
+  text += "def Xform \"clip\" (\n    kind = \"component\"\n)\n{\n    double xformOp:rotateX = ";
+  text += layer.axes.z_up ? "-90" : "180";
   if (per_metre != 1) {
     text += "\n    double3 xformOp:scale = ";
-    append_vector(text, Eigen::Vector3d(per_metre, per_metre, per_metre), kTimeDecimals);
+    append_vector(text, Eigen::Vector3d(per_metre, per_metre, per_metre), kTransformDecimals);
   }
   text += "\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"";
   if (per_metre != 1) text += ", \"xformOp:scale\"";
@@ -215,12 +187,6 @@ void UsdText::fail() const {
 
 void UsdText::put(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail();
-}
-
-std::string UsdText::time_code(double seconds) const {
-  std::string text;
-  append_number(text, seconds * rate_, kTimeDecimals);
-  return text;
 }
 
 void UsdText::put_surface(const BlendedMesh& mesh) {
@@ -254,7 +220,7 @@ void UsdText::put_colors(const BlendedMesh& mesh, bool textured) {
 /// One line of time samples.
 void UsdText::put_sample(double seconds, std::string_view value) {
   put("            ");
-  put(time_code(seconds));
+  put(usd_time_code(seconds, rate_));
   put(": ");
   put(value);
   put(",\n");

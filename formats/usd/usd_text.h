@@ -9,26 +9,17 @@
 #include <string_view>
 
 #include "common/blended_mesh.h"
-#include "common/facts.h"
-#include "common/world_axes.h"
+#include "common/usd_layer.h"
 
 namespace kinora::formats {
 
 /// Letters, digits and '_', not beginning with a digit, and not among `taken`, to which it is added.
 std::string usd_name(const std::string& name, std::set<std::string>& taken);
 
-/// What stands before all meshes.
-struct UsdHeader {
-  double rate;      ///< time codes, which are frames, per second
-  double last_time; ///< seconds
-  WorldAxes axes;
-  Facts facts;
-};
-
 class UsdText {
 public:
   /// Begins the file. Time codes are kept to a thousandth. Throws Error(kUnwritableOutput).
-  UsdText(std::filesystem::path path, const UsdHeader& header);
+  UsdText(std::filesystem::path path, const UsdLayer& layer);
 
   /// A mesh and its material. `texture`: the file of its texture beside this one; empty if it has colours.
   void add(const BlendedMesh& mesh, const std::string& name, const std::string& texture);
@@ -44,7 +35,6 @@ private:
   void put_colors(const BlendedMesh& mesh, bool textured);
   void put_motion(const BlendedMesh& mesh);
   void put_sample(double seconds, std::string_view value);
-  std::string time_code(double seconds) const;
   [[noreturn]] void fail() const;
 
   std::filesystem::path path_;

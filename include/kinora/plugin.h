@@ -149,7 +149,7 @@ typedef struct KinoraSoundPacket {
 typedef struct KinoraPicture {
   KINORA_STRUCT_HEADER;
   const char* name;       /* without extension; may hold '/' for folders; unique within one output */
-  double time;            /* seconds from the start, increasing */
+  double time;            /* seconds from the start, never decreasing; in films increasing */
   KinoraImage color;      /* U8, 3 channels sRGB or 4 with straight alpha */
   KinoraImage depth;      /* U16, 1 channel, millimetres, 0 = nothing; may be absent */
   KinoraImage normal;     /* F32, 3 channels: unit vectors out of the surface along the camera's axes, 0 = nothing;
@@ -166,6 +166,13 @@ typedef struct KinoraPicture {
   int32_t has_camera;
   KinoraCamera camera; /* of width and height as colour */
   double camera_to_world[16];
+
+  /* Formats that were made before these members existed end here. */
+
+  const struct KinoraPicture* layers; /* what colour was composited of, in no order: pictures of the same size with
+                                         colour (4 channels), metric_depth (0 where opacity is a half or less) and one
+                                         label meaning, their own; may be absent */
+  size_t layer_count;
 } KinoraPicture;
 
 /* A surface, given to a writer once. A point p of the mesh (homogeneous) is in the world at
@@ -228,6 +235,30 @@ typedef struct KinoraVolume {
   const KinoraVolumeChannel* channels;
 } KinoraVolume;
 
+/* Checked by the host against the list before it is handed over; options not given are absent. Embedded. */
+typedef struct KinoraOptionValue {
+  const char* name;
+  const char* value;
+} KinoraOptionValue;
+
+/* One of the numbered outputs of a sequence of volumes. Embedded. */
+typedef struct KinoraVolumeFile {
+  const char* name; /* of the file, which is in the folder of the index */
+  double time;      /* seconds from the start, increasing */
+  double low[3];    /* the box around its voxels, metres in the world; low > high where it is not known or empty */
+  double high[3];
+} KinoraVolumeFile;
+
+/* What an index of a sequence of volumes says. */
+typedef struct KinoraVolumeSequence {
+  KINORA_STRUCT_HEADER;
+  double frames_per_second; /* nominal */
+  size_t file_count;        /* at least 1 */
+  const KinoraVolumeFile* files;
+  size_t fact_count; /* as of writer_facts */
+  const KinoraOptionValue* facts;
+} KinoraVolumeSequence;
+
 /* ---- a format */
 
 enum { /* KinoraFormat.capabilities */
@@ -244,8 +275,9 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_POSES = 1u << 10,
        KINORA_WRITES_MASKS = 1u << 11,
        KINORA_WRITES_INFRARED = 1u << 12,
-       KINORA_WRITES_DEPTH_CAMERA = 1u << 13, /* depth that is not registered; else the host gives no such capture */
-       KINORA_WRITES_SOUND = 1u << 14,        /* of captures */
+       KINORA_WRITES_DEPTH_CAMERA = 1u << 13,   /* depth that is not registered; else the host gives no such capture */
+       KINORA_WRITES_VOLUME_INDEX = 1u << 14,   /* a file that shows the volumes of a sequence one after another */
+       KINORA_WRITES_PICTURE_LAYERS = 1u << 15, /* KinoraPicture.layers */
        KINORA_WRITES_PICTURES = 1u << 16,
        KINORA_WRITES_FILM = 1u << 17,  /* pictures of one size, shown one after another */
        KINORA_WRITES_ALPHA = 1u << 18, /* else the host composites on black */
@@ -266,6 +298,7 @@ enum { /* KinoraFormat.capabilities */
                                                  what is found there */
                                               /* All other bits are reserved and 0. */
 };
+#define KINORA_WRITES_SOUND ((uint64_t)1 << 31) /* of captures; C's enumerators end before it */
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */
 typedef struct KinoraOption {
@@ -275,12 +308,6 @@ typedef struct KinoraOption {
   const char* help;          /* one sentence */
   const void* reserved;      /* NULL */
 } KinoraOption;
-
-/* Checked by the host against the list before it is handed over; options not given are absent. Embedded. */
-typedef struct KinoraOptionValue {
-  const char* name;
-  const char* value;
-} KinoraOptionValue;
 
 /* The answer of `probe`. */
 typedef struct KinoraProbe {
@@ -360,6 +387,13 @@ typedef struct KinoraFormat {
   KinoraStatus (*writer_sound)(KinoraWriter* writer, const KinoraSound* sound, KinoraMessage* message);
   /* Each comes before the first frame that is later. */
   KinoraStatus (*writer_sound_packet)(KinoraWriter* writer, const KinoraSoundPacket* packet, KinoraMessage* message);
+
+  /* Formats that were made before these members existed end here. Both need KINORA_WRITES_VOLUME_INDEX, else NULL. */
+
+  const char* index_extension; /* of the index, with its dot */
+  /* Writes the index to exactly `path`; `options` are those of the volumes. */
+  KinoraStatus (*write_volume_index)(const char* path, const KinoraOptionValue* options, size_t option_count,
+                                     const KinoraVolumeSequence* sequence, KinoraMessage* message);
 } KinoraFormat;
 
 typedef struct KinoraPlugin {

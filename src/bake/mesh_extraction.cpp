@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "bake/flat_surface.h"
 #include "bake/simplification.h"
 #include "bake/texture_baking.h"
 #include "core/error.h"
@@ -20,7 +21,9 @@ void check(const MeshExtractionOptions& options) {
   if (options.triangles < 1 || options.resolution < 0 || options.resolution > fields::FieldLimits::kMaxResolution ||
       !(options.opacity > 0 && options.opacity < 1) ||
       !(options.min_component_share >= 0 && options.min_component_share <= 1) || !(options.simplification >= 0) ||
-      !(options.still_simplification >= 0) || options.texture < 0 || options.texture > kMaxTexture) {
+      !(options.still_simplification >= 0) || !(options.flat_simplification >= 0) ||
+      !(options.still_component_share >= 0 && options.still_component_share <= 1) || options.texture < 0 ||
+      options.texture > kMaxTexture) {
     throw Error(ErrorCode::kUsage, "a surface needs at least 1 triangle, a resolution up to 8192, an opacity "
                                    "between 0 and 1, and a texture of at most 8192 pixels per side");
   }
@@ -70,12 +73,13 @@ double surface_level(const FieldSampler& sampler, double opacity, const Progress
   return level;
 }
 
-Triangles triangulate(const FieldSampler& sampler, const MeshExtractionOptions& options, const Progress& progress) {
+Triangles triangulate(const FieldSampler& sampler, const MeshExtractionOptions& options, double component_share,
+                      const Progress& progress) {
   const fields::FieldConfig& config = sampler.field().config;
   const double level = surface_level(sampler, options.opacity, progress);
   const auto at = [&](int resolution) {
     Triangles triangles = surface_nets(sampler, level, resolution, progress);
-    remove_small_components(triangles, options.min_component_share);
+    remove_small_components(triangles, component_share);
     return triangles;
   };
   if (options.resolution > 0) return at(options.resolution);
@@ -105,15 +109,23 @@ void keep_moved(const motion::Motion& motion, Triangles& triangles) {
   keep_vertices(triangles, moved);
 }
 
-/// Metres by which the surface may be off.
-double error_of(const clip::Layer& layer, const MeshExtractionOptions& options) {
-  return layer.motion.kind() == motion::MotionKind::kStill ? options.still_simplification : options.simplification;
+/// Fewer triangles. Returns by how many metres the surface may be off.
+double simplify_layer(const clip::Layer& layer, bool still, const MeshExtractionOptions& options,
+                      Triangles& triangles) {
+  constexpr double kFlat = 0.1;
+  double error = still ? options.still_simplification : options.simplification;
+  if (still && options.flat_simplification > error && is_flat(triangles, kFlat)) {
+    error = options.flat_simplification;
+    if (layer.confidence) smooth_unseen(layer.field.config.box, *layer.confidence, triangles);
+  }
+  if (error > 0) simplify(triangles, error, 4);
+  return error;
 }
 
 /// The vertices of the mesh as the atlas has them, and the picture.
 void add_texture(const clip::Layer& layer, const FieldSampler& sampler, const MeshExtractionOptions& options,
-                 const Triangles& triangles, std::span<const Eigen::Vector3d> normals, const Progress& progress,
-                 host::Mesh& mesh) {
+                 double error, const Triangles& triangles, std::span<const Eigen::Vector3d> normals,
+                 const Progress& progress, host::Mesh& mesh) {
   constexpr double kPixelsPerCell = 1.5;
   const double cell = sampler.field().config.cell_size();
   const TextureAtlas atlas = texture_atlas(triangles, cell / kPixelsPerCell, options.texture, progress);
@@ -124,8 +136,7 @@ void add_texture(const clip::Layer& layer, const FieldSampler& sampler, const Me
                                           atlas.coordinates[v].y() / static_cast<float>(atlas.height));
   }
   mesh.faces = atlas.faces;
-  mesh.texture =
-      bake_texture(atlas, triangles, normals, sampler, layer.motion, error_of(layer, options) + 2 * cell, progress);
+  mesh.texture = bake_texture(atlas, triangles, normals, sampler, layer.motion, error + 2 * cell, progress);
 }
 
 void add_vertex_colors(const clip::Layer& layer, const FieldSampler& sampler, Triangles& triangles,
@@ -146,16 +157,17 @@ std::optional<host::Mesh> extract_mesh(const clip::Layer& layer, const MeshExtra
                                        const Progress& progress) {
   check(options);
   const FieldSampler sampler(layer.field);
-  Triangles triangles = triangulate(sampler, options, progress);
+  const bool still = layer.motion.kind() == motion::MotionKind::kStill;
+  Triangles triangles =
+      triangulate(sampler, options, still ? options.still_component_share : options.min_component_share, progress);
   keep_moved(layer.motion, triangles);
-  const double error = error_of(layer, options);
-  if (error > 0) simplify(triangles, error, 4);
+  const double error = simplify_layer(layer, still, options, triangles);
   if (triangles.faces.empty()) return std::nullopt;
   const std::vector<Eigen::Vector3d> normals = vertex_normals(triangles);
   host::Mesh mesh;
   mesh.name = layer.name;
   if (options.texture > 0) {
-    add_texture(layer, sampler, options, triangles, normals, progress, mesh);
+    add_texture(layer, sampler, options, error, triangles, normals, progress, mesh);
   } else {
     add_vertex_colors(layer, sampler, triangles, normals, progress, mesh);
   }

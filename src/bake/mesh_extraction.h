@@ -19,9 +19,11 @@ struct MeshExtractionOptions {
                         ///< opacity are inside
   double simplification =
       0; ///< metres by which the surface may be off, so that it has fewer triangles where it is flat
-  double still_simplification = 0;   ///< the same for layers that do not move: mostly floors
-  int texture = 0;                   ///< pixels per side at most of a texture; 0: colours in the vertices instead
-  double min_component_share = 0.02; ///< parts with less than this share of the largest one's faces are left out
+  double still_simplification = 0;      ///< the same for layers that do not move
+  double flat_simplification = 0;       ///< the same for those that are flat as a whole besides, within 10 cm: floors
+  int texture = 0;                      ///< pixels per side at most of a texture; 0: colours in the vertices instead
+  double min_component_share = 0.02;    ///< parts with less than this share of the largest one's faces are left out
+  double still_component_share = 0.005; ///< the same for layers that do not move, where things stand by themselves
 };
 
 /// The surface in canonical space, without a skin. Colours are what a ray from outside composites just behind the

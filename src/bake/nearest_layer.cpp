@@ -49,7 +49,7 @@ struct LiveSurface {
 
 LiveSurface live_surface(const clip::Layer& layer, int frame, const Progress& progress) {
   MeshExtractionOptions options;
-  options.min_component_share = 0.002;
+  options.min_component_share = options.still_component_share = 0.002;
   LiveSurface surface;
   const auto mesh = extract_mesh(layer, options, progress);
   if (!mesh) return surface;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -11,15 +12,17 @@ namespace {
 
 constexpr float kMaxExtrapolation =
     2; ///< of the values below: how steep density is matters little, where it passes the level much
+constexpr float kUnoccupied = -std::numeric_limits<float>::infinity();
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-/// Works through the grid slice by slice. Values are log(density / level), cut to ±kMaxExtrapolation; positive inside.
+/// Works through the grid slice by slice. Values are log(density / level), cut to ±kMaxExtrapolation, positive inside;
+/// kUnoccupied where nothing is stored.
 class NetBuilder {
 public:
   NetBuilder(const FieldSampler& sampler, double level, int resolution)
       : sampler_(sampler), level_(static_cast<float>(level)), n_(resolution),
-        step_(sampler.field().config.box.side / resolution), below_(points_per_slice(), -kMaxExtrapolation),
-        above_(points_per_slice(), -kMaxExtrapolation), cells_before_(cells_per_layer(), kNone),
+        step_(sampler.field().config.box.side / resolution), below_(points_per_slice(), kUnoccupied),
+        above_(points_per_slice(), kUnoccupied), cells_before_(cells_per_layer(), kNone),
         cells_(cells_per_layer(), kNone) {}
 
   Triangles run(const Progress& progress) {
@@ -50,7 +53,7 @@ private:
 
   // Points on the box's faces count as outside, so that the surface is closed.
   void sample_slice(int z, std::vector<float>& values) {
-    std::fill(values.begin(), values.end(), -kMaxExtrapolation);
+    std::fill(values.begin(), values.end(), kUnoccupied);
     if (z == n_) return;
     wanted_.clear();
     points_.clear();
@@ -85,30 +88,44 @@ private:
           inside += v[static_cast<std::size_t>(k)] > 0 ? 1 : 0;
         }
         if (inside == 0 || inside == 8) continue;
-        const Eigen::Vector3d offset = mean_crossing(v);
         cells_[cell(x, y)] = static_cast<std::uint32_t>(out_.positions.size());
-        out_.positions.push_back(position(x + offset.x(), y + offset.y(), z + offset.z()));
+        out_.positions.push_back(mean_crossing(v, {x, y, z}));
       }
     }
   }
 
-  static Eigen::Vector3d mean_crossing(const std::array<float, 8>& v) {
+  /// Of the edges of the cell whose lowest corner is the grid's point `low`.
+  Eigen::Vector3d mean_crossing(const std::array<float, 8>& v, const std::array<int, 3>& low) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int count = 0;
     for (int k = 0; k < 8; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
         const int other = k | (1 << axis);
         if (other == k) continue;
-        const double a = v[static_cast<std::size_t>(k)];
-        const double b = v[static_cast<std::size_t>(other)];
+        const float a = v[static_cast<std::size_t>(k)];
+        const float b = v[static_cast<std::size_t>(other)];
         if ((a > 0) == (b > 0)) continue;
-        Eigen::Vector3d crossing(k & 1, (k >> 1) & 1, k >> 2);
-        crossing[axis] = a / (a - b);
-        sum += crossing;
+        const auto corner = [&](int i) {
+          return position(low[0] + (i & 1), low[1] + ((i >> 1) & 1), low[2] + (i >> 2));
+        };
+        sum += a > 0 ? crossing(corner(k), a, corner(other), b) : crossing(corner(other), b, corner(k), a);
         ++count;
       }
     }
     return sum / count;
+  }
+
+  /// Between a point inside and one outside: where the values in between pass 0, or where what is stored ends.
+  Eigen::Vector3d crossing(const Eigen::Vector3d& inside, float a, const Eigen::Vector3d& outside, float b) const {
+    if (b != kUnoccupied) return inside + (outside - inside) * static_cast<double>(a / (a - b));
+    constexpr int kSteps = 6;
+    double stored = 0;
+    double empty = 1;
+    for (int step = 0; step < kSteps; ++step) {
+      const double middle = (stored + empty) / 2;
+      (sampler_.occupied(inside + (outside - inside) * middle) ? stored : empty) = middle;
+    }
+    return inside + (outside - inside) * ((stored + empty) / 2);
   }
 
   // Faces across the edges that lie in the lower slice: between this layer of cells and the one before.

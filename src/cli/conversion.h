@@ -27,6 +27,7 @@ struct Conversion {
   host::Options format_options;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero(); ///< of the output, in the clip's world
   double fps = 0;                                   ///< by which frames were chosen; 0: all of them
+  bool index = false;                               ///< of volumes: one more file, which shows them in turn
   bool resume = false;                              ///< numbered files that are there stay, and are not made again
   bool strict = false;                              ///< what cannot be carried over is an error instead of a warning
 };

@@ -34,8 +34,9 @@ host::Facts facts_of(const Conversion& conversion) {
       {"origin", fmt::format("{:g}, {:g}, {:g}", o.x() + 0.0, 0.0 - o.y(), 0.0 - o.z())}};
   if (meshes) facts.emplace_back("triangles", fmt::format("at most {} per layer", conversion.surface.triangles));
   if (meshes)
-    facts.emplace_back("error", fmt::format("{:g} m, of what is still {:g} m", conversion.surface.simplification,
-                                            conversion.surface.still_simplification));
+    facts.emplace_back("error", fmt::format("{:g} m, of what is still {:g} m, of floors {:g} m",
+                                            conversion.surface.simplification, conversion.surface.still_simplification,
+                                            conversion.surface.flat_simplification));
   if (!meshes) facts.emplace_back("voxel", fmt::format("{:g} m", conversion.volume.voxel));
   facts.emplace_back("lost", fmt::format("{}", fmt::join(losses_of(conversion), "; ")));
   return facts;

@@ -15,6 +15,7 @@ namespace {
 constexpr int kTexturePixels = 2048;      ///< per side and layer, at most
 constexpr double kSimplification = 0.002; ///< metres that a textured surface may be off
 constexpr double kStillSimplification = 0.005;
+constexpr double kFlatSimplification = 0.025;
 constexpr double kMaxRate = 1000; ///< frames per second
 
 struct ExportOption {
@@ -43,14 +44,21 @@ constexpr ExportOption kOptions[] = {
      KINORA_WRITES_TEXTURES},
     {{"error", "number", "0", "Metres by which a surface may be off, for fewer triangles where it is flat.", nullptr},
      kMeshes},
-    {{"still-error", "number", "0.005", "The same for layers that do not move, such as floors.", nullptr},
+    {{"still-error", "number", "0.005", "The same for layers that do not move, such as rooms.", nullptr},
      kMeshes,
      KINORA_WRITES_TEXTURES},
-    {{"still-error", "number", "0", "The same for layers that do not move, such as floors.", nullptr}, kMeshes},
+    {{"still-error", "number", "0", "The same for layers that do not move, such as rooms.", nullptr}, kMeshes},
+    {{"flat-error", "number", "0.025", "The same for those that are flat as a whole besides: floors.", nullptr},
+     kMeshes,
+     KINORA_WRITES_TEXTURES},
+    {{"flat-error", "number", "0", "The same for those that are flat as a whole besides: floors.", nullptr}, kMeshes},
     {{"texture", "int", "2048", "Pixels per side of a layer's texture at most; 0: colours in the vertices.", nullptr},
      kMeshes,
      KINORA_WRITES_TEXTURES},
-    {{"voxel", "number", "0.01", "Side of a voxel in metres.", nullptr}, KINORA_WRITES_VOLUMES}};
+    {{"voxel", "number", "0.01", "Side of a voxel in metres.", nullptr}, KINORA_WRITES_VOLUMES},
+    {{"index", "bool", "false", "One more file that shows the others in turn: of OpenVDB NAME.usda, a USD Volume.",
+      nullptr},
+     KINORA_WRITES_VOLUME_INDEX}};
 
 bool is_among(const char* name, std::span<const KinoraOption> options) {
   return std::ranges::any_of(options, [&](const KinoraOption& o) { return std::string_view(o.name) == name; });
@@ -63,6 +71,11 @@ template <class Number> Number number_of(const std::string& name, const std::str
       std::isfinite(static_cast<double>(value)))
     return value;
   throw Error(ErrorCode::kUsage, fmt::format("-O {}={}: the value must be a number that is not negative", name, text));
+}
+
+bool flag_of(const std::string& name, const std::string& text) {
+  if (text == "true" || text == "false") return text == "true";
+  throw Error(ErrorCode::kUsage, fmt::format("-O {}={}: the value must be true or false", name, text));
 }
 
 std::vector<std::string> split_at_commas(const std::string& text) {
@@ -152,15 +165,19 @@ void apply_options(host::Options given, Conversion& conversion, Context& context
     conversion.surface.texture = kTexturePixels;
     conversion.surface.simplification = kSimplification;
     conversion.surface.still_simplification = kStillSimplification;
+    conversion.surface.flat_simplification = kFlatSimplification;
   }
   take("triangles", conversion.surface.triangles);
   take("resolution", conversion.surface.resolution);
   take("texture", conversion.surface.texture);
   if (conversion.surface.texture == 0) // colours need the vertices
-    conversion.surface.simplification = conversion.surface.still_simplification = 0;
+    conversion.surface.simplification = conversion.surface.still_simplification =
+        conversion.surface.flat_simplification = 0;
   take("error", conversion.surface.simplification);
   take("still-error", conversion.surface.still_simplification);
+  take("flat-error", conversion.surface.flat_simplification);
   take("voxel", conversion.volume.voxel);
+  if (const std::string index = text("index"); !index.empty()) conversion.index = flag_of("index", index);
   if (const std::string origin = text("origin"); !origin.empty()) conversion.origin = point_of(origin);
   take("fps", conversion.fps);
   if (conversion.fps > 0)

@@ -32,9 +32,14 @@ bool contains(const Passes& passes, std::string_view pass) {
 /// Depth in metres has no place in the files beside a PNG: such formats hold all of a picture in one file.
 bool holds_passes(const KinoraFormat& format) { return host::supports(format, KINORA_WRITES_METRIC_DEPTH); }
 
-/// What stands beside colour in files of its own; else it is in the picture's file.
-Passes passes_beside(const KinoraFormat& format, const PictureRequest& request) {
-  return holds_passes(format) ? Passes{} : request.passes;
+/// How the names of files end that stand beside the picture's own, which holds the other passes.
+std::vector<std::string> ends_beside(const KinoraFormat& format, const PictureRequest& request) {
+  std::vector<std::string> ends;
+  for (const std::string& pass : request.passes) {
+    if (pass == "deep") ends.emplace_back(".deep.exr");
+    if (pass != "deep" && !holds_passes(format)) ends.push_back("." + pass + ".png");
+  }
+  return ends;
 }
 
 DepthImage16 millimetres_of(const DepthImage& metres) {
@@ -68,15 +73,22 @@ host::Picture picture_for(const KinoraFormat& format, const DrawnPicture& drawn,
     picture.label_meanings = drawn.labels;
   }
   picture.camera = drawn.camera;
+  for (const DrawnLayer& layer : drawn.layers) {
+    host::Picture one{layer.label.name, drawn.seconds, layer.picture.color, {}};
+    one.metric_depth = layer.picture.depth;
+    one.label_meanings = std::span(&layer.label, 1);
+    picture.layers.push_back(std::move(one));
+  }
   return picture;
 }
 
 /// Throws Error(kUsage) for a pass that the format has no place for.
 const KinoraFormat& checked(const KinoraFormat& format, const Passes& passes) {
-  constexpr std::array<std::pair<std::string_view, std::uint64_t>, 3> kPlaces{
+  constexpr std::array<std::pair<std::string_view, std::uint64_t>, 4> kPlaces{
       {{"depth", KINORA_WRITES_DEPTH | KINORA_WRITES_METRIC_DEPTH},
        {"normal", KINORA_WRITES_NORMALS},
-       {"confidence", KINORA_WRITES_CONFIDENCE}}};
+       {"confidence", KINORA_WRITES_CONFIDENCE},
+       {"deep", KINORA_WRITES_PICTURE_LAYERS}}};
   for (const auto& [pass, place] : kPlaces) {
     if (!contains(passes, pass) || (format.capabilities & place) != 0) continue;
     throw Error(
@@ -124,10 +136,9 @@ class SinglePictureOutput : public PictureOutput {
 public:
   SinglePictureOutput(const PictureRequest& request, const KinoraFormat& format)
       : request_(request), file_(request.path, request.overwrite, request.inputs),
-        writer_(checked(format, request.passes), request.path, request.options),
-        beside_(passes_beside(format, request)) {
-    for (const std::string& pass : beside_) {
-      const fs::path file = request.path.parent_path() / (request.path.stem().string() + "." + pass + ".png");
+        writer_(checked(format, request.passes), request.path, request.options), beside_(ends_beside(format, request)) {
+    for (const std::string& end : beside_) {
+      const fs::path file = request.path.parent_path() / (request.path.stem().string() + end);
       files_beside_.push_back(std::make_unique<OutputFile>(file, request.overwrite, request.inputs));
     }
   }
@@ -140,7 +151,7 @@ public:
     writer_.finish();
     writer_.files().move([this](const fs::path& inside) {
       for (std::size_t i = 0; i < beside_.size(); ++i) {
-        if (inside.stem().extension() == "." + beside_[i]) return files_beside_[i]->writing_path();
+        if (inside.string().ends_with(beside_[i])) return files_beside_[i]->writing_path();
       }
       return file_.writing_path();
     });
@@ -152,7 +163,7 @@ private:
   PictureRequest request_;
   OutputFile file_;
   StagedWriter writer_;
-  Passes beside_;
+  std::vector<std::string> beside_;                       // how their names end
   std::vector<std::unique_ptr<OutputFile>> files_beside_; // as beside_
 };
 
@@ -191,9 +202,8 @@ private:
     const std::string extension = std::string(format.extensions).substr(0, std::string(format.extensions).find(' '));
     for (const std::string& name : names) {
       refuse_to_lose(request.path / (name + extension), request.overwrite, request.inputs);
-      for (const std::string& pass : passes_beside(format, request)) {
-        refuse_to_lose(request.path / fmt::format("{}.{}.png", name, pass), request.overwrite, request.inputs);
-      }
+      for (const std::string& end : ends_beside(format, request))
+        refuse_to_lose(request.path / (name + end), request.overwrite, request.inputs);
     }
     return request.path;
   }

@@ -19,17 +19,24 @@ struct PictureRequest {
   std::filesystem::path path;
   host::Options options; ///< of the writer; "format" chooses it where the path does not
   bool overwrite = false;
-  std::vector<std::string> passes; ///< besides colour: depth, normal, confidence
+  std::vector<std::string> passes; ///< besides colour: depth, normal, confidence, deep
   std::vector<std::filesystem::path> inputs;
+};
+
+/// A layer drawn by itself.
+struct DrawnLayer {
+  fields::Picture picture;
+  host::LabelMeaning label;
 };
 
 /// What was drawn, from where and when.
 struct DrawnPicture {
   fields::Picture picture;
   std::string name;
-  double seconds = 0; ///< from the start, increasing
+  double seconds = 0; ///< from the start, never decreasing; in films increasing
   Camera camera;
   std::vector<host::LabelMeaning> labels = {}; ///< of the layers that are drawn, as picture.front counts them
+  std::vector<DrawnLayer> layers = {};         ///< for the pass deep
 };
 
 /// .mp4 and other film extensions: a film; an extension of a picture format: one picture; else a folder.

@@ -52,7 +52,7 @@ std::pair<int, int> parse_size(const std::string& text) {
 
 /// The passes to write beside colour, each once.
 std::vector<std::string> passes_beside_color(const std::vector<std::string>& passes) {
-  constexpr std::array<std::string_view, 3> kBeside{"depth", "normal", "confidence"};
+  constexpr std::array<std::string_view, 4> kBeside{"depth", "normal", "confidence", "deep"};
   std::vector<std::string> beside;
   bool rgb = false;
   for (const std::string& pass : passes) {
@@ -81,8 +81,9 @@ std::vector<player::View> views_of(const Options& options, const player::Player&
   return chosen;
 }
 
-// A film shows each view when the clip does; where that is not one after another, at the clip's pace.
-std::vector<double> show_times(const std::vector<player::View>& views, const clip::Clip& clip) {
+// Seconds from the first view. A film shows each view when the clip does; where that is not one after another, at the
+// clip's pace.
+std::vector<double> show_times(const std::vector<player::View>& views, const clip::Clip& clip, OutputKind kind) {
   std::vector<double> times;
   for (const player::View& view : views) {
     const auto before = static_cast<std::size_t>(view.frame);
@@ -90,7 +91,8 @@ std::vector<double> show_times(const std::vector<player::View>& views, const cli
     const double fraction = view.frame - static_cast<double>(before);
     times.push_back(clip.times[before] + fraction * (clip.times[after] - clip.times[before]));
   }
-  const bool increasing = std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end();
+  const bool increasing = kind != OutputKind::kFilm ||
+                          std::adjacent_find(times.begin(), times.end(), std::greater_equal<>()) == times.end();
   const double start = times.front();
   for (std::size_t i = 0; i < times.size(); ++i) {
     times[i] = increasing ? times[i] - start : static_cast<double>(i) / frames_per_second(clip);
@@ -121,6 +123,17 @@ std::vector<host::LabelMeaning> labels_at(const clip::Clip& clip, const player::
   return labels;
 }
 
+/// Each of the layers by itself, as far as it has been seen by then.
+std::vector<DrawnLayer> draw_layers(const player::Player& player, const player::View& view,
+                                    const player::LayerChoice& layers, const fields::DrawOptions& how) {
+  std::vector<DrawnLayer> drawn;
+  for (const std::size_t i : layers) {
+    const std::vector<host::LabelMeaning> label = labels_at(player.clip(), {i}, view.frame);
+    if (!label.empty()) drawn.push_back({player.draw(view.camera, view.frame, {i}, how), label.front()});
+  }
+  return drawn;
+}
+
 void run(const Options& options, Context& context) {
   const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
@@ -149,10 +162,12 @@ void run(const Options& options, Context& context) {
     const auto [width, height] = parse_size(options.size);
     for (player::View& view : views) view.camera.intrinsics = view.camera.intrinsics.resized(width, height);
   }
+  // Views of one time belong together.
+  if (kind == OutputKind::kFolder) std::ranges::stable_sort(views, {}, &player::View::frame);
   std::vector<std::string> names;
   names.reserve(views.size());
   for (const player::View& view : views) names.push_back(view.name);
-  const std::vector<double> times = show_times(views, player.clip());
+  const std::vector<double> times = show_times(views, player.clip(), kind);
 
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
@@ -161,7 +176,9 @@ void run(const Options& options, Context& context) {
     context.progress.check();
     const player::View& view = views[i];
     output->add({player.draw(view.camera, view.frame, layers, draw), view.name, times[i], view.camera,
-                 labels_at(player.clip(), layers, view.frame)});
+                 labels_at(player.clip(), layers, view.frame),
+                 has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
+                             : std::vector<DrawnLayer>{}});
     context.progress.advance(i + 1, "");
   }
   output->finish();
@@ -241,7 +258,8 @@ void add_render(CLI::App& app, Context& context) {
           "--passes", options->passes,
           "What to write: rgb, and beside it .depth.png (16-bit millimetres), .normal.png (of the camera: "
           "x right, y up, z back, as colours), .confidence.png (8 bits: 255 where the capture's cameras saw well "
-          "what is shown, 0 where they never saw that side)")
+          "what is shown, 0 where they never saw that side), with -O format=exr also deep: .deep.exr, each layer a "
+          "sample of its pixels")
       ->delimiter(',')
       ->type_name("NAMES");
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")

@@ -45,6 +45,8 @@ constexpr Capability kCapabilities[] = {
     {KINORA_WRITES_LABELS, "write-labels"},
     {KINORA_WRITES_CAMERAS, "write-cameras"},
     {KINORA_WRITES_FILES_BESIDE, "write-files-beside"},
+    {KINORA_WRITES_VOLUME_INDEX, "write-volume-index"},
+    {KINORA_WRITES_PICTURE_LAYERS, "write-picture-layers"},
 };
 
 /// Every format has the members before this one; see plugin.h.
@@ -76,9 +78,13 @@ std::string fault_of_writing(const KinoraFormat& format) {
                                                  format.writer_capture == nullptr || format.writer_frame == nullptr))
     return " lacks writer_capture or writer_frame";
   if (supports(format, KINORA_WRITES_SOUND) &&
-      (format.struct_size < sizeof(KinoraFormat) || format.writer_sound == nullptr ||
+      (format.struct_size < offsetof(KinoraFormat, index_extension) || format.writer_sound == nullptr ||
        format.writer_sound_packet == nullptr))
     return " lacks writer_sound or writer_sound_packet";
+  if (supports(format, KINORA_WRITES_VOLUME_INDEX) &&
+      (format.struct_size < sizeof(KinoraFormat) || format.index_extension == nullptr ||
+       format.write_volume_index == nullptr))
+    return " lacks write_volume_index";
   return {};
 }
 

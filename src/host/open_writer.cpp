@@ -1,5 +1,7 @@
 #include "host/open_writer.h"
 
+#include <cstddef>
+
 #include <fmt/format.h>
 
 #include "host/interface_struct.h"

@@ -36,6 +36,17 @@ std::vector<KinoraLabel> labels_of(std::span<const LabelMeaning> meanings) {
   return labels;
 }
 
+KinoraPicture layer_of(const Picture& layer, const std::vector<KinoraLabel>& labels) {
+  auto given = make_struct<KinoraPicture>();
+  given.name = layer.name.c_str();
+  given.time = layer.time;
+  given.color = view_of(layer.color, KINORA_PIXEL_U8);
+  given.metric_depth = view_of(layer.metric_depth, KINORA_PIXEL_F32);
+  given.label_meanings = labels.data();
+  given.label_count = labels.size();
+  return given;
+}
+
 } // namespace
 
 PictureWriter::PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options)
@@ -64,6 +75,16 @@ void PictureWriter::write(const Picture& picture) {
     given.camera = camera_of(picture.camera->intrinsics);
     for (int i = 0; i < 16; ++i) given.camera_to_world[i] = picture.camera->camera_to_world.matrix()(i / 4, i % 4);
   }
+  std::vector<KinoraPicture> layers;
+  std::vector<std::vector<KinoraLabel>> layer_labels;
+  if (supports(*format_, KINORA_WRITES_PICTURE_LAYERS)) {
+    for (const Picture& layer : picture.layers) {
+      layer_labels.push_back(labels_of(layer.label_meanings));
+      layers.push_back(layer_of(layer, layer_labels.back()));
+    }
+  }
+  given.layers = layers.empty() ? nullptr : layers.data();
+  given.layer_count = layers.size();
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->writer_write(writer_.get(), &given, &message);
   if (status != KINORA_OK) throw error_of(status, message, format_->name);

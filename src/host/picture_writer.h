@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/image.h"
@@ -23,7 +24,7 @@ struct LabelMeaning {
 /// One picture to write.
 struct Picture {
   std::string name;                    ///< without extension; may hold '/' for folders
-  double time = 0;                     ///< seconds from the start, increasing
+  double time = 0;                     ///< seconds from the start, never decreasing; in films increasing
   ColorImage color;                    ///< 3 channels sRGB, or 4 with straight alpha
   DepthImage16 depth;                  ///< millimetres, 0 = nothing; may be empty
   Image<float> normal = {};            ///< 3 channels: unit vectors along the camera's axes, 0 = nothing; may be empty
@@ -32,6 +33,8 @@ struct Picture {
   LabelImage labels = {};              ///< of what is in front, 0 where nothing is; may be empty
   std::span<const LabelMeaning> label_meanings = {}; ///< of labels
   std::optional<Camera> camera = std::nullopt;       ///< that sees the picture
+  /// What it was composited of: of each layer the colour, the metric depth and what its label means.
+  std::vector<Picture> layers = {};
 };
 
 /// Moveable, one thread at a time. The format must outlive it. Writes exactly to the path that it is given.

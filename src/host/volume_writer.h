@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "host/open_writer.h"
 
@@ -27,5 +27,19 @@ struct Volume {
 /// format does not declare or a format that writes no volumes. `facts`: for the file's metadata.
 void write_volume(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
                   const Volume& volume, const Facts& facts = {});
+
+/// One file of a sequence of volumes.
+struct VolumeFile {
+  std::string name;                                ///< in the folder of the index
+  double time = 0;                                 ///< seconds from the start, increasing
+  Eigen::AlignedBox3d box = Eigen::AlignedBox3d(); ///< around its voxels, world; empty where it is not known
+};
+
+/// Writes a file that shows the volumes one after another, for formats that can. Throws what the plugin reports.
+void write_volume_index(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
+                        const std::vector<VolumeFile>& files, double frames_per_second, const Facts& facts);
+
+/// The box around the volume's voxels in the world.
+Eigen::AlignedBox3d box_of(const Volume& volume);
 
 } // namespace kinora::host

@@ -96,7 +96,8 @@ AvCodec open_decoder(const container::Track& track) {
     }
     return started(std::move(context));
   }
-  throw Error(ErrorCode::kCorruptInput, "sound of the codec " + track.codec + " cannot be decoded");
+  throw Error(ErrorCode::kCorruptInput,
+              std::string("sound of the codec ").append(track.codec).append(" cannot be decoded"));
 }
 
 void fill(AVPacket& packet, std::span<const std::byte> bytes) {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "bake/analytic_field.h"
+#include "bake/flat_surface.h"
 #include "bake/mesh_extraction.h"
 #include "core/error.h"
 #include "core/parallel.h"
@@ -106,9 +107,79 @@ TEST(MeshExtraction, StrayPartsAreLeftOut) {
     return max_norm;
   };
   MeshExtractionOptions everything = as_given();
-  everything.min_component_share = 0;
+  everything.still_component_share = 0;
   EXPECT_GT(farthest(mesh_of(field, everything)), 0.6F);
-  EXPECT_LT(farthest(mesh_of(field)), 0.35F);
+  EXPECT_GT(farthest(mesh_of(field)), 0.6F) << "in a room, things stand by themselves";
+  const clip::Layer moving{"ball", 1, field, motion::Motion::rigid({{SE3::Identity()}})};
+  EXPECT_LT(farthest(*extract_mesh(moving, as_given(), Progress())), 0.35F);
+}
+
+TEST(MeshExtraction, ReachesToWhereWhatIsStoredEnds) {
+  fields::Field field = testing::field_of([](const Eigen::Vector3d&) { return -1.0; },
+                                          [](const Eigen::Vector3d&) { return Eigen::Vector3d(0.5, 0.5, 0.5); });
+  const int r = field.config.occupancy_resolution;
+  field.occupancy = fields::Occupancy(r);
+  for (int i = 0; i < r * r * r; ++i)
+    if (i % r >= r / 4 && i % r < 3 * r / 4) field.occupancy.set(i % r, i / r % r, i / r / r);
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : mesh_of(field).positions) box.extend(p);
+  EXPECT_NEAR(box.max().x(), 0.25F, 0.002F);
+  EXPECT_NEAR(box.min().x(), -0.25F, 0.002F);
+  EXPECT_NEAR(box.max().y(), 0.5F, 0.002F) << "the box's own end";
+}
+
+/// A slab in waves of 1 cm, 4 cm thick, with a ball on it or without.
+fields::Field floor_field(double ball) {
+  return testing::field_of(
+      [ball](const Eigen::Vector3d& p) {
+        const double slab = std::max(
+            {std::abs(p.y() - 0.01 * std::sin(20 * p.x())) - 0.02, std::abs(p.x()) - 0.42, std::abs(p.z()) - 0.42});
+        return std::min(slab, (p - Eigen::Vector3d(0, 0.1, 0)).norm() - ball);
+      },
+      [](const Eigen::Vector3d&) { return Eigen::Vector3d(0.5, 0.5, 0.5); });
+}
+
+TEST(MeshExtraction, FloorsHaveFewTrianglesAndKeepTheirOutline) {
+  MeshExtractionOptions options = as_given();
+  options.still_simplification = 0.003;
+  const host::Mesh waves = mesh_of(floor_field(0), options);
+  options.flat_simplification = 0.02;
+  const host::Mesh floor = mesh_of(floor_field(0), options);
+  EXPECT_LT(5 * floor.faces.size(), waves.faces.size());
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& p : floor.positions) box.extend(p);
+  EXPECT_NEAR(box.max().x(), 0.42F, 0.02F);
+  EXPECT_NEAR(box.min().z(), -0.42F, 0.02F);
+  EXPECT_EQ(mesh_of(floor_field(0.15), options).faces.size(), [&] {
+    options.flat_simplification = 0;
+    return mesh_of(floor_field(0.15), options).faces.size();
+  }()) << "it is not flat with something on it";
+}
+
+TEST(FlatSurface, WhatNoCameraSawIsSmoothedButForItsRim) {
+  const fields::Field field = floor_field(0);
+  Triangles triangles = surface_nets(FieldSampler(field), std::log(2.0) / field.config.cell_size(), 48, Progress());
+  const Triangles given = triangles;
+  fields::Confidence confidence(field.occupancy);
+  for (auto& levels : confidence.levels())
+    for (std::size_t n = 0; n < levels.size(); ++n)
+      levels[n] = fields::Confidence::normal(n).y() > -0.1F ? fields::Confidence::kMax : 0; // seen from above
+  smooth_unseen(field.config.box, confidence, triangles);
+  double above = 0, below = 0;
+  std::vector<double> heights;
+  for (std::size_t v = 0; v < given.positions.size(); ++v) {
+    const Eigen::Vector3d& p = given.positions[v];
+    const double way = (triangles.positions[v] - p).norm();
+    if (p.y() > 0.02) above = std::max(above, way);
+    below = std::max(below, way);
+    if (p.cwiseAbs().maxCoeff() < 0.2 && triangles.positions[v].y() < -0.005)
+      heights.push_back(triangles.positions[v].y());
+  }
+  EXPECT_EQ(above, 0);
+  EXPECT_GT(below, 0.003);
+  ASSERT_GT(heights.size(), 100U);
+  const auto [low, high] = std::ranges::minmax(heights);
+  EXPECT_LT(high - low, 0.01) << "of 2 cm from crest to trough";
 }
 
 TEST(MeshExtraction, HasAboutAsManyTrianglesAsAskedFor) {

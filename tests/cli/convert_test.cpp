@@ -72,6 +72,19 @@ TEST_F(ConvertTest, ClipBecomesNumberedVolumesInANewFolder) {
   EXPECT_EQ(std::distance(fs::directory_iterator(path("volumes")), {}), 2);
 }
 
+TEST_F(ConvertTest, AnIndexShowsTheVolumesInTurn) {
+  ASSERT_EQ(convert("volumes/clip.vdb", {"-O", "index=true", "-O", "fps=20", "--frames", "0:2"}).code, 0);
+  const std::string usd = contents_of(path("volumes/clip.usda"));
+  EXPECT_NE(usd.find("0: @@@./clip_0001.vdb@@@,"), std::string::npos) << usd;
+  EXPECT_NE(usd.find("timeCodesPerSecond = 20\n"), std::string::npos) << usd;
+  EXPECT_NE(usd.find("extent.timeSamples = {\n            0: [("), std::string::npos) << usd;
+  fs::remove(path("volumes/clip_0001.vdb"));
+  expect_error(convert("volumes/clip.vdb", {"-O", "index=true", "--frames", "0:1"}), 5, "clip.usda");
+  EXPECT_FALSE(fs::exists(path("volumes/clip_0001.vdb"))) << "it is found out before the work";
+  EXPECT_EQ(convert("volumes/clip.vdb", {"-O", "index=true", "--resume"}).code, 0);
+  expect_error(convert("clip.vdb", {"-O", "index=maybe"}), 2, "true or false");
+}
+
 TEST_F(ConvertTest, ClipBecomesNumberedMeshesThatMove) {
   const Said said = convert("meshes/clip.ply", {"--frames", "1:4:2", "--json"});
   ASSERT_EQ(said.code, 0) << said.err;

@@ -34,7 +34,12 @@ protected:
   void write(const PictureRequest& request, const Names& views) const {
     const auto output = PictureOutput::open(request, views, table_);
     double seconds = 0;
-    for (const std::string& view : views) output->add({picture_for(request), view, seconds++, {}});
+    for (const std::string& view : views) {
+      DrawnPicture drawn{picture_for(request), view, seconds++, {}};
+      if (std::ranges::find(request.passes, "deep") != request.passes.end())
+        drawn.layers.push_back({picture_for(request), {1, "person", "deforming"}});
+      output->add(drawn);
+    }
     output->finish();
   }
   void expect_refused(const PictureRequest& request, const Names& views, const std::string& word) const {
@@ -63,7 +68,12 @@ TEST_F(Pictures, ThatHoldTheirPassesAreOneFileEach) {
   wanted.options = {{"format", "exr"}};
   write(wanted, {"left", "right"});
   write(request("still.exr", false, {"depth"}), {"view"});
-  EXPECT_EQ(names(), (Names{"out/left.exr", "out/right.exr", "still.exr"}));
+  wanted = request("deep", false, {"deep"});
+  wanted.options = {{"format", "exr"}};
+  write(wanted, {"left"});
+  write(request("deep.exr", false, {"deep"}), {"view"});
+  EXPECT_EQ(names(), (Names{"deep.deep.exr", "deep.exr", "deep/left.deep.exr", "deep/left.exr", "out/left.exr",
+                            "out/right.exr", "still.exr"}));
 }
 
 TEST_F(Pictures, ForWhichTheFormatHasNoPlaceAreRefused) {

@@ -126,6 +126,26 @@ TEST_F(Render, CameraFileNamesThePictures) {
   EXPECT_EQ(Json::parse(said.out).at("pictures"), 2);
 }
 
+TEST_F(Render, ViewsAreInOrderOfTimeAndThoseOfOneTimeInOneFileIfAskedFor) {
+  folder_.write("t.json", R"({"w": 20, "h": 10, "fl_x": 20, "frames": [
+    {"file_path": "left 0", "frame": 0, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]},
+    {"file_path": "left 3", "frame": 3, "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]},
+    {"file_path": "right 0", "frame": 0, "transform_matrix": [[1,0,0,1],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})");
+  const Said said = render(
+      {path("out"), "--cameras", path("t.json"), "-O", "format=exr", "-O", "views=parts", "--passes", "rgb,deep"});
+  if (said.code == 6) GTEST_SKIP() << "OpenEXR is not installed";
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(names_in("out"), (std::vector<std::string>{"000000.exr", "000001.exr", "left 0.deep.exr", "left 3.deep.exr",
+                                                       "right 0.deep.exr"}));
+  ASSERT_EQ(render({path("set"), "--cameras", path("t.json"), "-O", "format=data-set"}).code, 0);
+  std::ifstream file(path("set/transforms.json"));
+  const Json frames = Json::parse(file)["frames"];
+  EXPECT_EQ(frames[1]["file_path"], "images/right 0.png");
+  EXPECT_EQ(frames[1]["time"], 0) << "of one time with the first";
+  EXPECT_GT(frames[2]["time"], 0);
+  expect_error(render({path("o.png"), "--size", "8x8", "--passes", "rgb,deep"}), 2, "deep");
+}
+
 TEST_F(Render, FilmIsAFilm) {
   const Said said = render({path("o.mp4"), "--size", "64x48", "--orbit", "10"});
   ASSERT_EQ(said.code, 0) << said.err;

@@ -5,9 +5,13 @@
 #include <cstdlib>
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineInputFile.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
@@ -121,6 +125,89 @@ TEST_F(ExrTest, TheCameraAndTheTimeAreAttributes) {
   EXPECT_EQ(number("fl_y"), 51);
   EXPECT_EQ(number("cx"), 3) << "the first pixel has its centre at 0.5";
   EXPECT_EQ(number("time"), 1.5);
+}
+
+TEST_F(ExrTest, ViewsOfOneTimeAreNamedPartsOfOneFile) {
+  const fs::path folder = folder_.path() / "views";
+  host::PictureWriter writer(table_.find("exr"), folder, {{"views", "parts"}});
+  for (int i = 0; i < 4; ++i) {
+    Picture given = picture();
+    given.name = i % 2 == 0 ? "left" : "right";
+    given.time = 0.5 * (i / 2);
+    given.color = sample_color(kWidth, kHeight, 4, i);
+    writer.write(given);
+    EXPECT_EQ(fs::exists(folder / "000000.exr"), i >= 2) << "it is whole when the next time begins";
+  }
+  writer.finish();
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+  Imf::MultiPartInputFile file((folder / "000001.exr").c_str());
+  ASSERT_EQ(file.parts(), 2);
+  EXPECT_EQ(file.header(0).name(), "left");
+  EXPECT_EQ(file.header(1).view(), "right");
+  EXPECT_EQ(file.header(1).typedAttribute<Imf::DoubleAttribute>("time").value(), 0.5);
+  Imf::InputPart part(file, 1);
+  std::vector<float> alpha(kWidth * kHeight);
+  Imf::FrameBuffer buffer;
+  buffer.insert("A",
+                Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(alpha.data()), sizeof(float), sizeof(float) * kWidth));
+  part.setFrameBuffer(buffer);
+  part.readPixels(0, kHeight - 1);
+  const ColorImage expected = sample_color(kWidth, kHeight, 4, 3);
+  for (std::size_t i = 0; i < alpha.size(); ++i) EXPECT_NEAR(alpha[i], expected.data()[4 * i + 3] / 255.0, 1e-3);
+}
+
+TEST_F(ExrTest, ViewsOfAnEarlierTimeOrAnotherSizeAreRefused) {
+  host::PictureWriter writer(table_.find("exr"), folder_.path() / "views", {{"views", "parts"}});
+  writer.write(picture());
+  Picture early = picture();
+  early.time = 0;
+  EXPECT_THROW(writer.write(early), Error);
+  writer.write({"small", 1.5, sample_color(2, 2, 4, 1), {}});
+  EXPECT_THROW(writer.finish(), Error);
+}
+
+/// Two layers, the second of which is nearer at the right.
+TEST_F(ExrTest, DeepPicturesHaveASampleForEachLayerFromNearToFar) {
+  Picture given = picture();
+  const std::vector<host::LabelMeaning> meanings{{1, "person", "deforming"}, {2, "object", "rigid"}};
+  for (std::size_t l = 0; l < 2; ++l) {
+    Picture layer{meanings[l].name, 1.5, ColorImage(kWidth, kHeight, 4, 255), {}};
+    layer.metric_depth = DepthImage(kWidth, kHeight, 1, 2);
+    layer.label_meanings = std::span(&meanings[l], 1);
+    for (int u = 0; u < kWidth && l == 1; ++u) layer.metric_depth.at(u, 3) = u < 3 ? 3.0F : 1.0F;
+    layer.color.at(0, 0, 3) = 0;   // nothing of either
+    layer.color.at(1, 0, 3) = 102; // too thin for a depth of its own
+    layer.metric_depth.at(1, 0) = 0;
+    given.layers.push_back(std::move(layer));
+  }
+  const fs::path path = write(given).replace_extension(".deep.exr");
+  Imf::DeepScanLineInputFile file(path.c_str());
+  EXPECT_EQ(file.header().typedAttribute<Imf::DoubleAttribute>("time").value(), 1.5);
+  std::vector<unsigned> counts(kWidth * kHeight);
+  Imf::DeepFrameBuffer buffer;
+  buffer.insertSampleCountSlice(
+      Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()), sizeof(unsigned), sizeof(unsigned) * kWidth));
+  std::vector<std::array<float, 2>> depth(kWidth * kHeight), alpha(kWidth * kHeight), id(kWidth * kHeight);
+  const auto insert = [&buffer](const char* name, std::vector<std::array<float, 2>>& values, std::vector<float*>& at) {
+    for (auto& value : values) at.push_back(value.data());
+    buffer.insert(name, Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(at.data()), sizeof(float*),
+                                       sizeof(float*) * kWidth, sizeof(float)));
+  };
+  std::vector<float*> depth_at, alpha_at, id_at;
+  insert("Z", depth, depth_at);
+  insert("A", alpha, alpha_at);
+  insert("id", id, id_at);
+  file.setFrameBuffer(buffer);
+  file.readPixelSampleCounts(0, kHeight - 1);
+  file.readPixels(0, kHeight - 1);
+  EXPECT_EQ(counts[0], 0U);
+  EXPECT_EQ(counts[1], 2U);
+  EXPECT_NEAR(alpha[1][0], 0.4F, 1e-3F);
+  EXPECT_EQ(depth[1][0], 2) << "that of the pixels beside it";
+  EXPECT_EQ(depth[3 * kWidth + 1], (std::array<float, 2>{2, 3}));
+  EXPECT_EQ(id[3 * kWidth + 1], (std::array<float, 2>{1, 2}));
+  EXPECT_EQ(depth[3 * kWidth + 4], (std::array<float, 2>{1, 2}));
+  EXPECT_EQ(id[3 * kWidth + 4], (std::array<float, 2>{2, 1}));
 }
 
 TEST_F(ExrTest, SamePicturesGiveTheSameBytes) {

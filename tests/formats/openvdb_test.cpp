@@ -250,5 +250,29 @@ TEST_F(OpenVdbTest, UnwritablePlacesAndImpossibleTransformsAreErrors) {
   EXPECT_EQ(code_of(flat, "a.vdb"), ErrorCode::kUsage);
 }
 
+TEST_F(OpenVdbTest, AnIndexIsAUsdVolumeThatShowsFilesInTurn) {
+  const fs::path path = folder_.path() / "clip.usda";
+  std::vector<host::VolumeFile> files(3);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    files[i] = {"clip_000" + std::to_string(i + 1) + ".vdb", 0.04 * static_cast<double>(i), host::box_of(block())};
+  files[1].box.setEmpty();
+  host::write_volume_index(table_.find("openvdb"), path,
+                           {{"content", "both"}, {"vdb-names", "unreal"}, {"units", "cm"}}, files, 25,
+                           {{"source", "clip.mkv"}});
+  std::ifstream file(path);
+  const std::string usd((std::istreambuf_iterator<char>(file)), {});
+  for (const char* part :
+       {"#usda 1.0\n", "string source = \"clip.mkv\"", "metersPerUnit = 0.01\n", "upAxis = \"Y\"", "endTimeCode = 2\n",
+        "timeCodesPerSecond = 25\n", "def Volume \"volume\"", "rel field:density = </clip/volume/density>",
+        "rel field:surface = </clip/volume/surface>", "rel field:color = </clip/volume/color>",
+        "token fieldClass = \"levelSet\"", "token fieldDataType = \"half3\"", "token fieldName = \"density\"",
+        "0: @@@./clip_0001.vdb@@@,\n                1: @@@./clip_0002.vdb@@@,\n                2: "
+        "@@@./clip_0003.vdb@@@,",
+        // The block's outermost voxels reach half a voxel further; y and z point the other way.
+        "0: [(-1, -7, -205), (9, 1, -199)],\n            2: [("})
+    EXPECT_NE(usd.find(part), std::string::npos) << part << "\nis not in\n" << usd;
+  EXPECT_THROW(host::write_volume_index(table_.find("openvdb"), "/dev/full", {}, files, 25, {}), Error);
+}
+
 } // namespace
 } // namespace kinora::formats
