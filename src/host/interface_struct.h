@@ -1,6 +1,7 @@
 // Structs of the plugin interface with size and version filled in, and statuses as errors.
 #pragma once
 
+#include <cstring>
 #include <string>
 #include <vector>
 
