@@ -71,7 +71,7 @@ public:
     }
   }
   void add_to(Imf::DeepFrameBuffer& buffer, Imf::Header& header, const char* name, Imf::PixelType type) {
-    const auto width = static_cast<std::size_t>(header.dataWindow().max.x + 1);
+    const auto width = static_cast<std::size_t>(header.dataWindow().max.x) + 1;
     header.channels().insert(name, Imf::Channel(type));
     buffer.insert(
         name, Imf::DeepSlice(type, reinterpret_cast<char*>(begins_.data()), sizeof(T*), sizeof(T*) * width, sizeof(T)));

@@ -261,13 +261,13 @@ TEST_F(OpenVdbTest, AnIndexIsAUsdVolumeThatShowsFilesInTurn) {
                            {{"source", "clip.mkv"}});
   std::ifstream file(path);
   const std::string usd((std::istreambuf_iterator<char>(file)), {});
+  constexpr const char* kFiles = "0: @@@./clip_0001.vdb@@@,\n                1: @@@./clip_0002.vdb@@@,\n"
+                                 "                2: @@@./clip_0003.vdb@@@,";
   for (const char* part :
        {"#usda 1.0\n", "string source = \"clip.mkv\"", "metersPerUnit = 0.01\n", "upAxis = \"Y\"", "endTimeCode = 2\n",
         "timeCodesPerSecond = 25\n", "def Volume \"volume\"", "rel field:density = </clip/volume/density>",
         "rel field:surface = </clip/volume/surface>", "rel field:color = </clip/volume/color>",
-        "token fieldClass = \"levelSet\"", "token fieldDataType = \"half3\"", "token fieldName = \"density\"",
-        "0: @@@./clip_0001.vdb@@@,\n                1: @@@./clip_0002.vdb@@@,\n                2: "
-        "@@@./clip_0003.vdb@@@,",
+        "token fieldClass = \"levelSet\"", "token fieldDataType = \"half3\"", "token fieldName = \"density\"", kFiles,
         // The block's outermost voxels reach half a voxel further; y and z point the other way.
         "0: [(-1, -7, -205), (9, 1, -199)],\n            2: [("})
     EXPECT_NE(usd.find(part), std::string::npos) << part << "\nis not in\n" << usd;

@@ -35,7 +35,7 @@ std::pair<double, double> heard(const container::Sound& sound) {
     for (std::size_t i = 0; i < samples.size(); i += kPlayedChannels) {
       EXPECT_EQ(samples[i], samples[i + 1]); // of one channel
       if (std::abs(samples[i]) < 0.1F) continue;
-      const double t = begin + static_cast<double>(i / kPlayedChannels) / kPlayedRate;
+      const double t = begin + static_cast<double>(i) / (kPlayedChannels * kPlayedRate);
       if (first < 0) first = t;
       last = t;
     }
