@@ -148,7 +148,10 @@ std::optional<container::Sound> sound_of(const Options& options, const clip::Cli
   if (!first || !first->problem.empty()) return std::nullopt;
   const std::int64_t begin = nanoseconds_of(first->frame.time, reader.info());
   const double length = clip.times.back() - clip.times.front() + 1 / reader.info().frames_per_second;
-  return sound::compact(sound::excerpt(*sound, begin, begin + std::llround(length * 1e9)));
+  const std::int64_t end = std::llround(length * 1e9);
+  container::Sound small = sound::compact(sound::excerpt(*sound, begin, begin + end));
+  std::erase_if(small.packets, [end](const container::Payload& packet) { return packet.time_ns > end; });
+  return small;
 }
 
 encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
