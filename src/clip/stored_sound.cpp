@@ -27,7 +27,8 @@ void StoredSound::take(container::Reader& reader, const container::StoredBlock& 
 
 std::optional<container::Sound> StoredSound::gathered() && {
   if (sound_.packets.empty()) return std::nullopt;
-  std::ranges::stable_sort(sound_.packets, {}, &container::Payload::time_ns);
+  std::stable_sort(sound_.packets.begin(), sound_.packets.end(),
+                   [](const container::Payload& a, const container::Payload& b) { return a.time_ns < b.time_ns; });
   return std::move(sound_);
 }
 
