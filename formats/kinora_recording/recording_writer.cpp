@@ -16,7 +16,6 @@ std::string RecordingWriter::write(const KinoraFrame& frame) {
 
 void RecordingWriter::write_sound(const KinoraSoundPacket& packet) {
   container::Payload payload = sound::payload_of(packet, description_.start_time);
-  if (payload.time_ns < 0) return;
   if (recorder_)
     recorder_->write_sound(payload);
   else

@@ -18,7 +18,7 @@ public:
 
   void set_capture(const KinoraCaptureInfo& info) { description_ = recording::description_of(info, ""); }
   void set_sound(const KinoraSound& sound) { sound_ = sound::track_of(sound); }
-  /// Before the first frame, it waits for that. Sound from before the capture's start is left out.
+  /// Before the first frame, it waits for that.
   void write_sound(const KinoraSoundPacket& packet);
   /// Empty, or why the frame is left out. Throws what Recorder throws.
   std::string write(const KinoraFrame& frame);

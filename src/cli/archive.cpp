@@ -29,8 +29,7 @@ void record_all(host::FrameReader& reader, sound::SoundSource* sound, const std:
       continue;
     }
     if (!recorder) recorder.emplace(path, description, frame, sound != nullptr ? &sound->track() : nullptr);
-    while (feed && feed->next_until(nanoseconds_of(frame.time, reader.info()), packet))
-      if (packet.time_ns >= 0) recorder->write_sound(packet);
+    while (feed && feed->next_until(nanoseconds_of(frame.time, reader.info()), packet)) recorder->write_sound(packet);
     if (!recorder->write(frame))
       progress.warn(fmt::format("frame {} does not fit the first one and is not archived", frame.index));
     last_time = frame.time;

@@ -14,6 +14,7 @@
 #include "container/reader.h"
 #include "core/error.h"
 #include "ingest/capture/capture.h"
+#include "recording/recording_file.h"
 
 namespace kinora::cli {
 namespace fs = std::filesystem;
@@ -95,6 +96,19 @@ Json parts_of_folder(const fs::path& path, std::size_t& total) {
   return out;
 }
 
+/// Bytes by track of a recording, and what is around them.
+Json parts_of_recording(const fs::path& path) {
+  const recording::RecordingFile file(path);
+  Json out = Json::array();
+  std::uint64_t left = file.file_bytes();
+  for (const auto& [name, bytes] : file.bytes_by_track()) {
+    out.push_back({{"name", name}, {"bytes", bytes}});
+    left -= std::min(left, bytes);
+  }
+  out.push_back({{"name", "container"}, {"bytes", left}});
+  return out;
+}
+
 Json capture_json(const fs::path& path, const CaptureReading& reading, Context& context) {
   ingest::CaptureOptions how;
   how.format = reading.format;
@@ -103,6 +117,8 @@ Json capture_json(const fs::path& path, const CaptureReading& reading, Context& 
   const ingest::CaptureInfo& info = capture->info();
   std::size_t total = 0;
   Json parts = parts_of_folder(path, total);
+  const bool is_recording = info.format == "kinora-recording";
+  if (is_recording) parts = parts_of_recording(path);
   Json labels = Json::object();
   for (const auto& [label, what] : info.labels) {
     labels[std::to_string(label)] = {{"name", what.name}, {"kind", what.kind}};
@@ -111,7 +127,7 @@ Json capture_json(const fs::path& path, const CaptureReading& reading, Context& 
   if (host::supports(context.plugins().find(info.format), KINORA_READS_INFRARED)) unused.push_back("infrared");
   return {{"schema", "kinora.info/1"},
           {"path", path.string()},
-          {"kind", info.format == "kinora-recording" ? "recording" : "capture"},
+          {"kind", is_recording ? "recording" : "capture"},
           {"format", info.format},
           {"bytes", total},
           {"frames", info.frame_count},

@@ -91,8 +91,7 @@ std::string progress_detail(const std::filesystem::path& output, const Outcome& 
 /// All that is to be heard up to a frame.
 void record_sound(sound::SoundFeed& feed, std::int64_t time_ns, record::Recorder& recorder) {
   container::Payload packet;
-  while (feed.next_until(time_ns, packet))
-    if (packet.time_ns >= 0) recorder.write_sound(packet);
+  while (feed.next_until(time_ns, packet)) recorder.write_sound(packet);
 }
 
 void record_frames(host::FrameReader& reader, sound::SoundSource* sound, const Options& options,

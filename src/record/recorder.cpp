@@ -155,6 +155,7 @@ void Recorder::write_record(recording::FrameRecord& record, std::int64_t time_ns
 }
 
 void Recorder::write_sound(const container::Payload& packet) {
+  if (packet.time_ns < 0) return;
   last_time_ns_ = std::max(last_time_ns_, packet.time_ns);
   writer_->write(container::kSoundTrack, last_time_ns_, true, packet.bytes);
   sound_.push_back(container::crc32c(packet.bytes));

@@ -35,7 +35,8 @@ public:
   bool write(const KinoraFrame& frame, const Arrival& arrival = {});
   /// Writes that the source could not give a frame.
   void write_problem(std::int64_t index, double time, const std::string& problem, const Arrival& arrival = {});
-  /// Writes a packet of sound, its time from the description's start. It counts with the frame that is written next.
+  /// Writes a packet of sound, its time from the description's start; what is earlier is left out. It counts with the
+  /// frame that is written next.
   void write_sound(const container::Payload& packet);
   void finish() { writer_->finish(); }
   void finish_at_last_cluster() { writer_->finish_at_last_cluster(); }

@@ -25,7 +25,9 @@ bool is_compressed(std::string_view codec) {
 std::unique_ptr<SoundSource> open_sound(const std::filesystem::path& path) { return opened_module().open(path); }
 
 container::Sound compact(container::Sound sound) {
-  return is_compressed(sound.track.codec) ? std::move(sound) : opened_module().to_opus(sound);
+  if (!is_compressed(sound.track.codec)) return opened_module().to_opus(sound);
+  std::erase_if(sound.packets, [](const container::Payload& packet) { return packet.time_ns < 0; });
+  return sound;
 }
 
 std::unique_ptr<SoundDecoder> make_sound_decoder(const container::Track& track) {

@@ -15,8 +15,8 @@ namespace kinora::sound {
 /// kCorruptInput (naming the path; it holds no sound, too), kMissingComponent.
 std::unique_ptr<SoundSource> open_sound(const std::filesystem::path& path);
 
-/// The same sound for a clip: as it is where it is compressed already (Opus, AAC, MP3, Vorbis), else as Opus of 64 kb/s
-/// for each channel, of at most two. Throws Error: kCorruptInput, kMissingComponent.
+/// The same sound for a clip, from time 0 on: as it is where it is compressed already (Opus, AAC, MP3, Vorbis), else as
+/// Opus of 64 kb/s for each channel, of at most two. Throws Error: kCorruptInput, kMissingComponent.
 container::Sound compact(container::Sound sound);
 
 inline constexpr int kPlayedRate = 48'000; ///< Hz

@@ -8,7 +8,8 @@ container::Sound excerpt(SoundSource& source, std::int64_t begin_ns, std::int64_
   container::Payload packet;
   while (feed.next_until(end_ns, packet)) {
     packet.time_ns -= begin_ns;
-    if (packet.time_ns >= 0) sound.packets.push_back(std::move(packet));
+    if (packet.time_ns <= 0) sound.packets.clear();
+    sound.packets.push_back(std::move(packet));
   }
   return sound;
 }

@@ -43,7 +43,8 @@ private:
   std::optional<container::Payload> waiting_; ///< too late so far, or with kEnd: there is no further one
 };
 
-/// All packets from `begin_ns` to `end_ns`, whose times then count from `begin_ns`.
+/// All packets from `begin_ns` to `end_ns`, whose times then count from `begin_ns`; and the one before, which may last
+/// beyond `begin_ns` and then has a negative time.
 container::Sound excerpt(SoundSource& source, std::int64_t begin_ns, std::int64_t end_ns);
 
 } // namespace kinora::sound

@@ -45,6 +45,7 @@ TEST_F(WithSound, ARecordingKeepsItBitByBitUpToItsLastFrame) {
   ASSERT_LT(kept.size(), original.size());
   EXPECT_TRUE(std::equal(kept.begin(), kept.end(), original.begin()));
   run_well({"validate", path("r.mkv")});
+  EXPECT_NE(run({"info", path("r.mkv")}).out.find("capture sound"), std::string::npos);
   const std::string probe = "ffprobe -v error -select_streams a -show_entries stream=codec_name -of csv=p=0 '" +
                             path("r.mkv") + "' > '" + path("said") + "'";
   ASSERT_EQ(std::system(probe.c_str()), 0);

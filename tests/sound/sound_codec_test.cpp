@@ -121,9 +121,19 @@ TEST_F(SoundCodec, ExcerptBeginsAndEndsAsAsked) {
   const container::Sound middle = excerpt(*source, kSecond / 2, kSecond * 3 / 2);
   const auto [first, last] = heard(middle);
   EXPECT_NEAR(first, 0.5, 0.005);
-  EXPECT_GE(middle.packets.front().time_ns, 0);
+  EXPECT_LE(middle.packets.front().time_ns, 0);
   EXPECT_LE(middle.packets.back().time_ns, kSecond);
   EXPECT_GT(last, 0.95);
+}
+
+TEST_F(SoundCodec, AClipsSoundBeginsAtItsBeginningInTheMiddleOfAPacket) {
+  write_tone(path("tone.wav"), 3, 0, 3);
+  for (const std::int64_t begin : {kSecond / 2, kSecond * 7 / 10, kSecond}) { // packets are 128 ms long
+    const auto source = open_sound(path("tone.wav"));
+    const container::Sound opus = compact(excerpt(*source, begin, begin + kSecond));
+    EXPECT_EQ(opus.packets.front().time_ns, 0);
+    EXPECT_NEAR(heard(opus).first, 0, 0.005);
+  }
 }
 
 TEST_F(SoundCodec, FilesWithoutSoundAreRefused) {

@@ -76,7 +76,6 @@ ONE_USER = {
     "tbb/": re.compile(r"src/core/parallel\w*\.cpp"),
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
     "httplib.h": re.compile(r"src/player/http/.*"),
-    "httplib.h": re.compile(r"src/player/http/.*"),
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/(mp4|video)/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
