@@ -76,7 +76,7 @@ template <const FormatModule& module> KinoraFormat deferred_format(KinoraFormat 
 /// As deferred_format, of live cameras.
 template <const FormatModule& module> KinoraFormat deferred_camera(KinoraFormat format) {
   format.probe = [](const char* /*path*/, KinoraProbe* answer) {
-    answer_probe(answer, 0, std::string("no file, but a camera: name it ") + module.format + ":0");
+    answer_probe(answer, 0, std::string("no file, but a camera: name it ").append(module.format).append(":0"));
   };
   return deferred_format<module>(format);
 }
