@@ -108,7 +108,8 @@ void require_pieces_of_one(const StoredClip& a, const StoredClip& b) {
     require_same(same, a, b, name_of(mine));
     require_same(track_with(a, mine.id).private_data == track_with(b, yours.id).private_data, a, b, name_of(mine));
     if (mine.per_frame || mine.codec == kJointsCodec) continue;
-    require_same(a.payloads.at(mine.id)[0].bytes == b.payloads.at(yours.id)[0].bytes, a, b, name_of(mine));
+    const auto same_bytes = [](const Payload& one, const Payload& other) { return one.bytes == other.bytes; };
+    require_same(std::ranges::equal(a.payloads.at(mine.id), b.payloads.at(yours.id), same_bytes), a, b, name_of(mine));
   }
   for (std::size_t l = 0; l < a.description.layers.size(); ++l) {
     const LayerDescription& mine = a.description.layers[l];
@@ -161,7 +162,7 @@ StoredClip load_stored_clip(const std::filesystem::path& path) {
       found->second.push_back(std::move(payload));
     }
   }
-  for (auto& [id, payloads] : clip.payloads) std::ranges::sort(payloads, {}, &Payload::time_ns);
+  for (auto& [id, payloads] : clip.payloads) std::ranges::stable_sort(payloads, {}, &Payload::time_ns);
   return clip;
 }
 
@@ -173,17 +174,26 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
   head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
   head.duration_ns = clip.description.times_ns.back();
-  // As in a file that was not cut: frame by frame what moves, and behind the first what is for all frames of a layer.
+  // As in a file that was not cut: frame by frame what moves, and behind the first what is for all frames of a layer,
+  // first payloads first.
   std::vector<const Payload*> payloads;
-  std::vector<const Payload*> lasting;
+  std::vector<std::pair<std::size_t, const Payload*>> lasting;
   for (const Role& role : roles_of(clip.description)) {
-    auto& list = role.per_frame || role.layer.empty() ? payloads : lasting;
-    for (const Payload& payload : clip.payloads.at(role.id)) list.push_back(&payload);
+    const std::vector<Payload>& list = clip.payloads.at(role.id);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (role.per_frame || role.layer.empty())
+        payloads.push_back(&list[i]);
+      else
+        lasting.emplace_back(i, &list[i]);
+    }
   }
+  std::ranges::stable_sort(lasting, {}, [](const auto& entry) { return entry.first; });
   std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
   const auto second = std::ranges::find_if(
       payloads, [&clip](const Payload* payload) { return payload->time_ns != clip.description.times_ns.front(); });
-  payloads.insert(second, lasting.begin(), lasting.end());
+  std::vector<const Payload*> of_first_frame;
+  std::ranges::transform(lasting, std::back_inserter(of_first_frame), [](const auto& entry) { return entry.second; });
+  payloads.insert(second, of_first_frame.begin(), of_first_frame.end());
   if (clip.sound) {
     for (const Payload& packet : clip.sound->packets) payloads.push_back(&packet);
     std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
@@ -218,7 +228,7 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
       }
       continue;
     }
-    payloads.front().time_ns = piece.description.times_ns.front();
+    for (Payload& payload : payloads) payload.time_ns = piece.description.times_ns.front();
     if (role.codec != kJointsCodec) continue;
     motion::JointPaths joints = joints_of(clip, payloads.front());
     slice(joints.positions);

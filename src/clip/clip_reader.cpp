@@ -38,6 +38,7 @@ struct Destination {
   std::vector<bool> seen;
   std::vector<motion::Motion::Pose> poses;               // of a camera or a rigid layer
   std::shared_ptr<const motion::DeformationGraph> graph; // of a deforming layer, as the rest
+  FieldDecoder field;                                    // of a field track
   Bytes confidence;                                      // not decoded before the layer's field is known
   std::optional<DeformationDecoder> decoder;
   std::vector<motion::Motion::Deformation> deformations;
@@ -245,7 +246,8 @@ private:
       throw Error(ErrorCode::kCorruptInput,
                   fmt::format("{}: a payload at {} ns is of no frame", location, payload.time_ns));
     }
-    if (destination.seen[frame]) {
+    const bool makes_finer = destination.codec == kFieldCodec && !payload.key;
+    if (destination.seen[frame] && !makes_finer) {
       throw Error(ErrorCode::kCorruptInput, fmt::format("{}: frame {} comes twice", location, frame));
     }
     decode(destination, payload, frame, location);
@@ -254,7 +256,7 @@ private:
 
   void decode(Destination& destination, const Payload& payload, std::size_t frame, const std::string& location) {
     if (destination.codec == kFieldCodec) {
-      clip_.layers[destination.layer].field = decode_field(payload.bytes, location, budget_);
+      destination.field.take(payload.bytes, location, budget_);
     } else if (destination.codec == kConfidenceCodec) {
       destination.confidence = payload.bytes;
     } else if (destination.codec == kJointsCodec) {
@@ -287,6 +289,9 @@ private:
         clip_.layers[destination.layer].motion =
             destination.graph ? motion::Motion::deforming(destination.graph, std::move(destination.deformations))
                               : motion::Motion::rigid(std::move(destination.poses));
+      } else if (destination.codec == kFieldCodec && !unusable_layers_.contains(destination.layer)) {
+        if (!destination.field.is_whole()) lacks_levels(part_name(destination));
+        clip_.layers[destination.layer].field = *std::move(destination.field).taken_field();
       } else if (destination.codec == kCameraCodec) {
         for (const motion::Motion::Pose& pose : destination.poses)
           clip_.camera_to_world.push_back(pose.canonical_to_world);
@@ -298,6 +303,11 @@ private:
       clip_.layers[l].label = description_.layers[l].label;
     }
     leave_out_unusable_layers();
+  }
+
+  void lacks_levels(const std::string& field) {
+    if (missing_ == nullptr) corrupt(fmt::format("{} lacks its finer levels; fetch the file again", field));
+    missing_->push_back("the finer levels of " + field);
   }
 
   // A cut file ends with the last frame of which something that moves is there; its first shows what keeps still.

@@ -68,8 +68,8 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
   return head;
 }
 
-// In the order of the file: by time; at the first, where camera and layers are comes before the fields, so that each
-// layer can be shown when its field has come.
+// In the order of the file: by time; at the first, where camera and layers are comes before the fields, and the coarse
+// levels of all fields before the finer ones, so that a picture can be shown early and becomes sharper.
 std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description) {
   std::vector<Payload> payloads;
   const auto add = [&payloads](std::uint16_t track, std::int64_t time, bool key, Bytes bytes) {
@@ -89,14 +89,24 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
     }
   };
   add_poses(0);
+  std::vector<std::vector<Bytes>> fields;
+  std::size_t most_payloads = 0;
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
     const Layer& layer = clip.layers[l];
     const LayerDescription& tracks = description.layers[l];
-    add(tracks.field_track, description.times_ns.front(), true, encode_field(layer.field));
+    fields.push_back(encode_field_coarse_first(layer.field));
+    most_payloads = std::max(most_payloads, fields.back().size());
+    add(tracks.field_track, description.times_ns.front(), true, std::move(fields.back().front()));
     if (layer.confidence) {
       add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
     }
     if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
+  }
+  for (std::size_t finer = 1; finer < most_payloads; ++finer) {
+    for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+      if (finer < fields[l].size())
+        add(description.layers[l].field_track, description.times_ns.front(), false, std::move(fields[l][finer]));
+    }
   }
   for (std::size_t frame = 1; frame < clip.times.size(); ++frame) add_poses(frame);
   if (clip.sound) {

@@ -47,7 +47,7 @@ struct Expected {
   std::array<Checksums, 3> layers;
 };
 
-inline constexpr std::array<Expected, 2> kExpected{
+inline constexpr std::array<Expected, 3> kExpected{
     {{"clip_fields_3_and_4.mkv",
       "fields of versions 3 and 4, a deformation of version 1",
       4,
@@ -56,6 +56,12 @@ inline constexpr std::array<Expected, 2> kExpected{
         {0xD7BE131F, 0xF1CFE6F4, 0x3176A5A6, 0xB70F9054}}}},
      {"clip_fields_5_deformation_2.mkv",
       "fields of version 5, a deformation of version 2 with two key payloads",
+      33,
+      {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
+        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0},
+        {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
+     {"clip_fields_7.mkv",
+      "the same clip with its fields in versions 7 and 8",
       33,
       {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
         {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0},

@@ -1,6 +1,7 @@
 #include "clip/payloads/field_codec.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,12 +22,18 @@ using fields::GridLevel;
 namespace {
 
 constexpr std::size_t kFeatures = FieldConfig::kFeatures;
-constexpr Rounding kTableRounding{2, 0.6}; // as good in novel views as finer steps rounded to the nearest
+constexpr std::size_t kFinerLevelHeaderBytes = 4;
+constexpr int kCoarseSteps = 4; // in the root mean square of a level: bits pay where a level is small
+constexpr int kFineSteps = 1;
+constexpr double kUpFrom = 0.55;
 constexpr Rounding kNetRounding{32};
 
 [[noreturn]] void corrupt(const std::string& location, const std::string& why) {
   throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
+
+// Levels of the coarser half alone give a picture already.
+std::size_t coarse_levels(const FieldConfig& config) { return static_cast<std::size_t>(config.levels) / 2; }
 
 std::int16_t unzigzag(unsigned z) { return static_cast<std::int16_t>((z >> 1) ^ (0U - (z & 1))); }
 
@@ -95,8 +102,20 @@ fields::Occupancy changed_cells(const fields::Occupancy& cells, const Field* bas
   return changed;
 }
 
-void decode_parts(std::span<const std::byte> payload, const FieldHeader& header, const Field* base, Field& field,
+void decode_level(std::span<const std::byte> part, int exponent, const GridLevel& level,
+                  std::span<const std::uint32_t> touched, const BaseIntegers& before, Field& field,
                   const std::string& location) {
+  std::vector<std::int16_t> values(touched.size() * kFeatures);
+  decoded(part, location, [&](RangeDecoder& decoder) { code_level(decoder, values, location); });
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t parameter = (std::size_t{level.offset} + touched[i / kFeatures]) * kFeatures + i % kFeatures;
+    field.table[parameter] = dequantise(sum(values[i], before.of_entry(parameter, exponent), location), exponent);
+  }
+}
+
+// Gives the touched entries.
+std::vector<std::vector<std::uint32_t>> decode_parts(std::span<const std::byte> payload, const FieldHeader& header,
+                                                     const Field* base, Field& field, const std::string& location) {
   std::size_t at = header.bytes;
   const auto part = [&](std::size_t p) {
     const std::span<const std::byte> bytes = payload.subspan(at, header.part_bytes[p]);
@@ -120,17 +139,10 @@ void decode_parts(std::span<const std::byte> payload, const FieldHeader& header,
         matrix[i] = dequantise(sum(values[i], before.of_weight(m, i, exponent), location), exponent);
     }
   });
-  const std::vector<std::vector<std::uint32_t>> touched = touched_entries(header.config, field.occupancy);
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    const int exponent = header.exponents[l];
-    std::vector<std::int16_t> values(touched[l].size() * kFeatures);
-    decoded(part(2 + l), location, [&](RangeDecoder& decoder) { code_level(decoder, values, location); });
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const std::size_t entry = std::size_t{levels[l].offset} + touched[l][i / kFeatures];
-      const std::size_t parameter = entry * kFeatures + i % kFeatures;
-      field.table[parameter] = dequantise(sum(values[i], before.of_entry(parameter, exponent), location), exponent);
-    }
-  }
+  std::vector<std::vector<std::uint32_t>> touched = touched_entries(header.config, field.occupancy);
+  for (std::size_t l = 0; l < static_cast<std::size_t>(header.levels_here); ++l)
+    decode_level(part(2 + l), header.exponents[l], levels[l], touched[l], before, field, location);
+  return touched;
 }
 
 // Versions 3 and 4: occupancy and parameters as Zstandard frames.
@@ -166,7 +178,12 @@ void decode_zstd_parts(std::span<const std::byte> payload, const FieldHeader& he
   get_halves(nets.subspan(2 * field.density_net.size()), field.color_net, location);
 }
 
-Bytes encode(const Field& field, const Field* base) {
+struct CodedField {
+  FieldHeader header;
+  std::vector<Bytes> parts; // occupancy, networks, levels
+};
+
+CodedField code(const Field& field, const Field* base) {
   field.config.validate("a clip to be written");
   check_shape(field);
   FieldHeader header;
@@ -189,7 +206,7 @@ Bytes encode(const Field& field, const Field* base) {
         values.push_back(field.table[parameters.back()]);
       }
     }
-    QuantisedLevel level = quantise(values, kTableRounding);
+    QuantisedLevel level = quantise(values, {l < coarse_levels(field.config) ? kCoarseSteps : kFineSteps, kUpFrom});
     for (std::size_t i = 0; i < values.size(); ++i)
       level.values[i] = difference(level.values[i], before.of_entry(parameters[i], level.exponent));
     header.exponents.push_back(level.exponent);
@@ -211,16 +228,26 @@ Bytes encode(const Field& field, const Field* base) {
   }));
   parts.insert(parts.end(), level_parts.begin(), level_parts.end());
   for (const Bytes& part : parts) header.part_bytes.push_back(part.size());
+  return {std::move(header), std::move(parts)};
+}
+
+Bytes payload_of(const FieldHeader& header, std::span<const Bytes> parts) {
   Bytes out;
   put_header(out, header);
   for (const Bytes& part : parts) out.insert(out.end(), part.begin(), part.end());
   return out;
 }
 
+Bytes encode(const Field& field, const Field* base) {
+  const CodedField coded = code(field, base);
+  return payload_of(coded.header, coded.parts);
+}
+
 Field decode(std::span<const std::byte> payload, const Field* base, const std::string& location,
              AllocationBudget& budget) {
   const FieldHeader header = get_header(payload, location);
   const bool is_difference = header.version == kFieldDifferenceVersion;
+  if (header.levels_here < header.config.levels) corrupt(location, "a field lacks its finer levels");
   if (is_difference != (base != nullptr) || (is_difference && header.config != base->config))
     corrupt(location, "a field is stored as the difference to one that is not there");
   budget.take(decoding_memory(header.config), location);
@@ -237,6 +264,59 @@ Field decode(std::span<const std::byte> payload, const Field* base, const std::s
 } // namespace
 
 Bytes encode_field(const Field& field) { return encode(field, nullptr); }
+
+std::vector<Bytes> encode_field_coarse_first(const Field& field) {
+  CodedField coded = code(field, nullptr);
+  const std::size_t here = coarse_levels(field.config);
+  std::vector<Bytes> payloads(1);
+  for (std::size_t l = here; l < static_cast<std::size_t>(field.config.levels); ++l) {
+    Bytes& finer = payloads.emplace_back();
+    container::put(finer, kFinerLevelVersion);
+    container::put(finer, static_cast<std::uint8_t>(l));
+    container::put(finer, static_cast<std::int8_t>(std::exchange(coded.header.exponents[l], 0)));
+    container::put(finer, std::uint8_t{0});
+    finer.insert(finer.end(), coded.parts[2 + l].begin(), coded.parts[2 + l].end());
+    coded.header.part_bytes[2 + l] = 0;
+  }
+  coded.header.version = kCoarseFieldVersion;
+  coded.header.levels_here = static_cast<int>(here);
+  payloads.front() = payload_of(coded.header, std::span(coded.parts).first(2 + here));
+  return payloads;
+}
+
+void FieldDecoder::take(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget) {
+  if (payload.empty() || get<std::uint8_t>(payload, 0) != kFinerLevelVersion) {
+    begin(payload, location, budget);
+    return;
+  }
+  if (!field_) corrupt(location, "a level of a field comes before the field");
+  if (payload.size() < kFinerLevelHeaderBytes || get<std::uint8_t>(payload, 1) != levels_ ||
+      levels_ == field_->config.levels)
+    corrupt(location, "a level of a field is not the one that follows");
+  const int exponent = checked_exponent(get<std::int8_t>(payload, 2), location);
+  const auto level = static_cast<std::size_t>(levels_);
+  Field finer = *field_; // of a level that turns out to be damaged, nothing is kept
+  decode_level(payload.subspan(kFinerLevelHeaderBytes), exponent, fields::grid_levels(finer.config)[level],
+               touched_[level], BaseIntegers(nullptr), finer, location);
+  *field_ = std::move(finer);
+  ++levels_;
+}
+
+void FieldDecoder::begin(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget) {
+  if (field_) corrupt(location, "a field comes twice");
+  const FieldHeader header = get_header(payload, location);
+  if (header.version != kCoarseFieldVersion) {
+    field_ = decode_field(payload, location, budget);
+    levels_ = field_->config.levels;
+    return;
+  }
+  budget.take(decoding_memory(header.config), location);
+  Field field(header.config);
+  field.sharpness = header.sharpness;
+  touched_ = decode_parts(payload, header, nullptr, field, location);
+  field_ = std::move(field);
+  levels_ = header.levels_here;
+}
 
 Bytes encode_field_difference(const Field& field, const Field& base) {
   check_shape(base);

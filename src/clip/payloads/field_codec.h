@@ -1,8 +1,11 @@
-// A field as the bytes of a S_KINORA/FIELD payload, and back. docs/container.md specifies them.
+// A field as the bytes of S_KINORA/FIELD payloads, and back. docs/container.md specifies them.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "clip/coding/allocation_budget.h"
 #include "clip/coding/zstd_codec.h"
@@ -20,6 +23,29 @@ Bytes encode_field(const fields::Field& field);
 /// encode_field wrote. Safe for untrusted input; allocates at most what `budget` gives. Thread-safe.
 /// Throws Error(kCorruptInput) naming `location`.
 fields::Field decode_field(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
+
+/// The same bits as several payloads, as a file has them: the first is a field that can be drawn, of the coarser half
+/// of the levels; each that follows adds the next level. FieldDecoder reads them.
+std::vector<Bytes> encode_field_coarse_first(const fields::Field& field);
+
+/// A field out of its payloads, in their order: encode_field_coarse_first's, or the one of encode_field. Levels that
+/// have not come are zero. For one thread at a time.
+class FieldDecoder {
+public:
+  /// Throws Error(kCorruptInput) naming `location`; then the field is as it was. Safe for untrusted input.
+  void take(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
+
+  bool is_whole() const { return field_ && levels_ == field_->config.levels; }
+  const std::optional<fields::Field>& field() const { return field_; }
+  std::optional<fields::Field> taken_field() && { return std::move(field_); }
+
+private:
+  void begin(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
+
+  std::optional<fields::Field> field_;
+  std::vector<std::vector<std::uint32_t>> touched_; // entries of each level
+  int levels_ = 0;                                  // that have come
+};
 
 /// The same as differences to the integers of `base`, a field of the same configuration, as it was decoded: small if
 /// training has changed little since. Throws Error(kFailure) also if the configurations differ.

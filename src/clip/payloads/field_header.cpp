@@ -21,8 +21,9 @@ using fields::GridLevel;
 namespace {
 
 constexpr std::size_t kFixedHeaderBytes = 56;
-constexpr std::size_t kZstdSizesAt = 48; // versions 3 and 4
-constexpr std::size_t kGeometryAt = 48;  // version 5
+constexpr std::size_t kZstdSizesAt = 48;  // versions 3 and 4
+constexpr std::size_t kGeometryAt = 48;   // version 5
+constexpr std::size_t kLevelsHereAt = 54; // version 7
 constexpr std::size_t kBytesPerLevel = 4;
 
 std::uint16_t half_bits(float value) {
@@ -36,11 +37,6 @@ std::uint16_t half_bits(float value) {
 
 [[noreturn]] void corrupt(const std::string& location, const std::string& why) {
   throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
-}
-
-int checked_exponent(int exponent, const std::string& location) {
-  if (exponent < kMinExponent || exponent > kMaxExponent) corrupt(location, "a field's scale is out of range");
-  return exponent;
 }
 
 // Exponents of levels and matrices, and where the parts behind the header are.
@@ -67,9 +63,22 @@ void get_parts(std::span<const std::byte> payload, FieldHeader& header, const st
     total += header.part_bytes.back();
   }
   if (payload.size() != total) corrupt(location, "a field's parts do not add up to its size");
+  header.levels_here = header.config.levels;
+  if (header.version != kCoarseFieldVersion) return;
+  header.levels_here = get<std::uint16_t>(payload, kLevelsHereAt);
+  if (header.levels_here < 1 || header.levels_here > header.config.levels)
+    corrupt(location, "a field says that it has a number of levels that it cannot have");
+  for (std::size_t p = 2 + static_cast<std::size_t>(header.levels_here); p < parts; ++p) {
+    if (header.part_bytes[p] != 0) corrupt(location, "a field has levels that it says are elsewhere");
+  }
 }
 
 } // namespace
+
+int checked_exponent(int exponent, const std::string& location) {
+  if (exponent < kMinExponent || exponent > kMaxExponent) corrupt(location, "a field's scale is out of range");
+  return exponent;
+}
 
 float get_half(std::span<const std::byte> bytes, std::size_t at, const std::string& location) {
   const auto value = static_cast<float>(Eigen::numext::bit_cast<Eigen::half>(get<std::uint16_t>(bytes, at)));
@@ -99,7 +108,7 @@ void put_header(Bytes& out, const FieldHeader& header) {
   for (std::size_t m = 0; m < kMatrices; ++m) {
     put(out, static_cast<std::int8_t>(header.exponents[static_cast<std::size_t>(c.levels) + m]));
   }
-  put(out, std::uint16_t{0});
+  put(out, static_cast<std::uint16_t>(header.version == kCoarseFieldVersion ? header.levels_here : 0));
   const std::vector<GridLevel> levels = fields::grid_levels(c);
   for (std::size_t l = 0; l < levels.size(); ++l) {
     put(out, static_cast<std::uint16_t>(levels[l].resolution));
@@ -113,10 +122,10 @@ FieldHeader get_header(std::span<const std::byte> payload, const std::string& lo
   if (payload.size() < kFixedHeaderBytes) corrupt(location, "a field is too short for its header");
   FieldHeader header;
   header.version = get<std::uint8_t>(payload, 0);
-  if (header.version < kZstdDensityVersion || header.version > kFieldDifferenceVersion) {
+  if (header.version < kZstdDensityVersion || header.version > kCoarseFieldVersion) {
     corrupt(location,
             fmt::format("a field has version {}; this Kinora reads versions {} to {}, encode its capture again",
-                        header.version, kZstdDensityVersion, kFieldDifferenceVersion));
+                        header.version, kZstdDensityVersion, kFinerLevelVersion));
   }
   if (get<std::uint8_t>(payload, 3) != FieldConfig::kFeatures ||
       get<std::uint8_t>(payload, 10) != FieldConfig::kHidden ||
