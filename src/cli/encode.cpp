@@ -17,6 +17,7 @@
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/live/live_encoder.h"
+#include "encode/rate_control.h"
 #include "evaluate/evaluate.h"
 #include "ingest/files/body_mesh.h"
 #include "sound/sound_codec.h"
@@ -49,6 +50,7 @@ struct Options {
   std::optional<std::uint64_t> seed;
   std::vector<std::string> changes; ///< of settings: "path=value"
   std::filesystem::path report;
+  double kb_per_frame = 0; ///< 0: what the usual rounding takes
   bool archive = false;
   LiveOptions live;
   std::filesystem::path preview;
@@ -178,6 +180,28 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   return result;
 }
 
+/// Of as many bytes as the options say.
+void write_clip(const Options& options, const std::filesystem::path& path, encode::EncodeResult& result,
+                Context& context) {
+  clip::write_clip(result.clip, path);
+  if (options.kb_per_frame == 0) return;
+  context.progress.stage("choosing where bytes go", 0);
+  const auto frames = static_cast<double>(result.clip.times.size());
+  const auto wanted = static_cast<std::size_t>(std::llround(1000 * options.kb_per_frame * frames));
+  const encode::RateChoice choice =
+      encode::choose_rounding(result.clip, static_cast<std::size_t>(std::filesystem::file_size(path)), wanted);
+  clip::write_clip(result.clip, path, {choice.fields});
+  const auto kb_per_frame = [frames](std::size_t bytes) { return rounded(static_cast<double>(bytes) / frames / 1000); };
+  result.report["rate"] = {{"wanted_kb_per_frame", options.kb_per_frame},
+                           {"fewest_kb_per_frame", kb_per_frame(choice.fewest_bytes)},
+                           {"most_kb_per_frame", kb_per_frame(choice.most_bytes)}};
+  if (wanted >= choice.fewest_bytes && wanted <= choice.most_bytes) return;
+  const bool is_less = wanted < choice.fewest_bytes;
+  context.progress.warn(fmt::format("--kb-per-frame {:g} is {} than the clip {}; it takes {:.2f} KB per frame",
+                                    options.kb_per_frame, is_less ? "less" : "more", is_less ? "needs" : "can use",
+                                    kb_per_frame(choice.bytes)));
+}
+
 /// Of the whole capture; the clip is written, and its name committed.
 encode::EncodeResult encode_file(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
                                  Context& context) {
@@ -186,10 +210,10 @@ encode::EncodeResult encode_file(const Options& options, const encode::EncodeOpt
   result.clip.sound = sound_of(options, result.clip, context);
   if (options.archive) {
     const Unfinished clip(options.clip, Unfinished::Kind::kFile);
-    clip::write_clip(result.clip, clip.path());
+    write_clip(options, clip.path(), result, context);
     write_archive(clip.path(), options.capture, options.reading, options.audio, out.writing_path(), context);
   } else {
-    clip::write_clip(result.clip, out.writing_path());
+    write_clip(options, out.writing_path(), result, context);
   }
   out.commit();
   return result;
@@ -349,6 +373,11 @@ void add_encode(CLI::App& app, Context& context) {
   command
       .add_option("--report", options->report, "Compare the clip with the capture and write all numbers here, as JSON")
       ->type_name("FILE");
+  command
+      .add_option("--kb-per-frame", options->kb_per_frame,
+                  "Store the fields so finely or coarsely that the file takes N times 1000 bytes for each frame")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
   command.add_flag("--archive", options->archive,
                    "Keep the whole capture without loss behind the clip, in the same file, as kinora record does");
   add_live_options(command, options->live,
@@ -363,7 +392,8 @@ void add_encode(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
-  for (const char* other : {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive"})
+  for (const char* other :
+       {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive", "--kb-per-frame"})
     command.get_option("--live")->excludes(command.get_option(other));
   context.add_overwrite(command);
 }

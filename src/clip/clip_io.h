@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clip/clip.h"
+#include "clip/payloads/field_codec.h"
 #include "container/byte_source.h"
 #include "core/progress.h"
 
@@ -27,10 +28,14 @@ struct ByteAccount {
 /// be stored.
 Clip as_stored(const Clip& clip);
 
+struct StorageOptions {
+  std::vector<FieldRounding> fields = {}; ///< one for each layer; empty: usual_rounding
+};
+
 /// Writes to `path` (the caller gives a .part name and renames). The same clip gives the same bytes.
 /// Throws Error(kUnwritableOutput) naming the path, also when the disk is full; kFailure if the clip contradicts itself
 /// (sizes, times that do not increase, two layers of one name, numbers that are not finite).
-void write_clip(const Clip& clip, const std::filesystem::path& path);
+void write_clip(const Clip& clip, const std::filesystem::path& path, const StorageOptions& options = {});
 
 /// Reads and checks everything: sizes, ranges, checksums. The file is not trusted.
 /// Throws Error: kNotRecognised (not Matroska, or no clip of ours), kCorruptInput (naming file and place).

@@ -70,7 +70,7 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
 
 // In the order of the file: by time; at the first, where camera and layers are comes before the fields, and the coarse
 // levels of all fields before the finer ones, so that a picture can be shown early and becomes sharper.
-std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description) {
+std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& description, const StorageOptions& options) {
   std::vector<Payload> payloads;
   const auto add = [&payloads](std::uint16_t track, std::int64_t time, bool key, Bytes bytes) {
     payloads.push_back({track, time, key, std::move(bytes)});
@@ -94,7 +94,8 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
     const Layer& layer = clip.layers[l];
     const LayerDescription& tracks = description.layers[l];
-    fields.push_back(encode_field_coarse_first(layer.field));
+    fields.push_back(encode_field_coarse_first(layer.field, options.fields.empty() ? usual_rounding(layer.field.config)
+                                                                                   : options.fields.at(l)));
     most_payloads = std::max(most_payloads, fields.back().size());
     add(tracks.field_track, description.times_ns.front(), true, std::move(fields.back().front()));
     if (layer.confidence) {
@@ -167,11 +168,11 @@ motion::Motion stored_motion(const Layer& layer) {
 
 } // namespace
 
-void write_clip(const Clip& clip, const std::filesystem::path& path) {
+void write_clip(const Clip& clip, const std::filesystem::path& path, const StorageOptions& options) {
   check_storable(clip);
   const ClipDescription description = describe(clip);
   const container::FileHead head = head_of(clip, description);
-  const std::vector<Payload> payloads = payloads_of(clip, description);
+  const std::vector<Payload> payloads = payloads_of(clip, description, options);
   check_memory(clip, payloads); // all that can be refused is, before a file is made
   container::Writer writer(path, head);
   for (const Payload& payload : payloads) writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);

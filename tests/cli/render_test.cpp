@@ -33,7 +33,9 @@ protected:
     }
     clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
     fs::remove(path("clip.mkv"));
-    clip::write_clip(clip, path("clip.mkv"));
+    const auto levels = static_cast<std::size_t>(clip.layers[0].field.config.levels);
+    constexpr clip::Rounding kFine{16}; // what is painted into few parameters would be lost among them
+    clip::write_clip(clip, path("clip.mkv"), {{clip::FieldRounding(levels, kFine)}});
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
   ColorImage picture(const std::string& name) const {

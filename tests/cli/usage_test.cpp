@@ -180,7 +180,7 @@ TEST_F(Tool, StrangeInputsAreNotRecognised) {
 
 TEST_F(Tool, CutClipIsCorrupt) {
   const std::string clip = sample_clip();
-  fs::resize_file(clip, fs::file_size(clip) / 2);
+  fs::resize_file(clip, fs::file_size(clip) / 4); // no field is whole
   expect_error(run({"info", clip}), 4, "clip.mkv");
   expect_error(run({"render", clip, path("o.png")}), 4, "clip.mkv");
 }

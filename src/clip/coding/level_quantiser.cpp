@@ -43,7 +43,7 @@ Spread spread_of(std::span<const float> values) {
   return spread;
 }
 
-int choose_exponent(const Spread& spread, int steps_per_rms) {
+int choose_exponent(const Spread& spread, double steps_per_rms) {
   const auto fits = [&](int exponent) { return spread.largest <= std::ldexp(kLargestInteger, exponent); };
   // Values that were quantised before lie on a coarse lattice; their own root mean square must not move it.
   const int lattice = spread.finest_bit;
@@ -73,7 +73,7 @@ QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding)
   QuantisedLevel level;
   level.values.resize(values.size());
   const Spread spread = values.empty() ? Spread{} : spread_of(values);
-  if (spread.largest == 0) return level;
+  if (spread.largest == 0 || rounding.steps_per_rms == 0) return level;
   level.exponent = choose_exponent(spread, rounding.steps_per_rms);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double steps = std::ldexp(static_cast<double>(values[i]), -level.exponent);

@@ -17,7 +17,7 @@ inline constexpr int kMinExponent = -60;
 inline constexpr int kMaxExponent = 40;
 
 struct Rounding {
-  int steps_per_rms;    ///< the root mean square of the values is so many steps, or less than twice as many
+  double steps_per_rms; ///< the root mean square of the values is so many steps, or less than twice as many; 0: all 0
   double up_from = 0.5; ///< what is left of a step that counts as one more: above a half, small values cost less
 };
 

@@ -183,7 +183,7 @@ struct CodedField {
   std::vector<Bytes> parts; // occupancy, networks, levels
 };
 
-CodedField code(const Field& field, const Field* base) {
+CodedField code(const Field& field, const Field* base, const FieldRounding& rounding) {
   field.config.validate("a clip to be written");
   check_shape(field);
   FieldHeader header;
@@ -206,7 +206,7 @@ CodedField code(const Field& field, const Field* base) {
         values.push_back(field.table[parameters.back()]);
       }
     }
-    QuantisedLevel level = quantise(values, {l < coarse_levels(field.config) ? kCoarseSteps : kFineSteps, kUpFrom});
+    QuantisedLevel level = quantise(values, rounding.at(l));
     for (std::size_t i = 0; i < values.size(); ++i)
       level.values[i] = difference(level.values[i], before.of_entry(parameters[i], level.exponent));
     header.exponents.push_back(level.exponent);
@@ -239,7 +239,7 @@ Bytes payload_of(const FieldHeader& header, std::span<const Bytes> parts) {
 }
 
 Bytes encode(const Field& field, const Field* base) {
-  const CodedField coded = code(field, base);
+  const CodedField coded = code(field, base, usual_rounding(field.config));
   return payload_of(coded.header, coded.parts);
 }
 
@@ -265,8 +265,21 @@ Field decode(std::span<const std::byte> payload, const Field* base, const std::s
 
 Bytes encode_field(const Field& field) { return encode(field, nullptr); }
 
-std::vector<Bytes> encode_field_coarse_first(const Field& field) {
-  CodedField coded = code(field, nullptr);
+FieldRounding usual_rounding(const FieldConfig& config) {
+  FieldRounding rounding(static_cast<std::size_t>(config.levels), {kFineSteps, kUpFrom});
+  std::fill_n(rounding.begin(), coarse_levels(config), Rounding{kCoarseSteps, kUpFrom});
+  return rounding;
+}
+
+RoundedField rounded(const Field& field, const FieldRounding& rounding) {
+  const CodedField coded = code(field, nullptr, rounding);
+  AllocationBudget budget(field.table.size() * sizeof(float));
+  return {decode_field(payload_of(coded.header, coded.parts), "a field that was just encoded", budget),
+          {coded.header.part_bytes.begin() + 2, coded.header.part_bytes.end()}};
+}
+
+std::vector<Bytes> encode_field_coarse_first(const Field& field, const FieldRounding& rounding) {
+  CodedField coded = code(field, nullptr, rounding);
   const std::size_t here = coarse_levels(field.config);
   std::vector<Bytes> payloads(1);
   for (std::size_t l = here; l < static_cast<std::size_t>(field.config.levels); ++l) {

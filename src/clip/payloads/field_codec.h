@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clip/coding/allocation_budget.h"
+#include "clip/coding/level_quantiser.h"
 #include "clip/coding/zstd_codec.h"
 #include "fields/model/field.h"
 
@@ -24,9 +25,23 @@ Bytes encode_field(const fields::Field& field);
 /// Throws Error(kCorruptInput) naming `location`.
 fields::Field decode_field(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
 
+/// One entry for each level, coarse to fine.
+using FieldRounding = std::vector<Rounding>;
+
+/// What encode_field takes.
+FieldRounding usual_rounding(const fields::FieldConfig& config);
+
 /// The same bits as several payloads, as a file has them: the first is a field that can be drawn, of the coarser half
-/// of the levels; each that follows adds the next level. FieldDecoder reads them.
-std::vector<Bytes> encode_field_coarse_first(const fields::Field& field);
+/// of the levels; each that follows adds the next level. FieldDecoder reads them. Throws as encode_field; `rounding`
+/// must have an entry for each level.
+std::vector<Bytes> encode_field_coarse_first(const fields::Field& field, const FieldRounding& rounding);
+
+/// What rounding costs: the field as a reader will see it, and the bytes of each of its levels.
+struct RoundedField {
+  fields::Field field;
+  std::vector<std::size_t> level_bytes;
+};
+RoundedField rounded(const fields::Field& field, const FieldRounding& rounding);
 
 /// A field out of its payloads, in their order: encode_field_coarse_first's, or the one of encode_field. Levels that
 /// have not come are zero. For one thread at a time.

@@ -81,7 +81,7 @@ TEST(FieldCodec, GivesCoarseLevelsFirstAndInTheEndTheSameField) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Field whole = quantised(random_field(seed));
     const auto levels = fields::grid_levels(whole.config);
-    const std::vector<Bytes> payloads = encode_field_coarse_first(random_field(seed));
+    const std::vector<Bytes> payloads = encode_field_coarse_first(random_field(seed), usual_rounding(whole.config));
     ASSERT_EQ(payloads.size(), 1 + levels.size() / 2);
     FieldDecoder decoder;
     for (std::size_t p = 0; p < payloads.size(); ++p) {
@@ -105,7 +105,8 @@ TEST(FieldCodec, GivesCoarseLevelsFirstAndInTheEndTheSameField) {
 }
 
 TEST(FieldCodec, RefusesLevelsThatDoNotFollowAndKeepsWhatItHas) {
-  const std::vector<Bytes> payloads = encode_field_coarse_first(random_field(4));
+  const std::vector<Bytes> payloads =
+      encode_field_coarse_first(random_field(4), usual_rounding(testing::small_config()));
   const auto refuses = [](FieldDecoder& decoder, const Bytes& payload) {
     AllocationBudget budget(payload.size());
     try {
