@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/image_codec.h"
@@ -40,7 +41,18 @@ RecordingReader::RecordingReader(const std::filesystem::path& path, bool read_ma
                         " bytes are damaged and passed over; kinora recover says more");
   if (file_.dropped() > 0)
     warnings_.push_back(name_ + ": " + std::to_string(file_.dropped()) + " frames were dropped while it was recorded");
+  put_in_order();
   warning_table_.set(warnings_);
+}
+
+/// A camera's clock may have run backwards; the file keeps what it said.
+void RecordingReader::put_in_order() {
+  order_.resize(file_.frame_count());
+  std::iota(order_.begin(), order_.end(), 0);
+  const auto earlier = [this](std::size_t a, std::size_t b) { return file_.record(a).time < file_.record(b).time; };
+  if (std::is_sorted(order_.begin(), order_.end(), earlier)) return;
+  warnings_.push_back(name_ + ": the times are out of order; frames are taken in order of time");
+  std::stable_sort(order_.begin(), order_.end(), earlier);
 }
 
 void RecordingReader::fill_info(KinoraCaptureInfo& info) const {
@@ -64,9 +76,9 @@ void RecordingReader::fill_info(KinoraCaptureInfo& info) const {
 
 KinoraStatus RecordingReader::next(KinoraFrame& frame) {
   if (next_ >= file_.frame_count()) return KINORA_END;
-  const std::size_t index = next_++;
+  frame.index = static_cast<std::int64_t>(next_);
+  const std::size_t index = order_[next_++];
   const recording::FrameRecord& record = file_.record(index);
-  frame.index = static_cast<std::int64_t>(index);
   frame.time = record.time;
   if (!record.problem.empty()) throw Error(ErrorCode::kCorruptInput, record.problem);
   frame.depth_unit = record.depth_unit;

@@ -26,12 +26,14 @@ public:
   bool next_sound(KinoraSoundPacket& packet);
 
 private:
+  void put_in_order();
   KinoraImage read(std::size_t index, recording::Stream stream);
   KinoraImage read_color(std::size_t index, KinoraFrame& frame);
 
   std::string name_;
   bool read_masks_;
   recording::RecordingFile file_;
+  std::vector<std::size_t> order_; ///< numbers of the file's frames, in order of time
   std::vector<KinoraLabel> labels_;
   std::vector<std::string> warnings_;
   WarningTable warning_table_;

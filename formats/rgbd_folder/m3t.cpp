@@ -1,5 +1,6 @@
 // Sequences of M3T (Stoiber et al., "A Multi-body Tracking Framework", 2022): a colour and a depth camera, each
 // described by an OpenCV .yaml file, with images numbered from `load_index` on. The cameras are not registered.
+#include <cmath>
 #include <map>
 
 #include "common/files.h"
@@ -109,7 +110,10 @@ NumberedFiles CameraFile::images() const {
   const std::string& before = text("image_name_pre");
   const auto after = entries.find("image_name_post");
   const std::string ending = (after == entries.end() ? std::string() : after->second) + "." + text("load_image_type");
-  const auto first = static_cast<std::int64_t>(number("load_index"));
+  constexpr double kMaxIndex = 1e9;
+  const double index = number("load_index");
+  if (!(std::abs(index) <= kMaxIndex)) fail(path, "\"load_index\" is absurd");
+  const std::int64_t first = std::llround(index);
   NumberedFiles images;
   for (const fs::path& file : list_files((path.parent_path() / text("load_directory")).lexically_normal())) {
     const std::string name = file.filename().string();

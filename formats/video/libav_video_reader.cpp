@@ -32,6 +32,11 @@ void LibavVideoReader::fail(const std::string& problem) const {
   throw Error(ErrorCode::kCorruptInput, path_.string() + ": " + problem);
 }
 
+/// When a later picture has come in its place, or none.
+void LibavVideoReader::fail_at(std::size_t number) const {
+  fail("picture " + std::to_string(number) + " cannot be decoded, or is out of order");
+}
+
 void LibavVideoReader::open() {
   input_ = open_input(path_);
   if (stream_.number < 0 || static_cast<unsigned>(stream_.number) >= input_->nb_streams) fail("has changed meanwhile");
@@ -79,35 +84,40 @@ void LibavVideoReader::go_to(std::size_t number) {
   const AVStream& stream = *input_->streams[stream_.number];
   const auto timestamp = std::llround(stream_.times[number] / av_q2d(stream.time_base));
   if (number == 0 || av_seek_frame(input_.get(), stream_.number, timestamp, AVSEEK_FLAG_BACKWARD) < 0) open();
-  frame_waits_ = drained_ = false;
+  picture_waits_ = drained_ = false;
   if (decoder_) avcodec_flush_buffers(decoder_.get());
 }
 
-VideoPicture LibavVideoReader::read_jpeg(double time) {
-  while (next_packet()) {
-    const std::int64_t shown = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
-    if (time_of(shown, *input_->streams[stream_.number]) < time - kSameTime) continue;
+VideoPicture LibavVideoReader::read_jpeg(std::size_t number) {
+  const double time = stream_.times[number];
+  for (;;) {
+    if (!picture_waits_ && !next_packet()) fail("ends too early");
+    picture_waits_ = true;
+    const std::int64_t stamp = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+    const double shown = time_of(stamp, *input_->streams[stream_.number]);
+    if (shown > time + kSameTime) fail_at(number);
+    picture_waits_ = false;
+    if (shown < time - kSameTime) continue;
     VideoPicture picture;
     const auto* data = reinterpret_cast<const std::byte*>(packet_->data);
     picture.jpeg.assign(data, data + packet_->size);
     return picture;
   }
-  fail("ends too early");
 }
 
 VideoPicture LibavVideoReader::read(std::size_t number) {
   if (number >= stream_.times.size()) fail("has no picture " + std::to_string(number));
   go_to(number);
   next_ = number + 1;
+  if (!decoder_) return read_jpeg(number);
   const double time = stream_.times[number];
-  if (!decoder_) return read_jpeg(time);
   const AVStream& stream = *input_->streams[stream_.number];
   for (;;) {
-    if (!frame_waits_ && !next_frame()) fail("picture " + std::to_string(number) + " cannot be decoded");
-    frame_waits_ = true;
+    if (!picture_waits_ && !next_frame()) fail_at(number);
+    picture_waits_ = true;
     const double shown = time_of(frame_->best_effort_timestamp, stream);
-    if (shown > time + kSameTime) fail("picture " + std::to_string(number) + " cannot be decoded");
-    frame_waits_ = false;
+    if (shown > time + kSameTime) fail_at(number);
+    picture_waits_ = false;
     if (shown >= time - kSameTime) return picture_of(*frame_);
   }
 }

@@ -28,9 +28,10 @@ private:
   void go_to(std::size_t number);
   bool next_packet();
   bool next_frame();
-  VideoPicture read_jpeg(double time);
+  VideoPicture read_jpeg(std::size_t number);
   VideoPicture picture_of(const AVFrame& frame);
   [[noreturn]] void fail(const std::string& problem) const;
+  [[noreturn]] void fail_at(std::size_t number) const;
 
   std::filesystem::path path_;
   VideoStream stream_;
@@ -40,8 +41,8 @@ private:
   AvFrame frame_;
   std::unique_ptr<SwsContext, ReleaseScaler> scaler_;
   std::size_t next_ = 0;
-  bool frame_waits_ = false; ///< frame_ is decoded and not asked for yet
-  bool drained_ = false;     ///< the decoder was told that there are no more packets
+  bool picture_waits_ = false; ///< in frame_, or as JPEG in packet_, and is not asked for yet
+  bool drained_ = false;       ///< the decoder was told that there are no more packets
 };
 
 } // namespace kinora::formats

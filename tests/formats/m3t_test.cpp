@@ -106,6 +106,7 @@ TEST(M3t, SaysWhichNumberOfACalibrationIsWrong) {
   expect_refused("0.05, 0, 1", "0.05, 0", "16 numbers");
   expect_refused("[1, 0", "[2, 0", "camera2world_pose");
   expect_refused("image_name_pre: \"d_\"", "image_name_pre: \"e_\"", "has no images");
+  expect_refused("load_index: ", "load_index: 1e20\nother: ", "load_index");
 }
 
 TEST(M3t, SkipsAFrameWhoseDepthHasAnotherSize) {
