@@ -19,6 +19,11 @@ struct Door {
 
 const Door kDoors[] = {
     {{"convert"}, "clip.glb", {"-O", "triangles=2000"}, "clip.glb", "surfaces"},
+    {{"convert"},
+     "sequence.glb",
+     {"-O", "animation=sequence", "-O", "compression=draco", "-O", "triangles=2000"},
+     "sequence.glb",
+     "surfaces"},
     {{"convert"}, "clip.usda", {"-O", "triangles=2000"}, "clip.usda", "surfaces"},
     {{"convert"}, "clip.ply", {"-O", "triangles=2000"}, "clip_0001.ply", "surfaces"},
     {{"convert"}, "splats.ply", {"-O", "content=splats", "-O", "triangles=2000"}, "splats_0001.ply", "surfaces"},
@@ -30,6 +35,11 @@ const Door kDoors[] = {
      "volumes"},
     {{"render"}, "pictures", {"--size", "160x120"}, "pictures/000000.png", "drawing"},
     {{"render"}, "pictures", {"--size", "160x120", "-O", "format=exr"}, "pictures/000000.exr", "drawing"},
+    {{"render"},
+     "views",
+     {"--size", "160x120", "-O", "format=exr", "-O", "views=parts", "--passes", "rgb,deep"},
+     "views/000000.exr",
+     "drawing"},
     {{"render"}, "film.mp4", {"--size", "160x120"}, "film.mp4", "drawing"},
     {{"render"}, "film.webm", {"--size", "160x120"}, "film.webm", "drawing"},
     {{"render"}, "set", {"--size", "160x120", "-O", "format=data-set"}, "set/transforms.json", "drawing"},
@@ -153,11 +163,11 @@ TEST_F(Exports, FullDisksAreToldOfAndNothingIsLeft) {
 }
 
 TEST_F(Exports, OptionsThatDoNotExistAreToldWithTheNearest) {
-  const std::pair<std::string, std::string> slips[] = {{"clip.glb", "triangels"}, {"clip.usda", "textur"},
-                                                       {"clip.ply", "contents"},  {"clip.obj", "unit"},
-                                                       {"clip.vdb", "voxels"},    {"film.mp4", "fsp"}};
+  const std::pair<std::string, std::string> slips[] = {
+      {"clip.glb", "triangels"}, {"clip.usda", "textur"}, {"clip.ply", "contents"}, {"clip.obj", "unit"},
+      {"clip.vdb", "voxels"},    {"film.mp4", "fsp"},     {"views.exr", "veiws"}};
   for (const auto& [output, slip] : slips) {
-    const std::string command = output == "film.mp4" ? "render" : "convert";
+    const std::string command = output == "film.mp4" || output == "views.exr" ? "render" : "convert";
     const Said said =
         run_kinora(folder_, {command, path("clip.mkv").string(), path(output).string(), "-O", slip + "=1"});
     expect_error(said, 2,
@@ -167,7 +177,8 @@ TEST_F(Exports, OptionsThatDoNotExistAreToldWithTheNearest) {
                                                         {"contents", "content"},
                                                         {"unit", "units"},
                                                         {"voxels", "voxel"},
-                                                        {"fsp", "fps"}}[slip]);
+                                                        {"fsp", "fps"},
+                                                        {"veiws", "views"}}[slip]);
   }
 }
 
