@@ -185,11 +185,10 @@ void write_clip(const Options& options, const std::filesystem::path& path, encod
                 Context& context) {
   clip::write_clip(result.clip, path);
   if (options.kb_per_frame == 0) return;
-  context.progress.stage("choosing where bytes go", 0);
   const auto frames = static_cast<double>(result.clip.times.size());
   const auto wanted = static_cast<std::size_t>(std::llround(1000 * options.kb_per_frame * frames));
-  const encode::RateChoice choice =
-      encode::choose_rounding(result.clip, static_cast<std::size_t>(std::filesystem::file_size(path)), wanted);
+  const auto usual = static_cast<std::size_t>(std::filesystem::file_size(path));
+  const encode::RateChoice choice = encode::choose_rounding(result.clip, usual, wanted, context.progress);
   clip::write_clip(result.clip, path, {choice.fields});
   const auto kb_per_frame = [frames](std::size_t bytes) { return rounded(static_cast<double>(bytes) / frames / 1000); };
   result.report["rate"] = {{"wanted_kb_per_frame", options.kb_per_frame},

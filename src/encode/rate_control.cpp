@@ -31,8 +31,10 @@ constexpr std::array<Rounding, 13> kLadder{{{0},
                                             {4, 0.55},
                                             {8, 0.5},
                                             {16, 0.5}}};
+static_assert(kLadder[6].steps_per_rms == 1);
 constexpr std::size_t kNothing = 0;
-constexpr std::size_t kProbe = 6; // drawn, as is nothing; errors of the others grow with those of the parameters
+constexpr std::size_t kProbe =
+    6; // a step to the root mean square: drawn, as is nothing; errors of the others grow with those of the parameters
 
 struct Choice {
   Rounding rounding;
@@ -159,7 +161,8 @@ void keep_worthwhile(std::vector<Choice>& choices) {
   choices = std::move(hull);
 }
 
-void add_units(const clip::Clip& clip, std::size_t layer, Pictures& pictures, std::vector<Unit>& units) {
+void add_units(const clip::Clip& clip, std::size_t layer, Pictures& pictures, std::vector<Unit>& units,
+               Progress& progress) {
   const fields::Field& field = clip.layers[layer].field;
   const auto levels = static_cast<std::size_t>(field.config.levels);
   fields::Field finest = clip::rounded(field, clip::FieldRounding(levels, kLadder.back())).field;
@@ -167,6 +170,7 @@ void add_units(const clip::Clip& clip, std::size_t layer, Pictures& pictures, st
   std::vector<std::array<double, kLadder.size()>> parameter_errors(levels);
   std::vector<std::array<double, kLadder.size()>> drawn_errors(levels);
   for (std::size_t c = 0; c < kLadder.size(); ++c) {
+    progress.check();
     clip::RoundedField rounded = clip::rounded(field, clip::FieldRounding(levels, kLadder[c]));
     for (std::size_t l = 0; l < levels; ++l) {
       of_layer[l].layer = layer;
@@ -217,7 +221,9 @@ void spend(std::size_t bytes, std::vector<Unit>& units) {
 
 } // namespace
 
-RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes) {
+RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes,
+                           Progress& progress) {
+  progress.stage("choosing where bytes go", clip.layers.size());
   Pictures pictures(clip);
   std::vector<Unit> units;
   std::size_t others = usual_bytes;
@@ -225,7 +231,8 @@ RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std:
     const fields::Field& field = clip.layers[l].field;
     for (const std::size_t bytes : clip::rounded(field, clip::usual_rounding(field.config)).level_bytes)
       others -= bytes;
-    add_units(clip, l, pictures, units);
+    add_units(clip, l, pictures, units, progress);
+    progress.advance(l + 1, clip.layers[l].name);
   }
   const auto bytes_with = [&](const auto& choice_of) {
     std::size_t sum = others;

@@ -6,6 +6,7 @@
 
 #include "clip/clip.h"
 #include "clip/payloads/field_codec.h"
+#include "core/progress.h"
 
 namespace kinora::encode {
 
@@ -20,7 +21,8 @@ struct RateChoice {
 /// instants, the capture's camera and one 25 degrees beside it), and the steps of all levels are taken in the order of
 /// error per byte until the file has `wanted_bytes`. `usual_bytes`: what the file takes as write_clip stores it
 /// unasked. What is no level (motion, networks, occupancy) costs what it costs. Where `wanted_bytes` are fewer than
-/// `fewest_bytes`, those are chosen. The same clip gives the same choice.
-RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes);
+/// `fewest_bytes`, those are chosen. The same clip gives the same choice. Thread-safe. Throws Error(kInterrupted).
+RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes,
+                           Progress& progress);
 
 } // namespace kinora::encode

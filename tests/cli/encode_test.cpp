@@ -1,5 +1,6 @@
 // kinora encode and eval on small captures, whole and damaged.
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -112,6 +113,27 @@ TEST_F(Encode, FramesAreThoseOfTheRange) {
   EXPECT_EQ(clip.capture_frames, (std::vector<int>{1, 3}));
   ASSERT_EQ(clip.times.size(), 2U);
   EXPECT_NEAR(clip.times[1] - clip.times[0], 2 / 30.0, 1e-6);
+}
+
+TEST_F(Encode, FilesTakeTheBytesThatAreAskedFor) {
+  const auto kb_per_frame = [&](const std::string& wanted, std::string& warnings) {
+    const Said said = encode({path("c.mkv"), "--kb-per-frame", wanted, "--overwrite", "--report", path("r.json")});
+    EXPECT_EQ(said.code, 0) << said.err;
+    warnings = said.err;
+    EXPECT_EQ(clip::read_clip(path("c.mkv")).times.size(), 4U);
+    return static_cast<double>(fs::file_size(path("c.mkv"))) / 4000;
+  };
+  std::string warnings;
+  const double fewest = kb_per_frame("0.1", warnings);
+  EXPECT_NE(warnings.find("--kb-per-frame 0.1 is less than the clip needs"), std::string::npos) << warnings;
+  const Json rate = Json::parse(contents_of(path("r.json"))).at("rate");
+  EXPECT_NEAR(rate.at("fewest_kb_per_frame").get<double>(), fewest, 0.01 * fewest);
+  const double most = rate.at("most_kb_per_frame").get<double>();
+  const double middle = std::round((fewest + most) / 2);
+  EXPECT_NEAR(kb_per_frame(std::to_string(middle), warnings), middle, 0.05 * middle);
+  EXPECT_EQ(warnings.find("--kb-per-frame"), std::string::npos) << warnings;
+  EXPECT_NEAR(kb_per_frame("100000", warnings), most, 0.01 * most);
+  EXPECT_NE(warnings.find("is more than the clip can use"), std::string::npos) << warnings;
 }
 
 TEST_F(Encode, AnotherSeedTrainsOtherFields) {

@@ -32,18 +32,19 @@ protected:
     return error;
   }
   container::testing::TemporaryFolder folder_;
+  Progress silent_;
 };
 
 TEST_F(RateControl, FilesTakeWhatTheyMayAndMoreIsBetter) {
   const clip::Clip clip = load();
   const std::size_t usual = stored(clip);
-  const RateChoice limits = choose_rounding(clip, usual, 0);
+  const RateChoice limits = choose_rounding(clip, usual, 0, silent_);
   ASSERT_LT(limits.fewest_bytes, limits.most_bytes);
   double last_error = HUGE_VAL;
   for (const double share : {0.2, 0.4, 0.6, 0.8, 1.0}) {
     const double wanted =
         static_cast<double>(limits.fewest_bytes) + share * static_cast<double>(limits.most_bytes - limits.fewest_bytes);
-    const RateChoice choice = choose_rounding(clip, usual, static_cast<std::size_t>(wanted));
+    const RateChoice choice = choose_rounding(clip, usual, static_cast<std::size_t>(wanted), silent_);
     const auto bytes = static_cast<double>(stored(clip, {choice.fields}));
     EXPECT_NEAR(bytes, static_cast<double>(choice.bytes), 0.002 * wanted) << share;
     EXPECT_NEAR(bytes, wanted, 0.05 * wanted) << share;
@@ -55,7 +56,7 @@ TEST_F(RateControl, FilesTakeWhatTheyMayAndMoreIsBetter) {
 
 TEST_F(RateControl, TakesTheCheapestWhereTheBytesAreTooFew) {
   const clip::Clip clip = load();
-  const RateChoice choice = choose_rounding(clip, stored(clip), 1);
+  const RateChoice choice = choose_rounding(clip, stored(clip), 1, silent_);
   EXPECT_EQ(choice.bytes, choice.fewest_bytes);
   EXPECT_LT(stored(clip, {choice.fields}), stored(clip));
 }
@@ -63,8 +64,8 @@ TEST_F(RateControl, TakesTheCheapestWhereTheBytesAreTooFew) {
 TEST_F(RateControl, ChoosesTheSameAgain) {
   const clip::Clip clip = load();
   const std::size_t usual = stored(clip);
-  const RateChoice choice = choose_rounding(clip, usual, usual);
-  const RateChoice again = choose_rounding(clip, usual, usual);
+  const RateChoice choice = choose_rounding(clip, usual, usual, silent_);
+  const RateChoice again = choose_rounding(clip, usual, usual, silent_);
   ASSERT_EQ(choice.bytes, again.bytes);
   stored(clip, {choice.fields});
   const double error = error_of(clip);

@@ -102,6 +102,7 @@ fields::Occupancy changed_cells(const fields::Occupancy& cells, const Field* bas
   return changed;
 }
 
+// Without a base, damage leaves the field as it was.
 void decode_level(std::span<const std::byte> part, int exponent, const GridLevel& level,
                   std::span<const std::uint32_t> touched, const BaseIntegers& before, Field& field,
                   const std::string& location) {
@@ -308,10 +309,8 @@ void FieldDecoder::take(std::span<const std::byte> payload, const std::string& l
     corrupt(location, "a level of a field is not the one that follows");
   const int exponent = checked_exponent(get<std::int8_t>(payload, 2), location);
   const auto level = static_cast<std::size_t>(levels_);
-  Field finer = *field_; // of a level that turns out to be damaged, nothing is kept
-  decode_level(payload.subspan(kFinerLevelHeaderBytes), exponent, fields::grid_levels(finer.config)[level],
-               touched_[level], BaseIntegers(nullptr), finer, location);
-  *field_ = std::move(finer);
+  decode_level(payload.subspan(kFinerLevelHeaderBytes), exponent, fields::grid_levels(field_->config)[level],
+               touched_[level], BaseIntegers(nullptr), *field_, location);
   ++levels_;
 }
 
