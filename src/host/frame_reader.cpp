@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host/frame_fault.h"
 #include "host/interface_struct.h"
 #include "host/option_values.h"
 #include "host/plugin_table.h"
@@ -108,6 +109,8 @@ std::optional<ReadFrame> FrameReader::read_next() {
     read.problem = error_of(status, message, format_->name).what();
   else if (status != KINORA_OK)
     throw error_of(status, message, format_->name);
+  else if (const std::string fault = fault_of(read.frame, info_); !fault.empty())
+    read.problem = fmt::format("{} {}", format_->name, fault);
   return read;
 }
 

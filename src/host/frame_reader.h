@@ -31,7 +31,8 @@ public:
   const KinoraFormat& format() const { return *format_; }
   /// Valid as long as the reader.
   const KinoraCaptureInfo& info() const { return info_; }
-  /// The next frame; nothing at the end. Throws Error when reading cannot go on.
+  /// The next frame; nothing at the end. What is not as the plugin's own description says has a problem. Throws Error
+  /// when reading cannot go on.
   std::optional<ReadFrame> next();
   /// The next frame will be that with this index; reads and drops frames where the format cannot seek. Going back then
   /// throws Error(kFailure).

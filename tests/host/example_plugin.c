@@ -146,5 +146,8 @@ static const KinoraPlugin plugin = {sizeof(KinoraPlugin), EXAMPLE_ABI, "example"
 
 const KinoraPlugin* kinora_plugin(uint32_t host_abi_version);
 const KinoraPlugin* kinora_plugin(uint32_t host_abi_version) {
+#ifdef EXAMPLE_STILLBORN
+  abort();
+#endif
   return host_abi_version == EXAMPLE_ABI || EXAMPLE_ABI != KINORA_PLUGIN_ABI ? &plugin : NULL;
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -110,6 +112,39 @@ TEST_F(ExternalPlugins, AFileThatIsNoLibraryIsLeftOutWithOneWarning) {
   ASSERT_EQ(listener_.warnings.size(), 1U);
   EXPECT_NE(listener_.warnings[0].find("broken.so"), std::string::npos);
   EXPECT_NE(listener_.warnings[0].find("cannot be loaded"), std::string::npos);
+  EXPECT_STREQ(table_.find("flat").name, "flat");
+}
+
+TEST_F(ExternalPlugins, ACrashInAProbeIsNamedAndTheRestWorks) {
+  load({KINORA_EXAMPLE_PLUGIN_CRASHING});
+  test::write_numbered(folder_, 1);
+  const std::vector<ProbeScore> scores = table_.probe(folder_.path());
+  EXPECT_STREQ(scores.front().format->name, "numbered-folder");
+  const auto flat =
+      std::ranges::find_if(scores, [](const ProbeScore& score) { return std::string(score.format->name) == "flat"; });
+  ASSERT_NE(flat, scores.end());
+  EXPECT_EQ(flat->confidence, 0);
+  EXPECT_NE(flat->reason.find("crashed"), std::string::npos) << flat->reason;
+}
+
+TEST_F(ExternalPlugins, AProbeThatNeverEndsIsLeftAfterTwoSeconds) {
+  load({KINORA_EXAMPLE_PLUGIN_HANGING});
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<ProbeScore> scores = table_.probe(folder_.path());
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  const auto flat =
+      std::ranges::find_if(scores, [](const ProbeScore& score) { return std::string(score.format->name) == "flat"; });
+  ASSERT_NE(flat, scores.end());
+  EXPECT_EQ(flat->confidence, 0);
+  EXPECT_NE(flat->reason.find("did not answer within 2 s"), std::string::npos) << flat->reason;
+  EXPECT_LT(took.count(), 10);
+}
+
+TEST_F(ExternalPlugins, ALibraryThatCrashesWhenItIsOpenedIsLeftOutWithOneWarning) {
+  load({KINORA_EXAMPLE_PLUGIN, KINORA_EXAMPLE_PLUGIN_STILLBORN});
+  ASSERT_EQ(listener_.warnings.size(), 1U);
+  EXPECT_NE(listener_.warnings[0].find("crashed"), std::string::npos) << listener_.warnings[0];
+  EXPECT_NE(listener_.warnings[0].find("opened on trial"), std::string::npos) << listener_.warnings[0];
   EXPECT_STREQ(table_.find("flat").name, "flat");
 }
 

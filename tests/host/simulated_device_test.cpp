@@ -40,7 +40,11 @@ KinoraStatus reader_info(KinoraReader* /*reader*/, KinoraCaptureInfo* info, Kino
   return KINORA_OK;
 }
 KinoraStatus reader_next(KinoraReader* reader, KinoraFrame* frame, KinoraMessage* /*message*/) {
+  static const std::uint16_t pixels[16 * 12 * 2] = {};
   if (reader_of(reader)->next == kFrames) return KINORA_END;
+  frame->color = {16, 12, 3, KINORA_PIXEL_U8, 16 * 3, pixels, {}};
+  frame->depth = {16, 12, 1, KINORA_PIXEL_U16, 16 * 2, pixels, {}};
+  frame->depth_unit = 0.001;
   frame->index = reader_of(reader)->next++;
   frame->time = 100 + static_cast<double>(frame->index) / kRate;
   return KINORA_OK;

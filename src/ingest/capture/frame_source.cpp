@@ -12,14 +12,6 @@ Intrinsics intrinsics_of(const KinoraCamera& camera) {
   return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
-/// Of the camera's size, with rows that do not overlap.
-bool is_image(const KinoraImage& image, const Intrinsics& camera, int channels, KinoraPixelType type) {
-  const std::size_t value_bytes = type == KINORA_PIXEL_U16 ? 2 : 1;
-  return image.data != nullptr && image.width == camera.width && image.height == camera.height &&
-         image.channels == channels && image.pixel_type == type &&
-         image.row_bytes >= value_bytes * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
-}
-
 template <class T> Image<T> copy_of(const KinoraImage& image) {
   Image<T> copy(image.width, image.height, image.channels);
   const std::size_t row_values = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
@@ -131,7 +123,9 @@ SourceResult FrameSource::next() {
     return result;
   }
   result.device_time = read->frame.time;
-  result.problem = read->problem.empty() ? problem_of(read->frame) : read->problem;
+  result.problem = read->problem;
+  if (result.problem.empty() && reader_.info().has_poses != 0 && read->frame.has_pose == 0)
+    result.problem = "the frame has no camera pose, though others have one";
   if (!result.problem.empty()) return result;
   result.has_infrared = read->frame.infrared.data != nullptr;
   Frame frame = convert(read->frame);
@@ -141,25 +135,6 @@ SourceResult FrameSource::next() {
   else
     result.problem = why_unmeasured(read->frame, max_depth_);
   return result;
-}
-
-/// A plugin is not trusted: what it hands over must be what its own description promises.
-std::string FrameSource::problem_of(const KinoraFrame& frame) const {
-  const std::string format = reader_.format().name;
-  if (!is_image(frame.color, intrinsics_, 3, KINORA_PIXEL_U8))
-    return format + " gave no colour image of the camera's size (or rows that overlap)";
-  const Intrinsics& depth_camera = registration_ ? registration_->depth : intrinsics_;
-  if (!is_image(frame.depth, depth_camera, 1, KINORA_PIXEL_U16))
-    return format + " gave no depth image of the camera's size (or rows that overlap)";
-  if (frame.confidence.data != nullptr && !is_image(frame.confidence, depth_camera, 1, KINORA_PIXEL_U8))
-    return format + " gave a confidence image that is not of the depth camera's size";
-  if (!(frame.depth_unit > 0) || !std::isfinite(frame.depth_unit)) return format + " gave no unit of depth";
-  if (frame.labels.data != nullptr && !is_image(frame.labels, intrinsics_, 1, KINORA_PIXEL_U8))
-    return format + " gave a mask that is not of the camera's size";
-  if (!std::isfinite(frame.time)) return format + " gave a time that is not finite";
-  if (reader_.info().has_poses != 0 && frame.has_pose == 0)
-    return "the frame has no camera pose, though others have one";
-  return {};
 }
 
 /// As the undistorted colour camera sees it.

@@ -1,4 +1,4 @@
-// Frames of a plugin's reader, checked, converted and cleaned: the serial work behind a capture.
+// Frames of a plugin's reader, converted and cleaned: the serial work behind a capture.
 #pragma once
 
 #include "host/frame_reader.h"
@@ -30,7 +30,6 @@ public:
   SourceResult next();
 
 private:
-  std::string problem_of(const KinoraFrame& frame) const;
   Frame convert(const KinoraFrame& given) const;
   DepthImage depth_of(const KinoraFrame& given) const;
   void use_registration(const RegistrationGeometry& given);
