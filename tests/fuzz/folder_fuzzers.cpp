@@ -247,6 +247,19 @@ void read_odometry(std::span<const std::byte> input) {
 }
 std::vector<Bytes> odometries() { return texts({kOdometry, "0,0,0,0,0,0,1\n0.1,0,0,0,0,0,1\n"}); }
 
+void read_stray_matrix(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  folder.write("camera_matrix.csv", input);
+  Intrinsics camera = formats::read_camera_matrix(folder.path() / "camera_matrix.csv");
+  camera.width = 1920;
+  camera.height = 1440;
+  camera.validate("fuzz");
+}
+std::vector<Bytes> stray_matrices() {
+  return texts(
+      {"1400.5,0,958.5\n0,1401,720.25\n0,0,1\n", "1.4e+03, 0.0, 957.5\r\n0.0, 1.4e+03, 721.5\r\n0.0, 0.0, 1.0\r\n"});
+}
+
 // ---- logs of robots
 
 /// A log of ROS is one file; the seeds are those that foreign programs made.
@@ -294,6 +307,27 @@ std::vector<Bytes> r3ds() {
   return {bytes_of({std::istreambuf_iterator<char>(file), {}})};
 }
 
+/// What the archive says of its frames, in the sample's place; there it is packed, and would rarely be met.
+void read_r3d_metadata(std::span<const std::byte> input) {
+  static const TemporaryFolder folder;
+  static const std::vector<Bytes> samples = r3ds();
+  const fs::path path = folder.path() / "a.r3d";
+  folder.write("a.r3d", samples.front());
+  zip_t* const archive = zip_open(path.c_str(), 0, nullptr);
+  zip_source_t* const source = zip_source_buffer(archive, input.data(), input.size(), 0);
+  const zip_int64_t index = zip_file_add(archive, "metadata", source, ZIP_FL_OVERWRITE);
+  require(index >= 0 && zip_set_file_compression(archive, static_cast<zip_uint64_t>(index), ZIP_CM_STORE, 0) == 0 &&
+              zip_close(archive) == 0,
+          "the archive cannot be written");
+  read_capture(path);
+}
+std::vector<Bytes> r3d_metadata() {
+  return texts({R"({"w": 128, "h": 96, "dw": 64, "dh": 48, "fps": 60, "K": [100, 0, 0, 0, 101, 0, 63.5, 47.5, 1],
+    "poses": [[0, 0, 0, 1, 0, 0, 0], [0, 0, 0.6, 0.8, 0.1, 0, 0], [0, 0, 0, 1, 0.2, 0, 0]],
+    "frameTimestamps": [10, 10.01, 10.02]})",
+                R"({"w": 128, "h": 96, "dw": 64, "dh": 48, "K": [100, 0, 0, 0, 101, 0, 63.5, 47.5, 1]})"});
+}
+
 void read_kinect_calibration(std::span<const std::byte> input) {
   (void)formats::read_kinect_calibration(input, 1280, 720, 640, 576, "fuzz");
 }
@@ -325,10 +359,12 @@ std::vector<Fuzzer> folder_fuzzers() {
           {"object_mesh", object_meshes, read_object_mesh, 500},
           {"tracks", tracks, read_tracks, 500},
           {"odometry", odometries, read_odometry, 300},
+          {"stray_matrix", stray_matrices, read_stray_matrix, 500},
           {"ros_bag", bags, read_bag, 300},
           {"mcap", mcaps, read_mcap, 300},
           {"lzfse", lzfse_files, read_lzfse, 500},
           {"record3d", r3ds, read_r3d, 200},
+          {"record3d_metadata", r3d_metadata, read_r3d_metadata, 200},
           {"kinect_calibration", kinect_calibrations, read_kinect_calibration, 300}};
 }
 
