@@ -144,9 +144,8 @@ std::vector<SampleReader> readers_with_times() {
 }
 INSTANTIATE_TEST_SUITE_P(All, BackwardTimes, testing::ValuesIn(readers_with_times()), name_of);
 
-/// Formats that number their frames and keep no times; clips, which are not written unless times increase; and pairs of
-/// videos, for which no such file is at hand: azure-kinect's are read by the same code.
-constexpr std::string_view kWithoutTimes[] = {"numbered-folder", "3dmatch", "m3t", "kinora-clip", "video-pair"};
+/// Formats that number their frames and keep no times, and clips, which are not written unless times increase.
+constexpr std::string_view kWithoutTimes[] = {"numbered-folder", "3dmatch", "m3t", "kinora-clip"};
 
 // ---- the table
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <zip.h>
 
 #include "core/error.h"
 #include "formats/damage.h"
@@ -56,6 +57,20 @@ TEST(Record3d, FilesThatAreCutAreRefused) {
   const fs::path path = folder.path() / "a.r3d";
   fs::copy_file(sample(), path);
   test::expect_bears_truncation(path, path, "record3d", kFrames);
+}
+
+TEST(Record3d, AMissingDepthImageCostsItsFrameAlone) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.r3d";
+  fs::copy_file(sample(), path);
+  zip_t* const archive = zip_open(path.c_str(), 0, nullptr);
+  ASSERT_EQ(zip_delete(archive, static_cast<zip_uint64_t>(zip_name_locate(archive, "rgbd/1.depth", 0))), 0);
+  ASSERT_EQ(zip_close(archive), 0);
+  const CopiedCapture capture = test::read_capture(path);
+  ASSERT_EQ(capture.frames.size(), kFrames);
+  EXPECT_EQ(capture.frames[0].problem, "");
+  EXPECT_NE(capture.frames[1].problem.find("rgbd/1.depth is missing"), std::string::npos) << capture.frames[1].problem;
+  EXPECT_EQ(capture.frames[2].problem, "");
 }
 
 TEST(Record3d, MetadataThatMakesNoSenseIsRefused) {
