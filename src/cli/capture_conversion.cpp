@@ -152,6 +152,7 @@ void convert_frames(host::FrameReader& reader, host::FrameWriter& writer, const 
   const FrameRange& range = conversion.frames;
   const KinoraCaptureInfo& info = reader.info();
   const auto note = [&](const std::string& problem) {
+    if (conversion.strict) throw Error(ErrorCode::kCorruptInput, problem + "; without --strict this is a warning");
     context.progress.warn(problem);
     outcome.problems.push_back(problem);
   };
@@ -205,13 +206,19 @@ void convert_capture(const CaptureConversion& conversion, Context& context) {
   const host::Options reading = take_options_of(source, options);
   host::check_options(*conversion.target, options, option_names(source));
   host::FrameReader reader(source, conversion.input, reading);
+  const auto count =
+      static_cast<int>(std::min<std::int64_t>(reader.info().frame_count, std::numeric_limits<int>::max()));
+  const int wanted = conversion.frames.count_of(count);
+  if (wanted == 0)
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has {} frames, none of which lies in the range that starts at {}",
+                                               conversion.input.string(), count, conversion.frames.begin));
   for (std::size_t i = 0; i < reader.info().warning_count; ++i) context.progress.warn(reader.info().warnings[i]);
   Losses losses(conversion, context);
   losses.check(reader.info());
   losses.check_sound(reader);
   Outcome outcome;
   if (conversion.dry_run)
-    outcome.frames = static_cast<std::size_t>(conversion.frames.count_of(static_cast<int>(reader.info().frame_count)));
+    outcome.frames = static_cast<std::size_t>(wanted);
   else
     outcome = convert(reader, options, conversion, losses, context);
   if (context.shared.json) {
@@ -225,10 +232,11 @@ void convert_capture(const CaptureConversion& conversion, Context& context) {
                         {"dry_run", conversion.dry_run}});
     return;
   }
-  const std::string size = conversion.dry_run ? std::string() : ", " + format_bytes(outcome.bytes);
-  context.print(fmt::format("{}: {}{} frames as {}{}; {} could not be converted\n", conversion.output.string(),
-                            conversion.dry_run ? "would hold " : "", outcome.frames, conversion.target->name, size,
-                            outcome.problems.size()));
+  const std::string frames =
+      fmt::format("{} frame{} as {}", outcome.frames, outcome.frames == 1 ? "" : "s", conversion.target->name);
+  context.print(conversion.dry_run ? fmt::format("{}: would hold {}\n", conversion.output.string(), frames)
+                                   : fmt::format("{}: {}, {}; {} could not be converted\n", conversion.output.string(),
+                                                 frames, format_bytes(outcome.bytes), outcome.problems.size()));
 }
 
 } // namespace kinora::cli

@@ -175,7 +175,8 @@ void add_convert(CLI::App& app, Context& context) {
   command.add_flag("--dry-run", options->dry_run, "Say what would be written, and write nothing");
   command.add_flag("--resume", options->resume,
                    "Keep numbered files that are there, and write the rest as the same command would have");
-  command.add_flag("--strict", options->strict, "Fail where the output cannot carry what the input has, not just warn");
+  command.add_flag("--strict", options->strict,
+                   "Fail where the output cannot carry what the input has, or a frame is damaged; do not just warn");
   command
       .add_option("-O", options->options,
                   "layers=NAMES; fps=N; origin=X,Y,Z; of meshes triangles=N per layer; of volumes voxel=METRES; or "

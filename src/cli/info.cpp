@@ -1,4 +1,5 @@
 // kinora info: what an input is, what it holds, and where every byte went.
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -73,25 +74,45 @@ Json clip_json(const fs::path& path, Context& context) {
   return out;
 }
 
-// Bytes by folder of the capture, files directly inside it under their own names.
+/// "frame-*.color.jpg": files that are numbered count as one part.
+std::string without_numbers(const std::string& name) {
+  std::string pattern;
+  for (const char c : name) {
+    if (c < '0' || c > '9')
+      pattern += c;
+    else if (pattern.empty() || pattern.back() != '*')
+      pattern += '*';
+  }
+  return pattern;
+}
+
+// Bytes by folder of the capture; files directly inside it under their own names, or a pattern of several names.
 Json parts_of_folder(const fs::path& path, std::size_t& total) {
-  std::map<std::string, std::pair<std::size_t, std::size_t>> parts; // files, bytes
+  struct Part {
+    std::string name;
+    std::size_t files = 0;
+    std::size_t bytes = 0;
+  };
+  std::map<std::string, Part> parts; // by folder, or pattern
   std::error_code error;
   if (fs::is_regular_file(path)) total = fs::file_size(path, error);
   for (fs::recursive_directory_iterator it(path, fs::directory_options::skip_permission_denied, error), end;
        !error && it != end; it.increment(error)) {
     if (!it->is_regular_file(error)) continue;
     const fs::path inside = it->path().lexically_relative(path);
-    auto& [files, bytes] = parts[inside.has_parent_path() ? inside.begin()->string() + "/" : inside.string()];
+    const bool in_folder = inside.has_parent_path();
+    Part& part = parts[in_folder ? inside.begin()->string() + "/" : without_numbers(inside.string())];
     const std::uintmax_t size = it->file_size(error);
     if (error) continue;
-    ++files;
-    bytes += size;
+    ++part.files;
+    if (part.files == 1) part.name = inside.string();
+    part.bytes += size;
     total += size;
   }
   Json out = Json::array();
-  for (const auto& [name, part] : parts) {
-    out.push_back({{"name", name}, {"files", part.first}, {"bytes", part.second}});
+  for (const auto& [pattern, part] : parts) {
+    const bool is_file = part.files == 1 && !pattern.ends_with('/');
+    out.push_back({{"name", is_file ? part.name : pattern}, {"files", part.files}, {"bytes", part.bytes}});
   }
   return out;
 }
@@ -124,7 +145,10 @@ Json capture_json(const fs::path& path, const CaptureReading& reading, Context& 
     labels[std::to_string(label)] = {{"name", what.name}, {"kind", what.kind}};
   }
   Json unused = Json::array(); // what the format can bring and nothing here looks at
-  if (host::supports(context.plugins().find(info.format), KINORA_READS_INFRARED)) unused.push_back("infrared");
+  const bool has_infrared = std::ranges::any_of(
+      parts, [](const Json& part) { return part["name"] == recording::track_name(recording::Stream::kInfrared); });
+  if (is_recording ? has_infrared : host::supports(context.plugins().find(info.format), KINORA_READS_INFRARED))
+    unused.push_back("infrared");
   return {{"schema", "kinora.info/1"},
           {"path", path.string()},
           {"kind", is_recording ? "recording" : "capture"},
@@ -132,8 +156,9 @@ Json capture_json(const fs::path& path, const CaptureReading& reading, Context& 
           {"bytes", total},
           {"frames", info.frame_count},
           {"frames_per_second", info.frames_per_second},
-          {"camera", info.has_poses ? "moving" : "still"},
+          {"has_poses", info.has_poses},
           {"has_masks", info.has_masks},
+          {"has_depth_camera", info.has_depth_camera},
           {"intrinsics", intrinsics_json(info.intrinsics)},
           {"labels", labels},
           {"unused", unused},
@@ -177,14 +202,21 @@ std::string clip_text(const Json& info) {
   return text + table.str() + parts_text(info);
 }
 
+/// Whether the camera moved shows only in its pictures; what is known is whether the capture has its poses.
 std::string capture_text(const Json& info) {
-  return fmt::format("{}: a {} (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera, {}\n{}",
-                     info["path"].get<std::string>(), info["kind"].get<std::string>(),
-                     info["format"].get<std::string>(), format_bytes(info["bytes"].get<std::size_t>()),
-                     info["frames"].get<int>(), info["frames_per_second"].get<double>(), size_text(info),
-                     info["camera"].get<std::string>(), info["has_masks"].get<bool>() ? "with masks" : "without masks",
-                     info["unused"].empty() ? "" : "Infrared images, which this format can bring, are not used.\n") +
-         parts_text(info);
+  const auto with = [&](const char* key) { return info[key].get<bool>() ? "with" : "without"; };
+  std::string text =
+      fmt::format("{}: a {} (format {}), {}\n{} frames at {:.4g} frames/s of {}; {} camera poses, {} masks\n",
+                  info["path"].get<std::string>(), info["kind"].get<std::string>(), info["format"].get<std::string>(),
+                  format_bytes(info["bytes"].get<std::size_t>()), info["frames"].get<int>(),
+                  info["frames_per_second"].get<double>(), size_text(info), with("has_poses"), with("has_masks"));
+  if (info["has_depth_camera"].get<bool>())
+    text += "Depth comes from a camera of its own, and is registered to colour.\n";
+  if (!info["unused"].empty()) {
+    text += info["kind"] == "recording" ? "Infrared images are kept, and not used.\n"
+                                        : "Infrared images, which this format can bring, are not used.\n";
+  }
+  return text + parts_text(info);
 }
 
 // A clip is told by its content, unless a format is asked for; anything else may be a capture.

@@ -46,15 +46,6 @@ std::optional<Answer> as_clip(const std::filesystem::path& path) {
   }
 }
 
-/// Throws Error(kMissingComponent) where a format that is not installed might have read it.
-void refuse_for_missing_plugin(const std::filesystem::path& input, const host::PluginTable& plugins) {
-  try {
-    plugins.recognise(input);
-  } catch (const Error& error) {
-    if (error.code() == ErrorCode::kMissingComponent) throw;
-  }
-}
-
 void run(const std::filesystem::path& input, Context& context) {
   require_input(input);
   std::vector<Answer> answers;
@@ -65,12 +56,7 @@ void run(const std::filesystem::path& input, Context& context) {
   std::stable_sort(answers.begin(), answers.end(),
                    [](const Answer& a, const Answer& b) { return a.confidence > b.confidence; });
   if (answers.empty() || answers.front().confidence == 0) {
-    refuse_for_missing_plugin(input, context.plugins());
-    throw Error(ErrorCode::kNotRecognised,
-                fmt::format("no format recognises {}{}; see kinora formats for what can be read", input.string(),
-                            answers.empty() || answers.front().reason.empty()
-                                ? ""
-                                : fmt::format(" ({}: {})", answers.front().name, answers.front().reason)));
+    context.plugins().recognise(input); // throws, and says what a capture is, or which plugin is missing
   }
   const std::string problem = problem_of(answers.front(), input, context.plugins());
   if (context.shared.json) {

@@ -1,5 +1,6 @@
 #include "host/options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <vector>
@@ -28,11 +29,13 @@ bool is_one_of(const std::string& choices, const std::string& value) {
   return false;
 }
 
+bool is_bool(std::string_view type) { return type == "bool"; }
+
 bool is_of_type(const std::string& type, const std::string& value) {
   if (type == "text") return true;
   if (type == "int") return is_number<int>(value);
   if (type == "number") return is_number<double>(value);
-  return is_one_of(type == "bool" ? "true|false" : type, value);
+  return is_one_of(is_bool(type) ? "true|false" : type, value);
 }
 
 const KinoraOption* find_option(const KinoraFormat& format, const std::string& name) {
@@ -59,15 +62,18 @@ void check_options(const KinoraFormat& format, const Options& options, std::span
     const KinoraOption* option = find_option(format, name);
     if (option == nullptr) {
       std::vector<std::string> names(others.begin(), others.end());
-      for (std::size_t i = 0; i < format.option_count; ++i) names.emplace_back(format.options[i].name);
+      for (std::size_t i = 0; i < format.option_count; ++i)
+        if (std::ranges::find(others, format.options[i].name) == others.end())
+          names.emplace_back(format.options[i].name);
       throw Error(ErrorCode::kUsage,
                   names.empty() ? fmt::format("the format {} has no options, so not \"{}\" either", format.name, name)
                                 : fmt::format("the format {} has no option \"{}\"; the nearest is {}; it has {}",
                                               format.name, name, nearest_word(name, names), fmt::join(names, ", ")));
     }
     if (!is_of_type(option->type, value))
-      throw Error(ErrorCode::kUsage, fmt::format("option {}={} of the format {}: the value must be of type {}", name,
-                                                 value, format.name, option->type));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("option {}={} of the format {}: the value must be of type {}", name, value, format.name,
+                              is_bool(option->type) ? "bool: true or false" : option->type));
   }
 }
 

@@ -1,4 +1,6 @@
 // kinora convert between captures, as a user runs it: what goes round comes back.
+#include <set>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/run_kinora.h"
@@ -210,6 +212,19 @@ INSTANTIATE_TEST_SUITE_P(All, RoundTrip, testing::Combine(testing::ValuesIn(kSou
                            return name;
                          });
 
+/// Who adds a writer of captures adds it to the table of targets.
+TEST(RoundTripTable, HasEveryFormatThatIsWritten) {
+  const TemporaryFolder folder;
+  std::set<std::string> written, tried;
+  const auto told = nlohmann::json::parse(run_kinora(folder, {"formats", "--json"}).out);
+  for (const auto& format : told.at("formats")) {
+    const auto can = format.at("capabilities").get<std::set<std::string>>();
+    if (can.contains("write-frames")) written.insert(format.at("name").get<std::string>());
+  }
+  for (const Target& target : kTargets) tried.insert(target.format);
+  EXPECT_EQ(written, tried);
+}
+
 class Interruption : public testing::TestWithParam<Target> {
 protected:
   TemporaryFolder from_;
@@ -262,12 +277,20 @@ TEST_F(CaptureConversion, FramesOfTheRangeAloneAreWritten) {
   EXPECT_EQ(after.frames[1].depth, before.frames[2].depth);
 }
 
+TEST_F(CaptureConversion, ARangeWithoutFramesIsAUsageError) {
+  expect_error(convert("a.mkv", {"--frames", "3:9"}), 2, "has 3 frames");
+  expect_error(convert("a.mkv", {"--frames", "3:9", "--dry-run"}), 2, "has 3 frames");
+}
+
 TEST_F(CaptureConversion, ABadFrameIsNamedAndTheOthersAreWritten) {
   from_.write("depth/100.038333.png", "no picture");
   const Said said = convert("a", {"--json"});
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_EQ(nlohmann::json::parse(said.out)["problems"].size(), 1U);
   EXPECT_EQ(read_capture(to_.path() / "a").frames.size(), static_cast<std::size_t>(kFrames - 1));
+  expect_error(convert("b", {"--strict"}), 4, "100.038333.png");
+  EXPECT_FALSE(exists("b"));
+  EXPECT_FALSE(exists("b.part"));
 }
 
 TEST_P(Interruption, LeavesNothing) {

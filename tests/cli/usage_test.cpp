@@ -120,6 +120,48 @@ TEST_F(Tool, InfoOfACaptureCountsItsFiles) {
   EXPECT_GE(files, 7U);
 }
 
+/// All files in one folder, as 7-Scenes has them.
+void write_7scenes(const TemporaryFolder& folder) {
+  folder.write("camera-intrinsics.txt", "20 0 7.5\n0 20 5.5\n0 0 1\n");
+  for (int i = 0; i < 3; ++i) {
+    const std::string stem = std::string("frame-").append(six_digits(i));
+    folder.write(std::string(stem).append(".color.png"), color_bytes(i));
+    folder.write(std::string(stem).append(".depth.png"), depth_bytes(i));
+    folder.write(std::string(stem).append(".pose.txt"), "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  }
+}
+
+TEST_F(Tool, InfoOfNumberedFilesSaysTheirPattern) {
+  const TemporaryFolder capture;
+  write_7scenes(capture);
+  capture.write("note1.txt", "the only one with such a name");
+  std::set<std::string> names;
+  const Json info = Json::parse(run({"info", capture.path(), "--json"}).out);
+  for (const Json& part : info.at("parts")) names.insert(part.at("name"));
+  EXPECT_EQ(names, (std::set<std::string>{"camera-intrinsics.txt", "frame-*.color.png", "frame-*.depth.png",
+                                          "frame-*.pose.txt", "note1.txt"}));
+}
+
+/// Whether the camera kept still cannot be seen from a folder without poses.
+TEST_F(Tool, InfoSaysIfACaptureHasPoses) {
+  write_numbered(folder_, 3);
+  EXPECT_NE(run({"info", folder_.path()}).out.find("; without camera poses, without masks\n"), std::string::npos);
+  EXPECT_EQ(Json::parse(run({"info", folder_.path(), "--json"}).out).at("has_poses"), false);
+  const TemporaryFolder other;
+  write_7scenes(other);
+  EXPECT_NE(run({"info", other.path()}).out.find("; with camera poses, without masks\n"), std::string::npos);
+}
+
+TEST_F(Tool, InfoOfARecordingSpeaksOfInfraredWhereThereIsSome) {
+  write_numbered(folder_, 3);
+  folder_.write("a.world", "flat");
+  const std::string plugins = fs::path(KINORA_EXAMPLE_PLUGIN).parent_path();
+  ASSERT_EQ(run({"convert", folder_.path(), path("plain.mkv")}).code, 0);
+  ASSERT_EQ(run({"convert", path("a.world"), path("flat.mkv"), "--plugin-dir", plugins}).code, 0);
+  EXPECT_EQ(run({"info", path("plain.mkv")}).out.find("nfrared"), std::string::npos);
+  EXPECT_NE(run({"info", path("flat.mkv")}).out.find("Infrared images are kept, and not used."), std::string::npos);
+}
+
 TEST_F(Tool, FormatsAndProbeSpeakJson) {
   write_numbered(folder_, 3);
   const Json formats = Json::parse(run({"formats", "--json"}).out);
@@ -158,6 +200,29 @@ TEST_F(Tool, ProbeSaysWhichFormatItIsAndWhatIsBroken) {
   EXPECT_NE(probe.at("problem").get<std::string>().find("without pictures"), std::string::npos) << probe;
 }
 
+TEST_F(Tool, ProbeNamesAPluginThatCrashesAndGoesOn) {
+  write_numbered(folder_, 3);
+  const Said said =
+      run({"probe", folder_.path(), "--json", "--plugin-dir", fs::path(KINORA_EXAMPLE_PLUGIN_CRASHING).parent_path()});
+  ASSERT_EQ(said.code, 0) << said.err;
+  const Json formats = Json::parse(said.out).at("formats");
+  EXPECT_EQ(formats.at(0).at("name"), "numbered-folder");
+  const auto flat = std::find_if(formats.begin(), formats.end(), [](const Json& f) { return f.at("name") == "flat"; });
+  ASSERT_NE(flat, formats.end());
+  EXPECT_EQ(flat->at("confidence"), 0);
+  EXPECT_NE(flat->at("reason").get<std::string>().find("crashed"), std::string::npos) << *flat;
+}
+
+TEST_F(Tool, AFileOfAFormatThatIsNotInstalledEndsWithExitCode6) {
+  folder_.write("plugins/flat/plugin.json", R"({"name": "flat-world", "version": "1.0", "license": "MIT",
+    "abi": [1, 1], "library": "flat.so", "formats": [{"name": "flat", "description": "a flat world",
+    "magic": [{"text": "flat"}], "can": ["read-frames"]}]})");
+  folder_.write("a.world", "flat and grey");
+  for (const char* command : {"probe", "info"})
+    expect_error(run({command, path("a.world"), "--plugin-dir", path("plugins")}), 6,
+                 "could have been read by the format flat, which is not installed");
+}
+
 TEST_F(Tool, ProbeKnowsAClip) {
   const Json probe = Json::parse(run({"probe", sample_clip(), "--json"}).out);
   EXPECT_EQ(probe.at("formats").at(0).at("name"), "kinora-clip");
@@ -169,7 +234,7 @@ TEST_F(Tool, StrangeInputsAreNotRecognised) {
   fs::create_directory(folder_.path() / "folder");
   for (const char* name : {"text.txt", "empty", "folder"}) {
     expect_error(run({"info", path(name)}), 3, name);
-    expect_error(run({"probe", path(name)}), 3, name);
+    expect_error(run({"probe", path(name)}), 3, std::string(name) + ": no format recognises it");
     expect_error(run({"encode", path(name), path("c.mkv")}), 3, name);
     expect_error(run({"render", path(name), path("o.png")}), 3, name);
     expect_error(run({"motion", path(name), "--out", path("m.json")}), 3, name);

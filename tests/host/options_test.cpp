@@ -8,14 +8,20 @@
 namespace kinora::host {
 namespace {
 
-void expect_usage(const std::string& word, const std::function<void()>& call) {
+std::string usage_of(const std::function<void()>& call) {
   try {
     call();
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+    return error.what();
   }
+  return {};
+}
+
+void expect_usage(const std::string& word, const std::function<void()>& call) {
+  const std::string said = usage_of(call);
+  EXPECT_NE(said.find(word), std::string::npos) << said;
 }
 
 TEST(Options, WordsBecomePairsAndTheLastOneCounts) {
@@ -45,7 +51,12 @@ TEST(Options, ValuesAreCheckedAgainstTheFormatsDeclaration) {
   expect_usage("auto|folder|file", [&] { check_options(png, {{"layout", "auto|folder"}}); });
   const KinoraFormat& tum = table.find("tum-rgbd");
   check_options(tum, {{"masks", "false"}});
-  expect_usage("bool", [&] { check_options(tum, {{"masks", "no"}}); });
+  expect_usage("true or false", [&] { check_options(tum, {{"masks", "no"}}); });
+  const std::string both_have[] = {"masks", "near"};
+  EXPECT_EQ(usage_of([&] {
+              check_options(tum, {{"mask", "true"}}, both_have);
+            }),
+            "the format tum-rgbd has no option \"mask\"; the nearest is masks; it has masks, near");
 }
 
 } // namespace
