@@ -46,17 +46,15 @@ void LibavVideoReader::open() {
 
 void LibavVideoReader::open_decoder() {
   const AVCodecParameters& parameters = *input_->streams[stream_.number]->codecpar;
-  const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
-  if (codec == nullptr)
-    throw Error(ErrorCode::kMissingComponent,
-                path_.string() + ": libavcodec has no decoder for " + stream_.codec + "; install one that has");
-  decoder_.reset(avcodec_alloc_context3(codec));
+  decoder_ =
+      libav::make_codec(avcodec_find_decoder(parameters.codec_id),
+                        path_.string() + ": libavcodec has no decoder for " + stream_.codec + "; install one that has");
   decoder_->max_pixels = kMaxPixels;
   decoder_->thread_count = 0;
   decoder_->pkt_timebase = input_->streams[stream_.number]->time_base;
   int result = avcodec_parameters_to_context(decoder_.get(), &parameters);
-  if (result >= 0) result = avcodec_open2(decoder_.get(), codec, nullptr);
-  if (result < 0) fail("the video cannot be decoded: " + libav_text(result));
+  if (result >= 0) result = avcodec_open2(decoder_.get(), decoder_->codec, nullptr);
+  libav::check(result, ErrorCode::kCorruptInput, path_.string() + ": the video cannot be decoded");
 }
 
 bool LibavVideoReader::next_packet() {

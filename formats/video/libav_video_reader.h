@@ -35,10 +35,10 @@ private:
 
   std::filesystem::path path_;
   VideoStream stream_;
-  AvInput input_;
-  AvDecoder decoder_; ///< none for Motion JPEG that is not turned
-  AvPacket packet_;
-  AvFrame frame_;
+  libav::Input input_;
+  libav::Codec decoder_; ///< none for Motion JPEG that is not turned
+  libav::Packet packet_;
+  libav::Frame frame_;
   std::unique_ptr<SwsContext, ReleaseScaler> scaler_;
   std::size_t next_ = 0;
   bool picture_waits_ = false; ///< in frame_, or as JPEG in packet_, and is not asked for yet

@@ -62,7 +62,7 @@ VideoStream stream_of(const AVStream& stream, const std::filesystem::path& path)
 } // namespace
 
 VideoDescription read_description(const std::filesystem::path& path) {
-  const AvInput input = open_input(path);
+  const libav::Input input = open_input(path);
   VideoDescription description;
   description.tags = tags_of(input->metadata);
   std::map<int, std::vector<double>> times;
@@ -80,7 +80,7 @@ VideoDescription read_description(const std::filesystem::path& path) {
     if (name != nullptr && data != nullptr)
       description.attachments[name->value].assign(data, data + stream.codecpar->extradata_size);
   }
-  const AvPacket packet(av_packet_alloc());
+  const libav::Packet packet(av_packet_alloc());
   while (av_read_frame(input.get(), packet.get()) >= 0) {
     const auto stream = times.find(packet->stream_index);
     const std::int64_t shown = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;

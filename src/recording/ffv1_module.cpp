@@ -2,24 +2,17 @@
 #include <cstring>
 #include <string>
 
-#include "core/error.h"
+#include "libav/libav.h"
 #include "recording/lossless_video.h"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavutil/log.h>
 #include <libavutil/opt.h>
 }
 
 namespace kinora::recording {
 namespace {
 
-template <class T, void (*release)(T**)> struct Release {
-  void operator()(T* handle) const { release(&handle); }
-};
-using CodecContext = std::unique_ptr<AVCodecContext, Release<AVCodecContext, avcodec_free_context>>;
-using AvFrame = std::unique_ptr<AVFrame, Release<AVFrame, av_frame_free>>;
-using AvPacket = std::unique_ptr<AVPacket, Release<AVPacket, av_packet_free>>;
+using libav::check;
 
 /// RGB is stored as FFV1 does it best: by its reversible colour transform, from four bytes a pixel.
 AVPixelFormat pixel_format(PixelLayout layout) {
@@ -28,19 +21,9 @@ AVPixelFormat pixel_format(PixelLayout layout) {
                                           : AV_PIX_FMT_GRAY8;
 }
 
-void check(int result, ErrorCode code, const char* what) {
-  if (result >= 0) return;
-  char text[AV_ERROR_MAX_STRING_SIZE] = {};
-  av_strerror(result, text, sizeof text);
-  throw Error(code, std::string(what) + ": " + text);
-}
-
-CodecContext context_of(const AVCodec* codec, const PictureShape& shape) {
-  if (codec == nullptr)
-    throw Error(ErrorCode::kMissingComponent, "libavcodec was built without FFV1, which recordings need; install "
-                                              "another build of FFmpeg");
-  av_log_set_level(AV_LOG_QUIET); // a library does not print; failures come back as return values
-  CodecContext context(avcodec_alloc_context3(codec));
+libav::Codec context_of(const AVCodec* codec, const PictureShape& shape) {
+  libav::Codec context = libav::make_codec(
+      codec, "libavcodec was built without FFV1, which recordings need; install another build of FFmpeg");
   context->width = shape.width;
   context->height = shape.height;
   context->pix_fmt = pixel_format(shape.layout);
@@ -98,9 +81,9 @@ private:
   }
 
   PictureShape shape_;
-  CodecContext context_;
-  AvFrame frame_;
-  AvPacket packet_;
+  libav::Codec context_;
+  libav::Frame frame_;
+  libav::Packet packet_;
   std::int64_t count_ = 0;
 };
 
@@ -111,11 +94,7 @@ public:
         packet_(av_packet_alloc()) {
     if (private_data.empty()) throw Error(ErrorCode::kCorruptInput, "an FFV1 track has no description");
     context_->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
-    context_->extradata = static_cast<std::uint8_t*>(av_mallocz(private_data.size() + AV_INPUT_BUFFER_PADDING_SIZE));
-    if (context_->extradata == nullptr)
-      throw Error(ErrorCode::kFailure, "the description of an FFV1 track has no room");
-    std::memcpy(context_->extradata, private_data.data(), private_data.size());
-    context_->extradata_size = static_cast<int>(private_data.size());
+    libav::set_private_data(*context_, private_data);
     check(avcodec_open2(context_.get(), context_->codec, nullptr), ErrorCode::kCorruptInput,
           "the description of an FFV1 track cannot be understood");
   }
@@ -123,8 +102,7 @@ public:
   std::vector<std::byte> decode(std::span<const std::byte> bytes) override {
     if (bytes.empty())
       throw Error(ErrorCode::kCorruptInput, "an FFV1 picture has no bytes"); // else it would end the track
-    check(av_new_packet(packet_.get(), static_cast<int>(bytes.size())), ErrorCode::kFailure, "a picture has no room");
-    std::memcpy(packet_->data, bytes.data(), bytes.size());
+    libav::fill(*packet_, bytes);
     int result = avcodec_send_packet(context_.get(), packet_.get());
     av_packet_unref(packet_.get());
     if (result >= 0) result = avcodec_receive_frame(context_.get(), frame_.get());
@@ -157,9 +135,9 @@ private:
   }
 
   PictureShape shape_;
-  CodecContext context_;
-  AvFrame frame_;
-  AvPacket packet_;
+  libav::Codec context_;
+  libav::Frame frame_;
+  libav::Packet packet_;
 };
 
 const LosslessModule kModule = {

@@ -1,7 +1,5 @@
 #include "sound/libav.h"
 
-#include <cstring>
-
 namespace kinora::sound {
 namespace {
 
@@ -31,27 +29,17 @@ bool needs_private_data(AVCodecID codec) {
          codec == AV_CODEC_ID_FLAC;
 }
 
-AvCodec started(AvCodec context) {
+libav::Codec started(libav::Codec context) {
   context->thread_count = 1;
   check(avcodec_open2(context.get(), context->codec, nullptr), ErrorCode::kCorruptInput, "sound cannot be decoded");
   return context;
 }
 
-AvCodec context_for(AVCodecID id) {
-  av_log_set_level(AV_LOG_QUIET); // a library does not print; failures come back as return values
-  const AVCodec* const codec = avcodec_find_decoder(id);
-  if (codec == nullptr) throw Error(ErrorCode::kMissingComponent, "FFmpeg was built without the codec of this sound");
-  return AvCodec(avcodec_alloc_context3(codec));
+libav::Codec context_for(AVCodecID id) {
+  return libav::make_codec(avcodec_find_decoder(id), "FFmpeg was built without the codec of this sound");
 }
 
 } // namespace
-
-void check(int result, ErrorCode code, const std::string& what) {
-  if (result >= 0) return;
-  char text[AV_ERROR_MAX_STRING_SIZE] = {};
-  av_strerror(result, text, sizeof text);
-  throw Error(code, std::string(what).append(": ").append(text));
-}
 
 std::string codec_id_of(const AVCodecParameters& parameters) {
   for (const NamedCodec& named : kCodecs)
@@ -74,35 +62,24 @@ container::Bytes private_data_of(const AVCodecParameters& parameters) {
   return bytes;
 }
 
-AvCodec open_decoder(const AVCodecParameters& parameters) {
-  AvCodec context = context_for(parameters.codec_id);
+libav::Codec open_decoder(const AVCodecParameters& parameters) {
+  libav::Codec context = context_for(parameters.codec_id);
   check(avcodec_parameters_to_context(context.get(), &parameters), ErrorCode::kCorruptInput, "sound cannot be decoded");
   return started(std::move(context));
 }
 
-AvCodec open_decoder(const container::Track& track) {
+libav::Codec open_decoder(const container::Track& track) {
   const container::MediaFormat media = track.media.value_or(container::MediaFormat{});
   for (const NamedCodec& named : kCodecs) {
     if (named.id != track.codec || (named.bits != 0 && named.bits != media.bits)) continue;
-    AvCodec context = context_for(named.codec);
+    libav::Codec context = context_for(named.codec);
     context->sample_rate = media.sampling_rate;
     av_channel_layout_default(&context->ch_layout, media.channels);
-    if (!track.private_data.empty()) {
-      const std::size_t size = track.private_data.size();
-      context->extradata = static_cast<std::uint8_t*>(av_mallocz(size + AV_INPUT_BUFFER_PADDING_SIZE));
-      if (context->extradata == nullptr) throw Error(ErrorCode::kFailure, "the description of sound has no room");
-      std::memcpy(context->extradata, track.private_data.data(), size);
-      context->extradata_size = static_cast<int>(size);
-    }
+    if (!track.private_data.empty()) libav::set_private_data(*context, track.private_data);
     return started(std::move(context));
   }
   throw Error(ErrorCode::kCorruptInput,
               std::string("sound of the codec ").append(track.codec).append(" cannot be decoded"));
-}
-
-void fill(AVPacket& packet, std::span<const std::byte> bytes) {
-  check(av_new_packet(&packet, static_cast<int>(bytes.size())), ErrorCode::kFailure, "sound has no room");
-  std::memcpy(packet.data, bytes.data(), bytes.size());
 }
 
 } // namespace kinora::sound

@@ -10,7 +10,7 @@ LibavDecoder::LibavDecoder(const container::Track& track)
 std::vector<float> LibavDecoder::decode(const container::Payload& packet) {
   std::vector<float> out;
   if (packet.bytes.empty()) return out; // else it would end the track
-  fill(*packet_, packet.bytes);
+  libav::fill(*packet_, packet.bytes);
   const int sent = avcodec_send_packet(decoder_.get(), packet_.get());
   av_packet_unref(packet_.get());
   if (sent < 0) return out;

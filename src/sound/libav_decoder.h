@@ -17,10 +17,10 @@ private:
   bool fit_resampler();
   void append(std::vector<float>& out);
 
-  AvCodec decoder_;
-  AvFrame frame_;
-  AvPacket packet_;
-  AvResampler resampler_;
+  libav::Codec decoder_;
+  libav::Frame frame_;
+  libav::Packet packet_;
+  Resampler resampler_;
   int format_ = -1; ///< of what the resampler is made for
   int rate_ = 0;
   int channels_ = 0;

@@ -29,18 +29,15 @@ std::vector<float> samples_of(const container::Sound& sound) {
   return samples;
 }
 
-AvCodec open_encoder(int channels) {
-  av_log_set_level(AV_LOG_QUIET);
-  const AVCodec* const codec = avcodec_find_encoder_by_name("libopus");
-  if (codec == nullptr)
-    throw Error(ErrorCode::kMissingComponent, "FFmpeg was built without libopus; give sound that is Opus, AAC or MP3");
-  AvCodec encoder(avcodec_alloc_context3(codec));
+libav::Codec open_encoder(int channels) {
+  libav::Codec encoder = libav::make_codec(avcodec_find_encoder_by_name("libopus"),
+                                           "FFmpeg was built without libopus; give sound that is Opus, AAC or MP3");
   encoder->sample_rate = kPlayedRate;
   encoder->sample_fmt = AV_SAMPLE_FMT_FLT;
   encoder->bit_rate = kBitsPerChannel * static_cast<std::int64_t>(channels);
   encoder->flags |= AV_CODEC_FLAG_BITEXACT;
   av_channel_layout_default(&encoder->ch_layout, channels);
-  check(avcodec_open2(encoder.get(), codec, nullptr), ErrorCode::kFailure, "Opus cannot be started");
+  check(avcodec_open2(encoder.get(), encoder->codec, nullptr), ErrorCode::kFailure, "Opus cannot be started");
   return encoder;
 }
 
@@ -49,7 +46,7 @@ AvCodec open_encoder(int channels) {
 container::Sound to_opus(const container::Sound& sound) {
   const int channels = std::min(sound.track.media->channels, kPlayedChannels);
   const std::vector<float> samples = samples_of(sound);
-  const AvCodec encoder = open_encoder(channels);
+  const libav::Codec encoder = open_encoder(channels);
   container::Sound out{sound.track, {}};
   out.track.codec = "A_OPUS";
   const auto* description = reinterpret_cast<const std::byte*>(encoder->extradata);
@@ -59,8 +56,8 @@ container::Sound to_opus(const container::Sound& sound) {
   out.track.media->channels = channels;
   out.track.media->delay_ns = av_rescale(encoder->initial_padding, kSecond, kPlayedRate);
 
-  const AvFrame frame(av_frame_alloc());
-  const AvPacket packet(av_packet_alloc());
+  const libav::Frame frame(av_frame_alloc());
+  const libav::Packet packet(av_packet_alloc());
   frame->format = encoder->sample_fmt;
   frame->nb_samples = encoder->frame_size;
   check(av_channel_layout_copy(&frame->ch_layout, &encoder->ch_layout), ErrorCode::kFailure, "sound has no room");

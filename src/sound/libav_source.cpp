@@ -4,26 +4,11 @@
 #include <utility>
 
 namespace kinora::sound {
-namespace {
-
-AvInput open_input(const std::filesystem::path& path) {
-  av_log_set_level(AV_LOG_QUIET);
-  AVDictionary* options = nullptr;
-  av_dict_set(&options, "protocol_whitelist", "file", 0); // a file cannot make us open another one
-  av_dict_set(&options, "format_whitelist", "wav,flac,ogg,mp3,aac,mov,matroska", 0);
-  AVFormatContext* context = nullptr;
-  int result = avformat_open_input(&context, ("file:" + path.string()).c_str(), nullptr, &options);
-  av_dict_free(&options);
-  AvInput input(context);
-  if (result >= 0) result = avformat_find_stream_info(input.get(), nullptr);
-  check(result, ErrorCode::kCorruptInput, path.string() + ": not a file of sound that can be read");
-  return input;
-}
-
-} // namespace
+static constexpr const char* kFormats = "wav,flac,ogg,mp3,aac,mov,matroska";
 
 LibavSource::LibavSource(const std::filesystem::path& path)
-    : name_(path.string()), input_(open_input(path)), packet_(av_packet_alloc()), frame_(av_frame_alloc()) {
+    : name_(path.string()), input_(libav::open_file(path, kFormats, "not a file of sound that can be read")),
+      packet_(av_packet_alloc()), frame_(av_frame_alloc()) {
   const int found = av_find_best_stream(input_.get(), AVMEDIA_TYPE_AUDIO, -1, -1, nullptr, 0);
   if (found < 0) throw Error(ErrorCode::kCorruptInput, name_ + ": holds no sound");
   for (unsigned s = 0; s < input_->nb_streams; ++s)

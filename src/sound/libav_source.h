@@ -26,13 +26,13 @@ private:
   bool next_samples(container::Payload& packet);
 
   std::string name_;
-  AvInput input_;
+  libav::Input input_;
   const AVStream* stream_ = nullptr;
   container::Track track_;
-  AvPacket packet_;
-  AvFrame frame_;
-  AvCodec decoder_; ///< none: packets are given as they are
-  AvResampler resampler_;
+  libav::Packet packet_;
+  libav::Frame frame_;
+  libav::Codec decoder_; ///< none: packets are given as they are
+  Resampler resampler_;
   bool first_is_read_ = false; ///< packet_ holds the first one, which was not given yet
   std::int64_t shift_ns_ = 0;  ///< from the file's times to ours
   bool drained_ = false;       ///< the decoder was told that there are no more packets

@@ -26,8 +26,9 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "player/window": ["player"],
 }
 MAKE = {  # from a capture to a clip
-    "sound": ["container", "include/kinora"],
-    "recording": ["container", "include/kinora"],  # what its file holds, and reading it
+    "libav": ["core"],
+    "sound": ["container", "include/kinora", "libav"],
+    "recording": ["container", "include/kinora", "libav"],  # what its file holds, and reading it
     "host": ["core", "include/kinora"],
     "ingest/frame": ["core"],
     "ingest/onnx": ["core"],
@@ -65,6 +66,7 @@ FORMATS = {
     "formats/common": ["core", "include/kinora"],
     "formats/kinora_clip": ["formats/common", "player"],
     "formats/kinora_recording": ["formats/common", "record", "sound"],
+    "formats/video": ["formats/common", "libav"],
     "formats/video_pair": ["formats/common", "sound"],
     "formats/*": ["formats/common"],  # one folder per format; none sees another
     "formats": ["formats/*", "formats/kinora_clip", "formats/kinora_recording", "formats/video_pair"],  # the table of the formats that come with Kinora
@@ -78,7 +80,7 @@ ONE_USER = {
     "httplib.h": re.compile(r"src/player/http/.*"),
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
-    "libav": re.compile(r"(formats/(mp4|video)/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
+    "libav": re.compile(r"(formats/(mp4|video)/.*|src/libav/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
     "libfreenect": re.compile(r"formats/freenect/.*"),
     "OpenNI.h": re.compile(r"(formats/openni/.*|tests/formats/oni_samples/.*)"),
     "tiny_gltf.h": re.compile(r"formats/gltf_scene/gltf_library\.h"),
