@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "common/files.h"
-#include "common/jpeg_writer.h"
 #include "common/mesh_fault.h"
 #include "common/pictures.h"
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "core/jpeg_writer.h"
 #include "gltf/mesh_sequence.h"
 #include "gltf/morph_mesh.h"
 

@@ -8,6 +8,7 @@ namespace kinora::formats {
 inline constexpr KinoraOption kMp4Options[] = {
     {"fps", "number", "30", "Nominal frames per second; the pictures' own times decide when each is shown.", nullptr},
     {"crf", "int", "18", "Quality from 0 (largest file) to 51 (smallest).", nullptr},
+    {"jump", "number", "0", "Seconds between pictures that players can jump to; 0: as the encoder likes.", nullptr},
 };
 
 /// Without functions.

@@ -10,6 +10,7 @@ namespace {
 std::unique_ptr<Mp4Writer> open_mp4(const char* path, const OptionMap& options) {
   Mp4Settings settings;
   settings.frames_per_second = option_number(options, "fps", settings.frames_per_second);
+  settings.jump_seconds = option_number(options, "jump", settings.jump_seconds);
   settings.crf = static_cast<int>(option_number(options, "crf", settings.crf));
   return std::make_unique<Mp4Writer>(path, settings);
 }

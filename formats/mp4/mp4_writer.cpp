@@ -18,8 +18,9 @@ namespace {
 constexpr AVRational kTimeBase = {1, 60000}; ///< whole ticks for 24, 25, 30, 50, 60 and 29.97 frames per second
 constexpr int kLastQuality = 51;             ///< the worst, of H.264 and of the option
 constexpr int kLastVp9Quality = 63;
-constexpr int kVp9Speed = 4;     ///< of 0 (slow) to 8
-constexpr int kMpeg4Quality = 3; ///< quantiser of the encoder that has no constant quality
+constexpr double kLongestJump = 3600; ///< seconds
+constexpr int kVp9Speed = 4;          ///< of 0 (slow) to 8
+constexpr int kMpeg4Quality = 3;      ///< quantiser of the encoder that has no constant quality
 
 template <class T, void (*release)(T**)> struct Release {
   void operator()(T* handle) const { release(&handle); }
@@ -78,6 +79,8 @@ public:
     if (!(settings.frames_per_second > 0 && settings.frames_per_second <= 1000) || settings.crf < 0 ||
         settings.crf > kLastQuality)
       throw Error(ErrorCode::kUsage, "a film needs fps above 0 and up to 1000, and crf from 0 to 51");
+    if (!(settings.jump_seconds >= 0 && settings.jump_seconds <= kLongestJump))
+      throw Error(ErrorCode::kUsage, "a film needs jump from 0 to 3600 seconds");
     av_log_set_level(AV_LOG_QUIET); // a library does not print; failures come back as return values
     AVFormatContext* output = nullptr;
     check(avformat_alloc_output_context2(&output, nullptr, webm_ ? "webm" : "mp4", path_.c_str()));
@@ -132,6 +135,10 @@ private:
     codec->color_primaries = AVCOL_PRI_BT709;
     codec->color_trc = AVCOL_TRC_BT709;
     codec->thread_count = 1; // x264's bytes depend on the number of threads
+    if (settings_.jump_seconds > 0) {
+      const double pictures = settings_.jump_seconds * settings_.frames_per_second;
+      codec->gop_size = std::max(1, static_cast<int>(std::lround(pictures)));
+    }
     codec->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
     if (encoder.id == AV_CODEC_ID_MPEG4) {
       codec->flags |= AV_CODEC_FLAG_QSCALE;

@@ -11,6 +11,7 @@ namespace kinora::formats {
 struct Mp4Settings {
   double frames_per_second = 30; ///< nominal: how long the last picture stays
   int crf = 18;                  ///< 0 (largest file) – 51 (smallest)
+  double jump_seconds = 0;       ///< between pictures that need no other; 0: as the encoder likes
 };
 
 /// MP4, or WebM where the file is called NAME.webm (also with .part behind it). YUV 4:2:0, BT.709, one thread, nothing

@@ -5,10 +5,10 @@
 #include <set>
 
 #include "common/files.h"
-#include "common/jpeg_writer.h"
 #include "common/mesh_fault.h"
 #include "core/error.h"
 #include "core/image_codec.h"
+#include "core/jpeg_writer.h"
 #include "usd/usd_text.h"
 
 namespace kinora::formats {

@@ -9,15 +9,16 @@
 #include "cli/archive.h"
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/companions.h"
 #include "cli/growing_clip.h"
 #include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/quality_text.h"
+#include "cli/rate_choice.h"
 #include "cli/sound_input.h"
 #include "cli/text.h"
 #include "core/error.h"
 #include "encode/live/live_encoder.h"
-#include "encode/rate_control.h"
 #include "evaluate/evaluate.h"
 #include "ingest/files/body_mesh.h"
 #include "sound/sound_codec.h"
@@ -51,6 +52,7 @@ struct Options {
   std::vector<std::string> changes; ///< of settings: "path=value"
   std::filesystem::path report;
   double kb_per_frame = 0; ///< 0: what the usual rounding takes
+  CompanionOptions companions;
   bool archive = false;
   LiveOptions live;
   std::filesystem::path preview;
@@ -180,39 +182,32 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   return result;
 }
 
-/// Of as many bytes as the options say.
+/// Of as many bytes as the options say, or of the usual quality.
 void write_clip(const Options& options, const std::filesystem::path& path, encode::EncodeResult& result,
                 Context& context) {
   clip::write_clip(result.clip, path);
-  if (options.kb_per_frame == 0) return;
-  const auto frames = static_cast<double>(result.clip.times.size());
-  const auto wanted = static_cast<std::size_t>(std::llround(1000 * options.kb_per_frame * frames));
-  const auto usual = static_cast<std::size_t>(std::filesystem::file_size(path));
-  const encode::RateChoice choice = encode::choose_rounding(result.clip, usual, wanted, context.progress);
+  std::error_code is_device;
+  const std::uintmax_t usual = std::filesystem::file_size(path, is_device);
+  if (is_device) return;
+  const encode::RateChoice choice =
+      choose_rate(result.clip, static_cast<std::size_t>(usual), options.kb_per_frame, context, result.report["rate"]);
   clip::write_clip(result.clip, path, {choice.fields});
-  const auto kb_per_frame = [frames](std::size_t bytes) { return rounded(static_cast<double>(bytes) / frames / 1000); };
-  result.report["rate"] = {{"wanted_kb_per_frame", options.kb_per_frame},
-                           {"fewest_kb_per_frame", kb_per_frame(choice.fewest_bytes)},
-                           {"most_kb_per_frame", kb_per_frame(choice.most_bytes)}};
-  if (wanted >= choice.fewest_bytes && wanted <= choice.most_bytes) return;
-  const bool is_less = wanted < choice.fewest_bytes;
-  context.progress.warn(fmt::format("--kb-per-frame {:g} is {} than the clip {}; it takes {:.2f} KB per frame",
-                                    options.kb_per_frame, is_less ? "less" : "more", is_less ? "needs" : "can use",
-                                    kb_per_frame(choice.bytes)));
 }
 
 /// Of the whole capture; the clip is written, and its name committed.
-encode::EncodeResult encode_file(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
-                                 Context& context) {
+encode::EncodeResult encode_file(const Options& options, const encode::EncodeOptions& how, const Companions& companions,
+                                 OutputFile& out, Context& context) {
   encode::EncodeResult result = encode::encode_capture(prepare(options, how.settings, context), how, context.progress);
   context.progress.stage("writing", 0);
   result.clip.sound = sound_of(options, result.clip, context);
   if (options.archive) {
     const Unfinished clip(options.clip, Unfinished::Kind::kFile);
     write_clip(options, clip.path(), result, context);
+    add_companions(clip.path(), companions, context);
     write_archive(clip.path(), options.capture, options.reading, options.audio, out.writing_path(), context);
   } else {
     write_clip(options, out.writing_path(), result, context);
+    if (out.can_be_read_back()) add_companions(out.writing_path(), companions, context);
   }
   out.commit();
   return result;
@@ -274,14 +269,16 @@ void run(const Options& options, Context& context) {
     how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
     how.body_from = options.body.filename().string();
   }
-  const std::vector inputs{options.capture, options.segmenter, options.detector, options.body, options.audio};
+  const Companions companions = companions_of(options.companions);
+  const std::vector inputs{options.capture, options.segmenter, options.detector,
+                           options.body,    options.audio,     options.companions.chapters};
   OutputFile out(options.clip, context.shared.overwrite, inputs);
   std::optional<OutputFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report, context.shared.overwrite, inputs);
 
   const Stopwatch watch;
   encode::EncodeResult result =
-      options.live.live ? encode_live(options, how, out, context) : encode_file(options, how, out, context);
+      options.live.live ? encode_live(options, how, out, context) : encode_file(options, how, companions, out, context);
   result.report["timing"]["total_s"] = rounded(watch.seconds());
   result.report["timing"]["ms_per_frame"] =
       rounded(1000 * watch.seconds() / static_cast<double>(result.clip.times.size()));
@@ -372,11 +369,8 @@ void add_encode(CLI::App& app, Context& context) {
   command
       .add_option("--report", options->report, "Compare the clip with the capture and write all numbers here, as JSON")
       ->type_name("FILE");
-  command
-      .add_option("--kb-per-frame", options->kb_per_frame,
-                  "Store the fields so finely or coarsely that the file takes N times 1000 bytes for each frame")
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  add_kb_per_frame_option(command, options->kb_per_frame);
+  add_companion_options(command, options->companions);
   command.add_flag("--archive", options->archive,
                    "Keep the whole capture without loss behind the clip, in the same file, as kinora record does");
   add_live_options(command, options->live,
@@ -391,8 +385,8 @@ void add_encode(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
-  for (const char* other :
-       {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive", "--kb-per-frame"})
+  for (const char* other : {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive",
+                            "--kb-per-frame", "--flat-preview", "--chapters", "--tag"})
     command.get_option("--live")->excludes(command.get_option(other));
   context.add_overwrite(command);
 }

@@ -53,22 +53,32 @@ Json clip_json(const fs::path& path, Context& context) {
   clip::ByteAccount account;
   std::vector<std::string> missing;
   const clip::Clip clip = open_clip(path, context.progress, &account, &missing);
-  Json out = {
-      {"schema", "kinora.info/1"},
-      {"path", path.string()},
-      {"kind", "clip"},
-      {"live", container::Reader(path, container::Reading::kSalvage).tag(container::kKindTag) == clip::kLiveClipKind},
-      {"bytes", account.total},
-      {"frames", clip.times.size()},
-      {"bytes_per_frame", per_frame(account.total, clip.times.size())},
-      {"frames_per_second", frames_per_second(clip)},
-      {"duration_s", clip.times.back() - clip.times.front()},
-      {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
-      {"intrinsics", intrinsics_json(clip.intrinsics)},
-      {"layers", Json::array()},
-      {"parts", Json::array()},
-      {"missing", missing},
-      {"metadata", clip.metadata}};
+  const container::Reader reader(path, container::Reading::kSalvage);
+  Json out = {{"schema", "kinora.info/1"},
+              {"path", path.string()},
+              {"kind", "clip"},
+              {"live", reader.tag(container::kKindTag) == clip::kLiveClipKind},
+              {"bytes", account.total},
+              {"frames", clip.times.size()},
+              {"bytes_per_frame", per_frame(account.total, clip.times.size())},
+              {"frames_per_second", frames_per_second(clip)},
+              {"duration_s", clip.times.back() - clip.times.front()},
+              {"camera", clip.camera_to_world.size() > 1 ? "moving" : "still"},
+              {"intrinsics", intrinsics_json(clip.intrinsics)},
+              {"layers", Json::array()},
+              {"parts", Json::array()},
+              {"chapters", Json::array()},
+              {"tags", Json::object()},
+              {"missing", missing},
+              {"metadata", clip.metadata}};
+  for (const container::Chapter& chapter : reader.chapters()) {
+    constexpr double kNanoseconds = 1e9;
+    out["chapters"].push_back(
+        {{"time_s", static_cast<double>(chapter.time_ns) / kNanoseconds}, {"title", chapter.title}});
+  }
+  for (const auto& [name, value] : reader.tags()) {
+    if (name != container::kKindTag && name != container::kVersionTag) out["tags"][name] = value;
+  }
   for (const clip::Layer& layer : clip.layers) out["layers"].push_back(layer_json(layer, clip.times.size()));
   for (const auto& entry : account.entries) out["parts"].push_back({{"name", entry.name}, {"bytes", entry.bytes}});
   return out;
@@ -184,6 +194,18 @@ std::string size_text(const Json& info) {
   return fmt::format("{}x{} pixels", camera["width"].get<int>(), camera["height"].get<int>());
 }
 
+/// Tags and chapters, for people.
+std::string beside_text(const Json& info) {
+  std::string text;
+  for (const auto& [name, value] : info["tags"].items())
+    text += fmt::format("{}: {}\n", name, value.get<std::string>());
+  for (const Json& chapter : info["chapters"]) {
+    text +=
+        fmt::format("Chapter at {:.2f} s: {}\n", chapter["time_s"].get<double>(), chapter["title"].get<std::string>());
+  }
+  return text;
+}
+
 std::string clip_text(const Json& info) {
   std::string text = fmt::format(
       "{}: a Kinora clip (volumetric video){}, {}, {} per frame\n{} frames, {:.2f} s at "
@@ -199,7 +221,7 @@ std::string clip_text(const Json& info) {
                std::to_string(health.value("tracked", 0)), std::to_string(health.value("held", 0)),
                std::to_string(health.value("lost", 0)), layer["parameters"].dump()});
   }
-  return text + table.str() + parts_text(info);
+  return text + table.str() + beside_text(info) + parts_text(info);
 }
 
 /// Whether the camera moved shows only in its pictures; what is known is whether the capture has its poses.

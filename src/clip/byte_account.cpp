@@ -16,7 +16,7 @@ static std::string account_name(const std::string& file) {
 }
 
 ByteAccount account_of(const container::Reader& reader, const std::map<std::uint16_t, std::size_t>& payloads,
-                       std::size_t sound) {
+                       const std::map<std::size_t, std::size_t>& media) {
   ByteAccount account;
   account.total = static_cast<std::size_t>(reader.file_bytes());
   for (const container::StoredTrack& track : reader.tracks()) {
@@ -25,7 +25,11 @@ ByteAccount account_of(const container::Reader& reader, const std::map<std::uint
     const std::size_t bytes = found == payloads.end() ? 0 : found->second;
     account.entries.push_back({track.track.name, bytes + track.track.private_data.size()});
   }
-  if (sound > 0) account.entries.push_back({"sound", sound});
+  for (const auto& [track, bytes] : media) {
+    const container::StoredTrack& stored = reader.tracks()[track];
+    const std::string& name = stored.track.name.empty() ? stored.track.codec : stored.track.name;
+    account.entries.push_back({is_clip_sound(stored) ? container::kSoundName : name, bytes});
+  }
   for (const container::StoredAttachment& stored : reader.attachments())
     account.entries.push_back({account_name(stored.name), static_cast<std::size_t>(stored.stored_bytes)});
   if (!reader.damage().empty())

@@ -9,8 +9,9 @@
 
 namespace kinora::clip {
 
-/// `payloads`: what those of each of our tracks take, by Track::id; `sound`: the packets of the clip's sound.
+/// `payloads`: what those of each of our tracks take, by Track::id; `media`: what the blocks of other tracks take, by
+/// their place in Reader::tracks().
 ByteAccount account_of(const container::Reader& reader, const std::map<std::uint16_t, std::size_t>& payloads,
-                       std::size_t sound);
+                       const std::map<std::size_t, std::size_t>& media);
 
 } // namespace kinora::clip

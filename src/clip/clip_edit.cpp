@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -127,14 +128,79 @@ std::int64_t delay_of_second(const std::vector<std::int64_t>& first, const std::
   return first.back() + frame - second.front();
 }
 
+bool is_preview(const container::StoredTrack& track) {
+  return !track.ours && track.type == container::kVideoType && !track.encoded_again &&
+         track.track.name == container::kPreviewName;
+}
+
+bool is_poster(const container::StoredAttachment& attachment) {
+  return attachment.name == kPosterFile || attachment.name == "cover.png";
+}
+
+// A block's time is rounded to the next tick: what belongs to a frame may come so much before it.
+constexpr std::int64_t kHalfTick = 500'000;
+
+void cut_preview(std::int64_t first, std::int64_t end, std::optional<container::Preview>& preview) {
+  if (!preview) return;
+  std::vector<Payload>& packets = preview->packets;
+  std::erase_if(packets, [&](const Payload& packet) {
+    return packet.time_ns < first - kHalfTick || packet.time_ns >= end - kHalfTick;
+  });
+  packets.erase(packets.begin(), std::ranges::find_if(packets, &Payload::key));
+  if (packets.empty()) preview.reset();
+}
+
+void cut_chapters(std::int64_t first, std::int64_t end, std::vector<container::Chapter>& chapters) {
+  for (std::size_t i = 0; i + 1 < chapters.size(); ++i) {
+    if (chapters[i + 1].time_ns > first) chapters[i].time_ns = std::max(chapters[i].time_ns, first);
+  }
+  if (!chapters.empty()) chapters.back().time_ns = std::max(chapters.back().time_ns, first);
+  std::erase_if(chapters,
+                [&](const container::Chapter& chapter) { return chapter.time_ns < first || chapter.time_ns >= end; });
+}
+
+void append_chapters(const StoredClip& second, std::int64_t delay, StoredClip& whole) {
+  const std::int64_t begin = second.description.times_ns.front() + delay;
+  std::erase_if(whole.chapters, [begin](const container::Chapter& chapter) { return chapter.time_ns >= begin; });
+  for (container::Chapter chapter : second.chapters) {
+    chapter.time_ns += delay;
+    // The one that the cut went through goes on.
+    const bool goes_on =
+        chapter.time_ns == begin && !whole.chapters.empty() && whole.chapters.back().title == chapter.title;
+    if (!goes_on) whole.chapters.push_back(std::move(chapter));
+  }
+}
+
+void append_preview(const StoredClip& second, std::int64_t delay, StoredClip& whole) {
+  if (!whole.preview) return;
+  const auto format = [](const container::Preview& preview) {
+    const container::MediaFormat& media = *preview.track.media;
+    return std::tuple(preview.track.codec, media.width, media.height, preview.track.private_data);
+  };
+  if (!second.preview || format(*whole.preview) != format(*second.preview)) {
+    whole.others.emplace_back(container::kPreviewName);
+    whole.preview.reset();
+    return;
+  }
+  const std::int64_t begin = second.description.times_ns.front() + delay;
+  std::erase_if(whole.preview->packets, [begin](const Payload& packet) { return packet.time_ns >= begin - kHalfTick; });
+  for (Payload packet : second.preview->packets) {
+    packet.time_ns += delay;
+    whole.preview->packets.push_back(std::move(packet));
+  }
+}
+
 } // namespace
 
 StoredClip load_stored_clip(const std::filesystem::path& path) {
   StoredClip clip;
   clip.sound = read_clip(path).sound; // the clip is whole and in order
   container::Reader reader(path);
-  bool sound_found = false;
   clip.name = path.string();
+  clip.chapters = reader.chapters();
+  std::ranges::copy_if(reader.tags(), std::back_inserter(clip.tags), [](const auto& tag) {
+    return tag.first != container::kKindTag && tag.first != container::kVersionTag;
+  });
   for (const container::StoredAttachment& stored : reader.attachments()) {
     Bytes bytes = reader.read_attachment(stored);
     if (stored.name == kClipFile) {
@@ -142,22 +208,36 @@ StoredClip load_stored_clip(const std::filesystem::path& path) {
     } else if (stored.name == kCalibrationFile || stored.name == kMetadataFile ||
                stored.name == kCompressedMetadataFile) {
       clip.attachments.push_back({stored.name, stored.media_type, stored.description, std::move(bytes)});
+    } else if (is_poster(stored) && !clip.poster) {
+      clip.poster = {stored.name, stored.media_type, stored.description, std::move(bytes)};
     } else {
       clip.others.push_back(stored.name);
     }
   }
   for (const Role& role : roles_of(clip.description)) clip.payloads[role.id];
-  for (const container::StoredTrack& stored : reader.tracks()) {
+  bool sound_found = false;
+  std::optional<std::size_t> preview;
+  for (std::size_t i = 0; i < reader.tracks().size(); ++i) {
+    const container::StoredTrack& stored = reader.tracks()[i];
     if (stored.ours && clip.payloads.contains(stored.track.id)) {
       clip.tracks.push_back(stored.track);
     } else if (clip.sound && !sound_found && is_clip_sound(stored)) {
       sound_found = true;
+    } else if (is_preview(stored) && !preview) {
+      preview = i;
+      clip.preview.emplace(stored.track);
+      clip.preview->track.id = container::kPreviewTrack;
     } else {
       clip.others.push_back(stored.track.name.empty() ? stored.track.codec : stored.track.name);
     }
   }
-  Payload payload;
-  while (reader.next(payload)) {
+  container::StoredBlock block;
+  while (reader.next_block(block)) {
+    if (block.track == preview && !block.laced) {
+      clip.preview->packets.push_back({container::kPreviewTrack, block.time_ns, block.key, reader.read_block(block)});
+    }
+    if (!reader.tracks()[block.track].ours) continue;
+    Payload payload = reader.read_payload(block);
     if (const auto found = clip.payloads.find(payload.track); found != clip.payloads.end()) {
       found->second.push_back(std::move(payload));
     }
@@ -171,8 +251,12 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   head.kind = std::string(kClipKind);
   head.tracks = clip.tracks;
   if (clip.sound) head.tracks.push_back(clip.sound->track);
+  if (clip.preview) head.tracks.push_back(clip.preview->track);
   head.attachments.push_back({kClipFile, "application/json", "Timeline and layers", to_json(clip.description)});
   head.attachments.insert(head.attachments.end(), clip.attachments.begin(), clip.attachments.end());
+  if (clip.poster) head.attachments.push_back(*clip.poster);
+  head.chapters = clip.chapters;
+  head.tags = clip.tags;
   head.duration_ns = clip.description.times_ns.back();
   // As in a file that was not cut: frame by frame what moves, and behind the first what is for all frames of a layer,
   // first payloads first.
@@ -194,10 +278,12 @@ void write_stored_clip(const StoredClip& clip, const std::filesystem::path& path
   std::vector<const Payload*> of_first_frame;
   std::ranges::transform(lasting, std::back_inserter(of_first_frame), [](const auto& entry) { return entry.second; });
   payloads.insert(second, of_first_frame.begin(), of_first_frame.end());
-  if (clip.sound) {
-    for (const Payload& packet : clip.sound->packets) payloads.push_back(&packet);
-    std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
-  }
+  const auto add_all = [&payloads](const std::vector<Payload>& packets) {
+    std::ranges::transform(packets, std::back_inserter(payloads), [](const Payload& packet) { return &packet; });
+  };
+  if (clip.sound) add_all(clip.sound->packets);
+  if (clip.preview) add_all(clip.preview->packets);
+  std::ranges::stable_sort(payloads, {}, [](const Payload* payload) { return payload->time_ns; });
   container::Writer writer(path, head);
   for (const Payload* payload : payloads) writer.write(payload->track, payload->time_ns, payload->key, payload->bytes);
   writer.finish();
@@ -213,9 +299,11 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
   slice(piece.description.times_ns);
   slice(piece.description.capture_frames);
   slice(piece.description.held_out);
+  const std::int64_t first = piece.description.times_ns.front();
+  const std::int64_t last = end < clip.description.times_ns.size() ? clip.description.times_ns[end] : INT64_MAX;
+  cut_preview(first, last, piece.preview);
+  cut_chapters(first, last, piece.chapters);
   if (piece.sound) {
-    const std::int64_t first = piece.description.times_ns.front();
-    const std::int64_t last = end < clip.description.times_ns.size() ? clip.description.times_ns[end] : INT64_MAX;
     std::erase_if(piece.sound->packets,
                   [&](const Payload& packet) { return packet.time_ns < first || packet.time_ns >= last; });
   }
@@ -247,6 +335,21 @@ static void append_sound(const StoredClip& second, std::int64_t delay, StoredCli
   }
 }
 
+void store_fields(const Clip& decoded, const std::vector<FieldRounding>& fields, StoredClip& clip) {
+  const std::size_t layers = clip.description.layers.size();
+  if (decoded.layers.size() != layers || fields.size() != layers)
+    throw Error(ErrorCode::kFailure, clip.name + ": other layers than those that are stored again");
+  for (std::size_t l = 0; l < layers; ++l) {
+    const std::uint16_t track = clip.description.layers[l].field_track;
+    std::vector<Payload>& payloads = clip.payloads.at(track);
+    payloads.clear();
+    for (Bytes& bytes : encode_field_coarse_first(decoded.layers[l].field, fields[l])) {
+      const bool is_first = payloads.empty();
+      payloads.push_back({track, clip.description.times_ns.front(), is_first, std::move(bytes)});
+    }
+  }
+}
+
 StoredClip join(const StoredClip& first, const StoredClip& second) {
   require_pieces_of_one(first, second);
   StoredClip whole = first;
@@ -257,6 +360,8 @@ StoredClip join(const StoredClip& first, const StoredClip& second) {
   append(whole.description.held_out, second.description.held_out);
   append(whole.others, second.others);
   append_sound(second, delay, whole);
+  append_preview(second, delay, whole);
+  append_chapters(second, delay, whole);
   const std::vector<Role> ours = roles_of(first.description);
   const std::vector<Role> theirs = roles_of(second.description);
   for (std::size_t i = 0; i < ours.size(); ++i) {

@@ -84,10 +84,12 @@ public:
     prepare_destinations();
     container::StoredBlock block;
     while (reader_.next_block(block)) {
-      if (reader_.tracks()[block.track].ours)
+      if (reader_.tracks()[block.track].ours) {
         take_if_usable(reader_.read_payload(block));
-      else
-        sound_.take(reader_, block, budget_);
+        continue;
+      }
+      sound_.take(reader_, block, budget_);
+      media_bytes_[block.track] += static_cast<std::size_t>(block.stored_bytes);
     }
     assemble();
     clip_.sound = std::move(sound_).gathered();
@@ -95,7 +97,7 @@ public:
     return std::move(clip_);
   }
 
-  ByteAccount account() const { return account_of(reader_, bytes_, sound_.bytes()); }
+  ByteAccount account() const { return account_of(reader_, bytes_, media_bytes_); }
 
 private:
   /// Of what need not be there if parts may be missing; `part` says what that is.
@@ -397,6 +399,7 @@ private:
   Clip clip_;
   std::map<std::uint16_t, Destination> destinations_;
   std::map<std::uint16_t, std::size_t> bytes_;
+  std::map<std::size_t, std::size_t> media_bytes_; // of blocks that are not ours, by place in Reader::tracks()
   std::vector<std::string>* missing_;
   std::set<std::size_t> unusable_layers_;
   std::string unusable_payload_; // the first, and why

@@ -21,7 +21,6 @@ StoredSound::StoredSound(const container::Reader& reader) {
 void StoredSound::take(container::Reader& reader, const container::StoredBlock& block, AllocationBudget& budget) {
   if (block.track != track_ || block.laced) return;
   budget.take(block.data_bytes, reader.name());
-  bytes_ += static_cast<std::size_t>(block.stored_bytes);
   sound_.packets.push_back({container::kSoundTrack, block.time_ns, true, reader.read_block(block)});
 }
 

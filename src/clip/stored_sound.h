@@ -19,15 +19,12 @@ public:
 
   /// Blocks of other tracks are passed over. Throws Error(kCorruptInput) if it would take too much memory.
   void take(container::Reader& reader, const container::StoredBlock& block, AllocationBudget& budget);
-  /// That the packets take in the file.
-  std::size_t bytes() const { return bytes_; }
   /// With the packets in the order of time; nothing if there are none.
   std::optional<container::Sound> gathered() &&;
 
 private:
   std::optional<std::size_t> track_; ///< place in Reader::tracks()
   container::Sound sound_;
-  std::size_t bytes_ = 0;
 };
 
 } // namespace kinora::clip

@@ -127,6 +127,20 @@ void fill_attachments(KaxAttachments& attachments, const FileHead& head) {
   }
 }
 
+void fill_chapters(KaxChapters& chapters, const FileHead& head) {
+  auto& edition = AddNewChild<KaxEditionEntry>(chapters);
+  set_uint<KaxEditionFlagDefault>(edition, 1);
+  std::uint64_t number = 0;
+  for (const Chapter& chapter : head.chapters) {
+    auto& atom = AddNewChild<KaxChapterAtom>(edition);
+    set_uint<KaxChapterUID>(atom, uid_of(chapter.title, {}, ++number));
+    set_uint<KaxChapterTimeStart>(atom, static_cast<std::uint64_t>(chapter.time_ns));
+    auto& display = GetChild<KaxChapterDisplay>(atom);
+    set_utf8<KaxChapterString>(display, chapter.title);
+    set_text<KaxChapterLanguage>(display, "und");
+  }
+}
+
 void fill_tags(KaxTags& tags, const FileHead& head) {
   auto& tag = AddNewChild<KaxTag>(tags);
   GetChild<KaxTagTargets>(tag);

@@ -6,6 +6,7 @@
 
 #include <ebml/EbmlHead.h>
 #include <matroska/KaxAttachments.h>
+#include <matroska/KaxChapters.h>
 #include <matroska/KaxInfo.h>
 #include <matroska/KaxTags.h>
 #include <matroska/KaxTracks.h>
@@ -25,6 +26,7 @@ void fill_info(libmatroska::KaxInfo& info, const SegmentUid& uid, std::int64_t d
 /// Matroska's track number is the place in head.tracks + 1.
 void fill_tracks(libmatroska::KaxTracks& tracks, const FileHead& head);
 void fill_attachments(libmatroska::KaxAttachments& attachments, const FileHead& head);
+void fill_chapters(libmatroska::KaxChapters& chapters, const FileHead& head);
 void fill_tags(libmatroska::KaxTags& tags, const FileHead& head);
 
 } // namespace kinora::container

@@ -62,6 +62,12 @@ inline constexpr std::uint32_t kFileName = 0x466E;
 inline constexpr std::uint32_t kFileMediaType = 0x4660;
 inline constexpr std::uint32_t kFileData = 0x465C;
 
+inline constexpr std::uint32_t kEditionEntry = 0x45B9;
+inline constexpr std::uint32_t kChapterAtom = 0xB6;
+inline constexpr std::uint32_t kChapterTimeStart = 0x91;
+inline constexpr std::uint32_t kChapterDisplay = 0x80;
+inline constexpr std::uint32_t kChapString = 0x85;
+
 inline constexpr std::uint32_t kTag = 0x7373;
 inline constexpr std::uint32_t kTargets = 0x63C0;
 inline constexpr std::uint32_t kTagTrackUid = 0x63C5;

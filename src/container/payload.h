@@ -41,6 +41,13 @@ struct Attachment {
   Bytes bytes;
 };
 
+/// A moment of the file's time that people find by name; it lasts until the next.
+struct Chapter {
+  std::int64_t time_ns = 0; ///< from the start of the clip, not negative
+  std::string title;
+  friend bool operator==(const Chapter&, const Chapter&) = default;
+};
+
 /// Tags of the whole file: names in Matroska's manner, upper case with underscores.
 using Tags = std::vector<std::pair<std::string, std::string>>;
 

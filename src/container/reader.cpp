@@ -77,7 +77,8 @@ void Reader::read_ebml_head() {
     if (child.id == ids::kEbmlMaxSizeLength) limit(8, "longest EBML size");
     if (child.id == ids::kDocTypeReadVersion) limit(4, "Matroska version");
   });
-  if (doc_type != "matroska") not_recognised(*source_, "its document type is not matroska");
+  // WebM is a part of Matroska.
+  if (doc_type != "matroska" && doc_type != "webm") not_recognised(*source_, "its document type is not matroska");
   position_ = head.end;
 }
 
@@ -149,6 +150,7 @@ void Reader::scan_element(const Element& element) {
   if (element.id == ids::kAttachments && attachments_.empty()) {
     parse_attachments(*source_, element, damaged, attachments_);
   }
+  if (element.id == ids::kChapters && chapters_.empty()) parse_chapters(*source_, element, chapters_);
   if (element.id == ids::kTags && tags_.empty()) parse_tags(*source_, element, tags_);
 }
 

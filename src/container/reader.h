@@ -66,6 +66,8 @@ public:
   std::uint64_t file_bytes() const { return source_->size(); }
   const std::vector<StoredTrack>& tracks() const { return tracks_; }
   const std::vector<StoredAttachment>& attachments() const { return attachments_; }
+  /// In the order of time.
+  const std::vector<Chapter>& chapters() const { return chapters_; }
   /// All tags of the whole file.
   const Tags& tags() const { return tags_; }
   /// Value of a tag of the whole file.
@@ -124,6 +126,7 @@ private:
   std::vector<StoredTrack> tracks_;
   std::map<std::uint64_t, std::size_t> track_indices_; // of Matroska's track numbers in tracks_
   std::vector<StoredAttachment> attachments_;
+  std::vector<Chapter> chapters_;
   Tags tags_;
   std::uint64_t timestamp_scale_ = 1'000'000;
   std::uint64_t position_ = 0;     // of the next element to look at

@@ -44,6 +44,7 @@ FileHead head_of(Reader& reader, Recovery& recovery, std::size_t base = 0) {
       head.tracks.push_back(std::move(track));
     }
   }
+  head.chapters = reader.chapters();
   for (const StoredAttachment& stored : reader.attachments()) {
     try {
       head.attachments.push_back({stored.name, stored.media_type, stored.description, reader.read_attachment(stored)});

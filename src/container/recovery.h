@@ -18,14 +18,14 @@ struct Recovery {
   bool lost_anything() const { return !damage.empty() || !lost.empty() || !finished; }
 };
 
-/// Writes tracks, undamaged attachments, tags, undamaged payloads and the blocks of other tracks of `input` to
-/// `output`, which is then complete, and reads it back. Throws Error: kNotRecognised, kCorruptInput (nothing can be
+/// Writes tracks, undamaged attachments, chapters, tags, undamaged payloads and the blocks of other tracks of `input`
+/// to `output`, which is then complete, and reads it back. Throws Error: kNotRecognised, kCorruptInput (nothing can be
 /// saved, and why), kUnwritableOutput, kFailure (what was written is not what was read), kInterrupted.
 Recovery recover(const std::filesystem::path& input, const std::filesystem::path& output, Progress& progress);
 
 /// Writes all of `main`, and behind it the tracks, attachments and payloads of `other`, to `output`: what streams
-/// `main` from the front never needs the rest. Kind and tags are those of `main`; names of attachments and ids of
-/// tracks must differ. Throws Error: kCorruptInput if one of them is damaged, kFailure, kUnwritableOutput,
+/// `main` from the front never needs the rest. Kind, chapters and tags are those of `main`; names of attachments and
+/// ids of tracks must differ. Throws Error: kCorruptInput if one of them is damaged, kFailure, kUnwritableOutput,
 /// kInterrupted.
 void append_file(const std::filesystem::path& main, const std::filesystem::path& other,
                  const std::filesystem::path& output, Progress& progress);

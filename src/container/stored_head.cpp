@@ -1,5 +1,7 @@
 #include "container/stored_head.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "container/envelope.h"
@@ -132,6 +134,20 @@ void parse_simple_tag(ByteSource& source, const Element& simple, Tags& out) {
   if (!name.empty()) out.emplace_back(std::move(name), std::move(value));
 }
 
+Chapter parse_chapter(ByteSource& source, const Element& atom) {
+  Chapter chapter;
+  for_each_child(source, atom, [&](const Element& child) {
+    if (child.id == ids::kChapterTimeStart) {
+      chapter.time_ns = static_cast<std::int64_t>(std::min<std::uint64_t>(read_uint(source, child), INT64_MAX));
+    }
+    if (child.id != ids::kChapterDisplay || !chapter.title.empty()) return;
+    for_each_child(source, child, [&](const Element& part) {
+      if (part.id == ids::kChapString) chapter.title = read_text(source, part);
+    });
+  });
+  return chapter;
+}
+
 template <class Read>
 void for_each_entry(ByteSource& source, const Element& list, std::uint32_t id, const DamagedEntry& damaged,
                     const Read& read) {
@@ -168,6 +184,18 @@ void parse_attachments(ByteSource& source, const Element& attachments, const Dam
     stored.checksum = take_checksum(stored.description);
     if (!stored.name.empty() && stored.data.id != 0) out.push_back(std::move(stored));
   });
+}
+
+void parse_chapters(ByteSource& source, const Element& chapters, std::vector<Chapter>& out) {
+  bool found = false;
+  for_each_child(source, chapters, [&](const Element& edition) {
+    if (edition.id != ids::kEditionEntry || found) return;
+    found = true;
+    for_each_child(source, edition, [&](const Element& atom) {
+      if (atom.id == ids::kChapterAtom) out.push_back(parse_chapter(source, atom));
+    });
+  });
+  std::stable_sort(out.begin(), out.end(), [](const Chapter& a, const Chapter& b) { return a.time_ns < b.time_ns; });
 }
 
 void parse_tags(ByteSource& source, const Element& tags, Tags& out) {

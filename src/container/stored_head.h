@@ -1,4 +1,4 @@
-// What the reader understands of the elements at the front of a file: tracks, attachments, tags.
+// What the reader understands of the elements at the front of a file: tracks, attachments, chapters, tags.
 #pragma once
 
 #include <functional>
@@ -17,6 +17,8 @@ void parse_tracks(ByteSource& source, const Element& tracks, const DamagedEntry&
                   std::vector<StoredTrack>& out);
 void parse_attachments(ByteSource& source, const Element& attachments, const DamagedEntry& damaged,
                        std::vector<StoredAttachment>& out);
+/// The first edition's, without those that are parts of others, in the order of time.
+void parse_chapters(ByteSource& source, const Element& chapters, std::vector<Chapter>& out);
 /// Only tags of the whole file, not of one track, chapter or attachment.
 void parse_tags(ByteSource& source, const Element& tags, Tags& out);
 

@@ -46,6 +46,9 @@ void check_head(const FileHead& head) {
       misuse(fmt::format("codec {} begins with S_KINORA/ if and only if it is ours", track.codec));
     if (!ids.insert(track.id).second) misuse(fmt::format("two tracks have the id {}", track.id));
   }
+  for (const Chapter& chapter : head.chapters) {
+    if (chapter.time_ns < 0) misuse(fmt::format("chapter {} begins before the start", chapter.title));
+  }
   std::set<std::string> names;
   for (const Attachment& attachment : head.attachments) {
     if (attachment.bytes.size() > kLargestElement)
@@ -143,6 +146,7 @@ private:
     write_unknown_size();
     seek_head_at_ = sink_.getFilePointer();
     has_attachments_ = !head.attachments.empty();
+    has_chapters_ = !head.chapters.empty();
     write_seek_head(seek_head_at_, true);
     write_info();
     tracks_at_ = sink_.getFilePointer();
@@ -153,6 +157,12 @@ private:
       KaxAttachments attachments;
       fill_attachments(attachments, head);
       attachments.Render(sink_);
+    }
+    chapters_at_ = sink_.getFilePointer();
+    if (has_chapters_) {
+      KaxChapters chapters;
+      fill_chapters(chapters, head);
+      chapters.Render(sink_);
     }
     tags_at_ = sink_.getFilePointer();
     KaxTags tags;
@@ -201,6 +211,7 @@ private:
     add(EBML_ID(KaxInfo), info_at_);
     add(EBML_ID(KaxTracks), tracks_at_);
     if (has_attachments_) add(EBML_ID(KaxAttachments), attachments_at_);
+    if (has_chapters_) add(EBML_ID(KaxChapters), chapters_at_);
     add(EBML_ID(KaxTags), tags_at_);
     if (has_cues) {
       add(EBML_ID(KaxCues), cues_at);
@@ -301,6 +312,10 @@ private:
       text(attachment.description);
       digest(attachment.bytes);
     }
+    for (const Chapter& chapter : head.chapters) {
+      text(chapter.title);
+      digest_value(static_cast<std::uint64_t>(chapter.time_ns));
+    }
     for (const auto& [name, value] : head.tags) {
       text(name);
       text(value);
@@ -328,8 +343,8 @@ private:
   std::int64_t duration_ns_;
   std::int64_t last_time_ns_ = 0;
   std::array<std::uint64_t, 2> digest_{1, 2};
-  bool has_attachments_ = false;
-  std::uint64_t seek_head_at_ = 0, info_at_ = 0, tracks_at_ = 0, attachments_at_ = 0, tags_at_ = 0;
+  bool has_attachments_ = false, has_chapters_ = false;
+  std::uint64_t seek_head_at_ = 0, info_at_ = 0, tracks_at_ = 0, attachments_at_ = 0, chapters_at_ = 0, tags_at_ = 0;
 };
 
 Writer::Writer(const std::filesystem::path& path, const FileHead& head, const WriterOptions& options)

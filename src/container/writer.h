@@ -14,8 +14,9 @@ struct FileHead {
   std::string kind; ///< of file: "clip"
   std::vector<Track> tracks;
   std::vector<Attachment> attachments;
-  Tags tags;                    ///< besides kind and version
-  std::int64_t duration_ns = 0; ///< at least; the last payload's time if that is later
+  Tags tags;                          ///< besides kind and version
+  std::int64_t duration_ns = 0;       ///< at least; the last payload's time if that is later
+  std::vector<Chapter> chapters = {}; ///< in the order of time
 };
 
 /// When a cluster ends, and what has become of it then.

@@ -32,6 +32,7 @@ constexpr std::array<Rounding, 13> kLadder{{{0},
                                             {8, 0.5},
                                             {16, 0.5}}};
 static_assert(kLadder[6].steps_per_rms == 1);
+constexpr double kPeak = 255; // of pictures
 constexpr std::size_t kNothing = 0;
 constexpr std::size_t kProbe =
     6; // a step to the root mean square: drawn, as is nothing; errors of the others grow with those of the parameters
@@ -46,7 +47,6 @@ struct Choice {
 struct Unit {
   std::size_t layer = 0;
   std::vector<Choice> choices;
-  std::size_t chosen = 0;
 };
 
 double squared_error(std::span<const float> a, std::span<const float> b) {
@@ -65,9 +65,13 @@ public:
       for (const Camera& camera : {small(clip.capture_camera(frame)), beside_capture(frame)}) {
         views_.push_back({camera, frame, {}});
         views_.back().truth = draw(views_.back());
+        drawn_values_ += 3 * shown_pixels(views_.back());
       }
     }
   }
+
+  /// Of all pictures, where the clip itself shows something.
+  std::size_t drawn_values() const { return drawn_values_; }
 
   double error_with(std::size_t layer, fields::Field field) {
     fields::DrawableField changed(std::move(field), clip_.layers[layer].motion.graph().get());
@@ -116,6 +120,16 @@ private:
     return layers;
   }
 
+  std::size_t shown_pixels(const View& view) const {
+    constexpr std::size_t kChannels = 4;
+    constexpr int kHalf = 127;
+    const fields::Picture picture = fields::render(posed(view.frame), view.camera);
+    const auto& color = picture.color.values();
+    std::size_t shown = 0;
+    for (std::size_t i = 3; i < color.size(); i += kChannels) shown += color[i] > kHalf ? 1 : 0;
+    return shown;
+  }
+
   // Over black.
   std::vector<float> draw(const View& view) const {
     const fields::Picture picture = fields::render(posed(view.frame), view.camera);
@@ -133,6 +147,7 @@ private:
   const clip::Clip& clip_;
   std::vector<fields::DrawableField> drawables_;
   std::vector<View> views_;
+  std::size_t drawn_values_ = 0;
 };
 
 std::span<float> level_of(fields::Field& field, std::size_t level) {
@@ -199,8 +214,8 @@ struct Step {
   double error_per_byte;
 };
 
-// Each unit begins with its cheapest choice. A step that does not fit ends its unit; those of others may still fit.
-void spend(std::size_t bytes, std::vector<Unit>& units) {
+// Of all units, the one that lowers the error most for its bytes first.
+std::vector<Step> steps_of(const std::vector<Unit>& units) {
   std::vector<Step> steps;
   for (std::size_t u = 0; u < units.size(); ++u) {
     const std::vector<Choice>& choices = units[u].choices;
@@ -210,44 +225,84 @@ void spend(std::size_t bytes, std::vector<Unit>& units) {
     }
   }
   std::ranges::stable_sort(steps, std::greater<>(), &Step::error_per_byte);
-  for (const Step& step : steps) {
-    Unit& unit = units[step.unit];
-    const std::size_t more = unit.choices[step.to].bytes - unit.choices[step.to - 1].bytes;
-    if (unit.chosen + 1 != step.to || more > bytes) continue;
-    unit.chosen = step.to;
-    bytes -= more;
-  }
+  return steps;
 }
 
 } // namespace
 
-RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes,
-                           Progress& progress) {
+struct RateControl::Units {
+  std::vector<Unit> units; // nothing is chosen
+  std::vector<Step> steps;
+  std::size_t layers = 0;
+  std::size_t other_bytes = 0;
+  std::size_t drawn_values = 0; // that errors are sums over
+
+  template <class ChoiceOf> std::size_t bytes_with(const ChoiceOf& choice_of) const {
+    std::size_t sum = other_bytes;
+    for (const Unit& unit : units) sum += choice_of(unit).bytes;
+    return sum;
+  }
+
+  // Each unit begins with its cheapest choice. A step that `takes` refuses ends its unit.
+  template <class Takes> RateChoice choose(const Takes& takes) const {
+    std::vector<std::size_t> chosen(units.size(), 0);
+    RateChoice result;
+    result.bytes = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
+    double error = 0;
+    for (const Unit& unit : units) error += unit.choices.front().error;
+    for (const Step& step : steps) {
+      const Choice& before = units[step.unit].choices[step.to - 1];
+      const Choice& after = units[step.unit].choices[step.to];
+      if (chosen[step.unit] + 1 != step.to || !takes(result.bytes + after.bytes - before.bytes, error)) continue;
+      chosen[step.unit] = step.to;
+      result.bytes += after.bytes - before.bytes;
+      error += after.error - before.error;
+    }
+    constexpr double kMostDecibels = 100;
+    const double mean = error / static_cast<double>(std::max<std::size_t>(1, drawn_values));
+    result.picture_psnr = mean > 0 ? std::min(kMostDecibels, 10 * std::log10(kPeak * kPeak / mean)) : kMostDecibels;
+    result.fields.resize(layers);
+    for (std::size_t u = 0; u < units.size(); ++u)
+      result.fields[units[u].layer].push_back(units[u].choices[chosen[u]].rounding);
+    return result;
+  }
+};
+
+RateControl::RateControl(const clip::Clip& clip, std::size_t usual_bytes, Progress& progress) {
   progress.stage("choosing where bytes go", clip.layers.size());
   Pictures pictures(clip);
-  std::vector<Unit> units;
-  std::size_t others = usual_bytes;
+  auto made = std::make_unique<Units>();
+  made->layers = clip.layers.size();
+  made->other_bytes = usual_bytes;
+  made->drawn_values = pictures.drawn_values();
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
     const fields::Field& field = clip.layers[l].field;
     for (const std::size_t bytes : clip::rounded(field, clip::usual_rounding(field.config)).level_bytes)
-      others -= bytes;
-    add_units(clip, l, pictures, units, progress);
+      made->other_bytes -= bytes;
+    add_units(clip, l, pictures, made->units, progress);
     progress.advance(l + 1, clip.layers[l].name);
   }
-  const auto bytes_with = [&](const auto& choice_of) {
-    std::size_t sum = others;
-    for (const Unit& unit : units) sum += choice_of(unit).bytes;
-    return sum;
-  };
-  RateChoice result;
-  result.fewest_bytes = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
-  result.most_bytes = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.back(); });
-  if (wanted_bytes > result.fewest_bytes) spend(wanted_bytes - result.fewest_bytes, units);
-  const auto chosen = [](const Unit& unit) -> const Choice& { return unit.choices[unit.chosen]; };
-  result.bytes = bytes_with(chosen);
-  result.fields.resize(clip.layers.size());
-  for (const Unit& unit : units) result.fields[unit.layer].push_back(chosen(unit).rounding);
-  return result;
+  made->steps = steps_of(made->units);
+  units_ = std::move(made);
+}
+
+RateControl::~RateControl() = default;
+
+std::size_t RateControl::fewest_bytes() const {
+  return units_->bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
+}
+
+std::size_t RateControl::most_bytes() const {
+  return units_->bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.back(); });
+}
+
+RateChoice RateControl::for_bytes(std::size_t bytes) const {
+  return units_->choose([bytes](std::size_t with_step, double /*error*/) { return with_step <= bytes; });
+}
+
+RateChoice RateControl::for_psnr(double decibels) const {
+  const double enough = kPeak * kPeak / std::pow(10, decibels / 10) * static_cast<double>(units_->drawn_values);
+  return units_->choose([enough](std::size_t /*bytes*/, double error) { return error > enough; });
 }
 
 } // namespace kinora::encode

@@ -1,7 +1,8 @@
-// How finely each level of each field is stored, so that a file takes the bytes that it may.
+// How finely each level of each field is stored: for so many bytes, or for so good a picture.
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "clip/clip.h"
@@ -13,16 +14,30 @@ namespace kinora::encode {
 struct RateChoice {
   std::vector<clip::FieldRounding> fields; ///< of each layer: clip::StorageOptions
   std::size_t bytes = 0;                   ///< that the file will take
-  std::size_t fewest_bytes = 0;            ///< with the cheapest of everything
-  std::size_t most_bytes = 0;              ///< beyond which nothing becomes better
+  double picture_psnr = 0; ///< estimated: of pictures drawn with them against those of the clip itself, dB, at most 100
 };
 
 /// Bits go where they lower the error most: levels are rounded one at a time, the clip is drawn with each (two
 /// instants, the capture's camera and one 25 degrees beside it), and the steps of all levels are taken in the order of
-/// error per byte until the file has `wanted_bytes`. `usual_bytes`: what the file takes as write_clip stores it
-/// unasked. What is no level (motion, networks, occupancy) costs what it costs. Where `wanted_bytes` are fewer than
-/// `fewest_bytes`, those are chosen. The same clip gives the same choice. Thread-safe. Throws Error(kInterrupted).
-RateChoice choose_rounding(const clip::Clip& clip, std::size_t usual_bytes, std::size_t wanted_bytes,
-                           Progress& progress);
+/// error per byte. What is no level (motion, networks, occupancy) costs what it costs. The same clip gives the same
+/// choices. Thread-safe.
+class RateControl {
+public:
+  /// Draws. `usual_bytes`: what the file takes as write_clip stores it unasked. Throws Error(kInterrupted).
+  RateControl(const clip::Clip& clip, std::size_t usual_bytes, Progress& progress);
+  ~RateControl();
+
+  std::size_t fewest_bytes() const; ///< with the cheapest of everything
+  std::size_t most_bytes() const;   ///< beyond which nothing becomes better
+
+  /// The best of at most `bytes`; the cheapest if those are too few.
+  RateChoice for_bytes(std::size_t bytes) const;
+  /// The cheapest whose pictures are so good; the best if none is.
+  RateChoice for_psnr(double decibels) const;
+
+private:
+  struct Units;
+  std::unique_ptr<const Units> units_;
+};
 
 } // namespace kinora::encode

@@ -4,6 +4,7 @@
 #include "cli/run_kinora.h"
 #include "clip/clip_io.h"
 #include "clip/sample_clip.h"
+#include "support/source_folder.h"
 
 namespace kinora::test {
 namespace {
@@ -48,6 +49,25 @@ TEST_F(ClipFiles, StrictInfoAndValidateRefuseDamage) {
   cut_short();
   expect_error(run({"info", path("clip.mkv"), "--strict"}), 4, "damaged");
   expect_error(run({"validate", path("clip.mkv")}), 4, "damaged");
+}
+
+TEST_F(ClipFiles, ASmallerClipHasTheBytesThatAreAskedForAndTheSameMotion) {
+  const std::string clip = (source_folder() / "tests" / "conformance" / "clip_fields_3_and_4.mkv").string();
+  const auto frames = static_cast<double>(clip::read_clip(clip).times.size());
+  const auto bytes = [this](const char* name) { return static_cast<double>(fs::file_size(path(name))); };
+  const auto make = [&](const char* name, double wanted) {
+    const Said said = run({"cut", clip, path(name), "--kb-per-frame", std::to_string(wanted / frames / 1000)});
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.err;
+  };
+  EXPECT_NE(make("few.mkv", 1).find("less than the clip needs"), std::string::npos);
+  EXPECT_NE(make("most.mkv", 1e9).find("more than the clip can use"), std::string::npos);
+  const double wanted = (bytes("few.mkv") + bytes("most.mkv")) / 2;
+  EXPECT_EQ(make("middle.mkv", wanted).find("warning"), std::string::npos);
+  EXPECT_NEAR(bytes("middle.mkv"), wanted, 0.05 * wanted);
+  ASSERT_EQ(run({"motion", clip, "--out", path("m.json")}).code, 0);
+  ASSERT_EQ(run({"motion", path("middle.mkv"), "--out", path("n.json")}).code, 0);
+  EXPECT_EQ(contents_of(path("m.json")), contents_of(path("n.json")));
 }
 
 TEST_F(ClipFiles, CutAndJoinedAgainIsTheSameClip) {

@@ -141,6 +141,7 @@ TEST(ContainerInterop, SurvivesRemuxingByMkvmerge) {
     Reader reader(b);
     EXPECT_EQ(reader.tag(kKindTag), "clip");
     EXPECT_EQ(reader.tracks().size(), sample.head.tracks.size());
+    EXPECT_EQ(reader.chapters(), sample.head.chapters);
     ASSERT_EQ(reader.attachments().size(), sample.head.attachments.size());
     for (std::size_t i = 0; i < sample.head.attachments.size(); ++i) {
       EXPECT_TRUE(reader.attachments()[i].checksum.has_value());

@@ -174,11 +174,15 @@ TEST(ContainerReader, RejectsAttachmentWithWrongChecksum) {
   EXPECT_THROW(damaged_reader.read_attachment(*damaged_reader.find_attachment("a.json")), Error);
 }
 
+TEST(ContainerReader, ReadsWebM) {
+  EXPECT_EQ(open(ebml_head("webm") + element(ids::kSegment, tracks())).tracks().size(), 1U);
+}
+
 TEST(ContainerReader, TellsOtherFilesFromDamagedOnes) {
   expect_not_recognised({});
   expect_not_recognised(bytes_of("abc"));
   expect_not_recognised(bytes_of("\x89PNG\r\n and so on"));
-  expect_not_recognised(ebml_head("webm") + element(ids::kSegment, tracks()));
+  expect_not_recognised(ebml_head("other") + element(ids::kSegment, tracks()));
   expect_not_recognised(element(ids::kEbml, text(ids::kDocType, "matroska") + number(ids::kEbmlMaxIdLength, 5)));
   EXPECT_THROW(Reader(std::filesystem::path("/nowhere/at/all.mkv")), Error);
   EXPECT_THROW(Reader{std::filesystem::temp_directory_path()}, Error);

@@ -39,6 +39,8 @@ inline SampleFile sample_file(std::uint64_t seed, std::size_t payload_count, std
     sample.payloads.push_back({sample.head.tracks[random.below(track_count)].id, time, random.below(2) == 0,
                                random_bytes(random, size), 0, 0});
   }
+  for (std::int64_t at = random.below(1'000'000); at < time; at += 1 + random.below(2'000'000'000))
+    sample.head.chapters.push_back({at, "Chäpter " + std::to_string(at)});
   return sample;
 }
 

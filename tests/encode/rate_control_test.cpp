@@ -5,13 +5,16 @@
 #include <gtest/gtest.h>
 
 #include "clip/clip_io.h"
+#include "clip/sample_clip.h"
 #include "container/ebml_builder.h"
+#include "fields/scenes/painted_field.h"
+#include "player/player.h"
 #include "support/source_folder.h"
 
 namespace kinora::encode {
 namespace {
 
-class RateControl : public testing::Test {
+class RateControlTest : public testing::Test {
 protected:
   static clip::Clip load() {
     return clip::read_clip(test::source_folder() / "tests" / "conformance" / "clip_fields_3_and_4.mkv");
@@ -31,41 +34,89 @@ protected:
     }
     return error;
   }
+  /// Of what the capture's camera sees of one and the other, over all that the first shows, in the middle of it.
+  static double picture_psnr(const clip::Clip& truth, const clip::Clip& other) {
+    const auto frame = static_cast<double>(truth.times.size() / 2);
+    const auto draw = [frame](const clip::Clip& clip) {
+      const player::Player player(clip);
+      return player.draw(clip.capture_camera(frame), frame, player.all_layers()).color;
+    };
+    const ColorImage a = draw(truth);
+    const ColorImage b = draw(other);
+    double error = 0;
+    double count = 0;
+    for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+      if (a.data()[4 * i + 3] <= 127) continue;
+      for (std::size_t c = 0; c < 3; ++c) error += std::pow(a.data()[4 * i + c] - b.data()[4 * i + c], 2);
+      count += 3;
+    }
+    return 10 * std::log10(255 * 255 * count / error);
+  }
   container::testing::TemporaryFolder folder_;
   Progress silent_;
 };
 
-TEST_F(RateControl, FilesTakeWhatTheyMayAndMoreIsBetter) {
+TEST_F(RateControlTest, FilesTakeWhatTheyMayAndMoreIsBetter) {
   const clip::Clip clip = load();
-  const std::size_t usual = stored(clip);
-  const RateChoice limits = choose_rounding(clip, usual, 0, silent_);
-  ASSERT_LT(limits.fewest_bytes, limits.most_bytes);
+  const RateControl control(clip, stored(clip), silent_);
+  const auto fewest = static_cast<double>(control.fewest_bytes());
+  const auto most = static_cast<double>(control.most_bytes());
+  ASSERT_LT(fewest, most);
   double last_error = HUGE_VAL;
+  double last_psnr = 0;
   for (const double share : {0.2, 0.4, 0.6, 0.8, 1.0}) {
-    const double wanted =
-        static_cast<double>(limits.fewest_bytes) + share * static_cast<double>(limits.most_bytes - limits.fewest_bytes);
-    const RateChoice choice = choose_rounding(clip, usual, static_cast<std::size_t>(wanted), silent_);
+    const double wanted = fewest + share * (most - fewest);
+    const RateChoice choice = control.for_bytes(static_cast<std::size_t>(wanted));
     const auto bytes = static_cast<double>(stored(clip, {choice.fields}));
     EXPECT_NEAR(bytes, static_cast<double>(choice.bytes), 0.002 * wanted) << share;
     EXPECT_NEAR(bytes, wanted, 0.05 * wanted) << share;
     const double error = error_of(clip);
     EXPECT_LT(error, last_error) << share;
+    EXPECT_GT(choice.picture_psnr, last_psnr) << share;
     last_error = error;
+    last_psnr = choice.picture_psnr;
   }
 }
 
-TEST_F(RateControl, TakesTheCheapestWhereTheBytesAreTooFew) {
+TEST_F(RateControlTest, TakesTheCheapestWhereTheBytesAreTooFew) {
   const clip::Clip clip = load();
-  const RateChoice choice = choose_rounding(clip, stored(clip), 1, silent_);
-  EXPECT_EQ(choice.bytes, choice.fewest_bytes);
+  const RateControl control(clip, stored(clip), silent_);
+  const RateChoice choice = control.for_bytes(1);
+  EXPECT_EQ(choice.bytes, control.fewest_bytes());
   EXPECT_LT(stored(clip, {choice.fields}), stored(clip));
 }
 
-TEST_F(RateControl, ChoosesTheSameAgain) {
+// The estimate takes errors to grow with those of one rounding.
+TEST_F(RateControlTest, PicturesAreAsGoodAsWasAsked) {
+  clip::Clip clip = clip::testing::sample_clip(1, 3, false);
+  clip.layers.resize(1);
+  clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
+  const auto shape = [](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d waves = (40 * p).array().sin();
+    return fields::testing::Paint{p.norm() - 0.3, (0.5 + 0.3 * waves.array()).matrix()};
+  };
+  clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, shape, 1);
+  clip.layers[0].confidence.reset();
+  const RateControl control(clip, stored(clip), silent_);
+  std::size_t last_bytes = 0;
+  for (const double wanted : {32.0, 36.0, 40.0}) {
+    const RateChoice choice = control.for_psnr(wanted);
+    EXPECT_GE(choice.picture_psnr, wanted);
+    EXPECT_GE(choice.bytes, last_bytes);
+    last_bytes = choice.bytes;
+    stored(clip, {choice.fields});
+    EXPECT_NEAR(picture_psnr(clip, clip::read_clip(folder_ / "a.mkv")), choice.picture_psnr, 3) << wanted;
+  }
+  EXPECT_GT(last_bytes, control.fewest_bytes());
+  EXPECT_LT(last_bytes, control.most_bytes());
+  EXPECT_EQ(control.for_psnr(1000).bytes, control.most_bytes());
+}
+
+TEST_F(RateControlTest, ChoosesTheSameAgain) {
   const clip::Clip clip = load();
   const std::size_t usual = stored(clip);
-  const RateChoice choice = choose_rounding(clip, usual, usual, silent_);
-  const RateChoice again = choose_rounding(clip, usual, usual, silent_);
+  const RateChoice choice = RateControl(clip, usual, silent_).for_bytes(usual);
+  const RateChoice again = RateControl(clip, usual, silent_).for_bytes(usual);
   ASSERT_EQ(choice.bytes, again.bytes);
   stored(clip, {choice.fields});
   const double error = error_of(clip);

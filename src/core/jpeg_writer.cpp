@@ -1,4 +1,4 @@
-#include "common/jpeg_writer.h"
+#include "core/jpeg_writer.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 
-namespace kinora::formats {
+namespace kinora {
 namespace {
 
 // libjpeg's own handler ends the process; it must not return.
@@ -58,4 +58,4 @@ std::vector<std::byte> encode_jpeg(const ColorImage& image, int quality) {
   return {first, first + count};
 }
 
-} // namespace kinora::formats
+} // namespace kinora
