@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "common/boundary.h"
+#include "common/facts.h"
 
 namespace kinora::formats {
 
@@ -27,7 +28,8 @@ inline double option_number(const OptionMap& options, const char* name, double o
   return given == options.end() ? otherwise : std::stod(given->second);
 }
 
-/// How a writer begins and ends. Writer has finish().
+/// How a writer begins and ends. Writer has finish() and, if its output has a place for texts, describe(Facts), which
+/// comes first.
 template <class Writer, std::unique_ptr<Writer> (*open)(const char* path, const OptionMap& options)>
 constexpr void set_writer_ends(KinoraFormat& format) {
   format.open_writer = [](const char* path, const KinoraOptionValue* options, size_t option_count,
@@ -45,6 +47,15 @@ constexpr void set_writer_ends(KinoraFormat& format) {
     });
   };
   format.writer_abandon = [](KinoraWriter* writer) { delete reinterpret_cast<Writer*>(writer); };
+  if constexpr (requires(Writer & writer, Facts facts) { writer.describe(std::move(facts)); }) {
+    format.writer_facts = [](KinoraWriter* writer, const KinoraOptionValue* facts, size_t count,
+                             KinoraMessage* message) {
+      return guarded(message, [&] {
+        reinterpret_cast<Writer*>(writer)->describe(facts_of(facts, count));
+        return KinoraStatus{KINORA_OK};
+      });
+    };
+  }
 }
 
 /// Writer has write(const KinoraPicture&) and finish().
@@ -57,6 +68,26 @@ constexpr void set_picture_writer(KinoraFormat& format) {
       return KinoraStatus{KINORA_OK};
     });
   };
+}
+
+/// Writer has add(const KinoraMesh&), finish() and, if its meshes move, pose(const KinoraMeshPose&).
+template <class Writer, std::unique_ptr<Writer> (*open)(const char* path, const OptionMap& options)>
+constexpr void set_mesh_writer(KinoraFormat& format) {
+  set_writer_ends<Writer, open>(format);
+  format.writer_mesh = [](KinoraWriter* writer, const KinoraMesh* mesh, KinoraMessage* message) {
+    return guarded(message, [&] {
+      reinterpret_cast<Writer*>(writer)->add(*mesh);
+      return KinoraStatus{KINORA_OK};
+    });
+  };
+  if constexpr (requires(Writer & writer, const KinoraMeshPose& pose) { writer.pose(pose); }) {
+    format.writer_pose = [](KinoraWriter* writer, const KinoraMeshPose* pose, KinoraMessage* message) {
+      return guarded(message, [&] {
+        reinterpret_cast<Writer*>(writer)->pose(*pose);
+        return KinoraStatus{KINORA_OK};
+      });
+    };
+  }
 }
 
 /// Writer has write(const KinoraVolume&) and finish().

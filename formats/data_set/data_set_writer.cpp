@@ -74,6 +74,9 @@ void DataSetWriter::finish() const {
   if (frames_.empty()) throw Error(ErrorCode::kFailure, folder_.string() + ": no picture was written");
   // What all frames share stands above them.
   Json json = {{"camera_model", "OPENCV"}, {"depth_unit_scale_factor", kMillimetre}};
+  json["kinora"] = {{"software", "Kinora"},
+                    {"axes", "metres; cameras: x right, y up, z backward; world: x right, y down, z forward"}};
+  for (const auto& [name, value] : facts_) json["kinora"][name] = value;
   const double first = frames_.front()["time"];
   const double last = frames_.back()["time"];
   std::size_t times = 1; // of one time there may be several views

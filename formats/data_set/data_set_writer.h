@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/facts.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
@@ -19,6 +20,8 @@ public:
   /// Makes the folder. Throws Error(kUnwritableOutput).
   explicit DataSetWriter(std::filesystem::path folder);
 
+  /// "kinora" of transforms.json.
+  void describe(Facts facts) { facts_ = std::move(facts); }
   /// Throws Error: kUnwritableOutput; kUsage for a picture without depth or camera, or a name that leaves the folder.
   void write(const KinoraPicture& picture);
   /// Throws Error: kFailure if there was no picture; kUnwritableOutput.
@@ -26,6 +29,7 @@ public:
 
 private:
   std::filesystem::path folder_;
+  Facts facts_;
   nlohmann::json frames_ = nlohmann::json::array();
   nlohmann::json label_meanings_ = nlohmann::json::object();
 };

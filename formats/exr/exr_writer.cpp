@@ -5,6 +5,7 @@
 
 #include "common/files.h"
 #include "common/pictures.h"
+#include "common/world_axes.h"
 #include "core/error.h"
 #include "exr/deep_picture.h"
 
@@ -47,6 +48,8 @@ ExrPicture ExrWriter::described(const KinoraPicture& given, int width, int heigh
   if (given.label_count > 0) picture.header().insert("labels", Imf::StringAttribute(meanings_of(given)));
   picture.header().insert("time", Imf::DoubleAttribute(given.time));
   picture.header().insert("software", Imf::StringAttribute("Kinora"));
+  for (const auto& [name, value] : facts_) picture.header().insert(name, Imf::StringAttribute(value));
+  picture.header().insert("axes", Imf::StringAttribute(WorldAxes().text()));
   return picture;
 }
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "common/facts.h"
 #include "common/picture_files.h"
 #include "exr/exr_picture.h"
 
@@ -22,6 +23,8 @@ public:
   ExrWriter(PictureFiles files, ExrCompression compression, bool views_as_parts)
       : files_(std::move(files)), compression_(compression), views_as_parts_(views_as_parts) {}
 
+  /// Attributes of every picture.
+  void describe(Facts facts) { facts_ = std::move(facts); }
   /// Throws Error: kUnwritableOutput; kUsage for a second picture in a file, a name that leaves the folder, images
   /// of different sizes, or views of one time that follow a later one.
   void write(const KinoraPicture& picture);
@@ -37,6 +40,7 @@ private:
   PictureFiles files_;
   ExrCompression compression_;
   bool views_as_parts_;
+  Facts facts_;
   std::optional<double> time_; ///< of the views that wait
   std::vector<ExrPicture> waiting_;
   std::vector<std::string> names_; ///< of those

@@ -1,13 +1,11 @@
 #include "gltf/format.h"
 
-#include "common/boundary.h"
+#include "common/writers.h"
 #include "gltf/glb_writer.h"
 #include "gltf/principal_shapes.h"
 
 namespace kinora::formats {
 namespace {
-
-GlbWriter* self(KinoraWriter* writer) { return reinterpret_cast<GlbWriter*>(writer); }
 
 std::size_t shapes_of(const std::string& text) {
   const int count = std::stoi(text);
@@ -15,60 +13,24 @@ std::size_t shapes_of(const std::string& text) {
   throw Error(ErrorCode::kUsage, "-O shapes=" + text + ": there may be 1 to " + std::to_string(kMaxShapes));
 }
 
-KinoraStatus open_glb(const char* path, const KinoraOptionValue* options, size_t option_count, KinoraWriter** writer,
-                      KinoraMessage* message) {
-  return guarded(message, [&] {
-    const auto given = option_map(options, option_count);
-    const auto value = [&given](const char* name) {
-      const auto found = given.find(name);
-      return found == given.end() ? std::string() : found->second;
-    };
-    GlbSettings settings;
-    if (value("interpolation") == "step") settings.interpolation = Interpolation::kStep;
-    if (value("compression") == "meshopt") settings.compression = Compression::kMeshopt;
-    if (value("compression") == "draco") settings.compression = Compression::kDraco;
-    if (value("animation") == "morph") settings.bending = Bending::kMorph;
-    if (value("animation") == "sequence") settings.bending = Bending::kSequence;
-    if (const std::string shapes = value("shapes"); !shapes.empty()) settings.max_shapes = shapes_of(shapes);
-    settings.quantize = value("quantize") != "false";
-    if (const std::string quality = value("jpeg"); !quality.empty()) settings.jpeg_quality = std::stoi(quality);
-    if (settings.jpeg_quality < 0 || settings.jpeg_quality > 100)
-      throw Error(ErrorCode::kUsage, "-O jpeg=" + value("jpeg") + ": the quality is 1 to 100, or 0 for PNG");
-    *writer = reinterpret_cast<KinoraWriter*>(new GlbWriter(path, settings));
-    return KINORA_OK;
-  });
+std::unique_ptr<GlbWriter> open_glb(const char* path, const OptionMap& options) {
+  GlbSettings settings;
+  const std::string compression = option_text(options, "compression");
+  const std::string animation = option_text(options, "animation");
+  if (option_text(options, "interpolation") == "step") settings.interpolation = Interpolation::kStep;
+  if (compression == "meshopt") settings.compression = Compression::kMeshopt;
+  if (compression == "draco") settings.compression = Compression::kDraco;
+  if (animation == "morph") settings.bending = Bending::kMorph;
+  if (animation == "sequence") settings.bending = Bending::kSequence;
+  if (const std::string shapes = option_text(options, "shapes"); !shapes.empty())
+    settings.max_shapes = shapes_of(shapes);
+  settings.quantize = option_is_set(options, "quantize", true);
+  settings.jpeg_quality = static_cast<int>(option_number(options, "jpeg", settings.jpeg_quality));
+  if (settings.jpeg_quality < 0 || settings.jpeg_quality > 100)
+    throw Error(ErrorCode::kUsage,
+                "-O jpeg=" + option_text(options, "jpeg") + ": the quality is 1 to 100, or 0 for PNG");
+  return std::make_unique<GlbWriter>(path, settings);
 }
-
-KinoraStatus facts_glb(KinoraWriter* writer, const KinoraOptionValue* facts, size_t count, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->describe(facts_of(facts, count));
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus mesh_glb(KinoraWriter* writer, const KinoraMesh* mesh, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->add(*mesh);
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus pose_glb(KinoraWriter* writer, const KinoraMeshPose* pose, KinoraMessage* message) {
-  return guarded(message, [&] {
-    self(writer)->pose(*pose);
-    return KINORA_OK;
-  });
-}
-
-KinoraStatus finish_glb(KinoraWriter* writer, KinoraMessage* message) {
-  const std::unique_ptr<GlbWriter> owned(self(writer));
-  return guarded(message, [&] {
-    owned->finish();
-    return KINORA_OK;
-  });
-}
-
-void abandon_glb(KinoraWriter* writer) { delete self(writer); }
 
 const KinoraOption kOptions[] = {
     {"interpolation", "linear|step", "linear", "Between two frames: move evenly, or hold the pose of the earlier one.",
@@ -91,12 +53,7 @@ constexpr KinoraFormat glb_format() {
   format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
-  format.open_writer = open_glb;
-  format.writer_finish = finish_glb;
-  format.writer_abandon = abandon_glb;
-  format.writer_mesh = mesh_glb;
-  format.writer_pose = pose_glb;
-  format.writer_facts = facts_glb;
+  set_mesh_writer<GlbWriter, open_glb>(format);
   return format;
 }
 

@@ -89,6 +89,12 @@ public:
     output_->flags |= AVFMT_FLAG_BITEXACT;
   }
 
+  /// A comment, which MP4 keeps among iTunes' tags and WebM among its own.
+  void describe(const Facts& facts) {
+    const std::string comment = "Kinora\n" + lines_of(facts, "");
+    check(av_dict_set(&output_->metadata, "comment", comment.c_str(), 0));
+  }
+
   void write(const KinoraPicture& picture) {
     const KinoraImage& color = picture.color;
     if (color.data == nullptr || color.pixel_type != KINORA_PIXEL_U8 || color.channels != 3 || color.width < 1 ||
@@ -229,6 +235,7 @@ private:
 Mp4Writer::Mp4Writer(const std::filesystem::path& path, const Mp4Settings& settings)
     : film_(std::make_unique<Film>(path, settings)) {}
 Mp4Writer::~Mp4Writer() = default;
+void Mp4Writer::describe(const Facts& facts) { film_->describe(facts); }
 void Mp4Writer::write(const KinoraPicture& picture) { film_->write(picture); }
 void Mp4Writer::finish() { film_->finish(); }
 

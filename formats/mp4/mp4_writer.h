@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/facts.h"
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
@@ -25,6 +26,8 @@ public:
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
 
+  /// The film's comment. Before the first picture.
+  void describe(const Facts& facts);
   /// Throws Error: kUsage if the size changes or time does not increase, kUnwritableOutput.
   void write(const KinoraPicture& picture);
   /// Throws Error: kUnwritableOutput, also when the disk is full; kFailure if no picture came.

@@ -31,13 +31,6 @@ std::unique_ptr<VdbWriter> open_vdb(const char* path, const OptionMap& options) 
 constexpr KinoraFormat module_format() {
   KinoraFormat format = openvdb_description();
   set_volume_writer<VdbWriter, open_vdb>(format);
-  format.writer_facts = [](KinoraWriter* writer, const KinoraOptionValue* facts, std::size_t count,
-                           KinoraMessage* message) {
-    return guarded(message, [&] {
-      reinterpret_cast<VdbWriter*>(writer)->describe(facts_of(facts, count));
-      return KinoraStatus{KINORA_OK};
-    });
-  };
   format.write_volume_index = [](const char* path, const KinoraOptionValue* options, std::size_t option_count,
                                  const KinoraVolumeSequence* sequence, KinoraMessage* message) {
     return guarded(message, [&] {

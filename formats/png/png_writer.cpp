@@ -27,14 +27,26 @@ ColorImage as_colors(const Image<float>& normals) {
 
 } // namespace
 
+Facts PngWriter::texts(const char* content) const {
+  if (facts_.empty()) return {};
+  Facts texts = {{"Software", "Kinora"}, {"content", content}};
+  texts.insert(texts.end(), facts_.begin(), facts_.end());
+  return texts;
+}
+
 void PngWriter::write(const KinoraPicture& picture) {
   const std::filesystem::path path = files_.next(picture.name);
-  write_file(path, encode_png(color_of(picture.color)));
-  if (picture.depth.data != nullptr) write_file(path_beside(path, ".depth.png"), encode_png16(depth_of(picture.depth)));
+  write_file(path, encode_png(color_of(picture.color), texts("sRGB, straight alpha")));
+  if (picture.depth.data != nullptr)
+    write_file(path_beside(path, ".depth.png"),
+               encode_png16(depth_of(picture.depth), texts("millimetres along the optical axis, 0: nothing")));
   if (picture.normal.data != nullptr)
-    write_file(path_beside(path, ".normal.png"), encode_png(as_colors(normal_of(picture.normal))));
+    write_file(path_beside(path, ".normal.png"),
+               encode_png(as_colors(normal_of(picture.normal)),
+                          texts("x right, y up, z to the camera; -1 to 1 as 0 to 255, black: nothing")));
   if (picture.confidence.data != nullptr)
-    write_file(path_beside(path, ".confidence.png"), encode_png(confidence_of(picture.confidence)));
+    write_file(path_beside(path, ".confidence.png"),
+               encode_png(confidence_of(picture.confidence), texts("how well this side was seen, 0: never")));
 }
 
 } // namespace kinora::formats

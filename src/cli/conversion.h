@@ -37,12 +37,6 @@ inline bool is_one_file(const KinoraFormat& format) {
   return host::supports(format, KINORA_WRITES_MESHES) && !host::supports(format, KINORA_WRITES_MESH_FRAME);
 }
 
-/// What a file may say of how it was made, beside what its format adds: names and values.
-host::Facts facts_of(const Conversion& conversion);
-
-/// What no output of this kind carries, in a few words each.
-std::vector<std::string> losses_of(const Conversion& conversion);
-
 /// Tells of something that the output does not carry as the clip has it: a warning, or Error(kFailure) if strict.
 void report_loss(const Conversion& conversion, const std::string& sentence, Context& context);
 

@@ -9,6 +9,7 @@
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/conversion.h"
+#include "cli/export_facts.h"
 #include "cli/export_options.h"
 #include "cli/text.h"
 #include "core/error.h"
@@ -102,7 +103,7 @@ std::string summary(const Conversion& conversion, const Json& result, bool dry_r
     }
     table.add(row);
   }
-  return text + table.str() + fmt::format("Not in it: {}.\n", fmt::join(losses_of(conversion), "; "));
+  return text + table.str() + losses_text(losses_of(conversion));
 }
 
 void run_capture(const Options& options, const KinoraFormat& target, Context& context) {

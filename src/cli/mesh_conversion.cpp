@@ -2,6 +2,7 @@
 
 #include "bake/skinning.h"
 #include "cli/conversion.h"
+#include "cli/export_facts.h"
 #include "cli/output_with_files.h"
 #include "core/error.h"
 

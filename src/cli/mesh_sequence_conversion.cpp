@@ -4,6 +4,7 @@
 
 #include "bake/posed_mesh.h"
 #include "cli/conversion.h"
+#include "cli/export_facts.h"
 #include "cli/output_file.h"
 #include "core/error.h"
 

@@ -102,8 +102,9 @@ const KinoraFormat& checked(const KinoraFormat& format, const Passes& passes) {
 /// A writer that makes files in a folder beside the output, from where each is moved to its place when it is whole.
 class StagedWriter {
 public:
-  StagedWriter(const KinoraFormat& format, const fs::path& output, const host::Options& options)
-      : files_(output), writer_(format, files_.folder(), options) {}
+  StagedWriter(const KinoraFormat& format, const fs::path& output, const host::Options& options,
+               const host::Facts& facts)
+      : files_(output), writer_(format, files_.folder(), options, facts) {}
 
   const KinoraFormat& format() const { return writer_.format(); }
   void write(const host::Picture& picture) { writer_.write(picture); }
@@ -119,7 +120,7 @@ class FilmOutput : public PictureOutput {
 public:
   FilmOutput(const PictureRequest& request, const host::PluginTable& plugins)
       : file_(request.path, request.overwrite, request.inputs),
-        writer_(plugins.writer_for(request.path), file_.writing_path(), request.options) {}
+        writer_(picture_format(request, plugins), file_.writing_path(), request.options, request.facts) {}
   void add(const DrawnPicture& drawn) override { writer_.write(picture_for(writer_.format(), drawn, {})); }
   void finish() override {
     writer_.finish();
@@ -136,7 +137,8 @@ class SinglePictureOutput : public PictureOutput {
 public:
   SinglePictureOutput(const PictureRequest& request, const KinoraFormat& format)
       : request_(request), file_(request.path, request.overwrite, request.inputs),
-        writer_(checked(format, request.passes), request.path, request.options), beside_(ends_beside(format, request)) {
+        writer_(checked(format, request.passes), request.path, request.options, request.facts),
+        beside_(ends_beside(format, request)) {
     for (const std::string& end : beside_) {
       const fs::path file = request.path.parent_path() / (request.path.stem().string() + end);
       files_beside_.push_back(std::make_unique<OutputFile>(file, request.overwrite, request.inputs));
@@ -171,7 +173,7 @@ class FolderOutput : public PictureOutput {
 public:
   FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
                const host::Options& options)
-      : request_(request), writer_(format, free_folder(request, names, format) / "", options) {}
+      : request_(request), writer_(format, free_folder(request, names, format) / "", options, request.facts) {}
   void add(const DrawnPicture& drawn) override {
     writer_.write(picture_for(writer_.format(), drawn, request_));
     move();
@@ -246,19 +248,26 @@ OutputKind output_kind(const fs::path& path, const host::PluginTable& plugins) {
   return OutputKind::kFolder;
 }
 
+const KinoraFormat& picture_format(const PictureRequest& request, const host::PluginTable& plugins) {
+  if (output_kind(request.path, plugins) != OutputKind::kFolder) return plugins.writer_for(request.path);
+  const auto chosen = request.options.find("format");
+  return plugins.find(chosen == request.options.end() ? std::string(kDefaultFormat) : chosen->second);
+}
+
 std::unique_ptr<PictureOutput> PictureOutput::open(const PictureRequest& request, const std::vector<std::string>& names,
                                                    const host::PluginTable& plugins) {
   switch (output_kind(request.path, plugins)) {
   case OutputKind::kFilm:
     return std::make_unique<FilmOutput>(request, plugins);
   case OutputKind::kPicture:
-    return std::make_unique<SinglePictureOutput>(request, plugins.writer_for(request.path));
+    return std::make_unique<SinglePictureOutput>(request, picture_format(request, plugins));
   case OutputKind::kFolder:
     break;
   }
   host::Options options = request.options;
-  const auto chosen = options.extract("format");
-  const KinoraFormat& format = plugins.find(chosen ? chosen.mapped() : std::string(kDefaultFormat));
+  options.erase("format");
+  const KinoraFormat& format = picture_format(request, plugins);
+  host::check_options(format, options); // before there is a folder
   return std::make_unique<FolderOutput>(request, names, format, options);
 }
 

@@ -21,6 +21,7 @@ struct PictureRequest {
   bool overwrite = false;
   std::vector<std::string> passes; ///< besides colour: depth, normal, confidence, deep
   std::vector<std::filesystem::path> inputs;
+  host::Facts facts = {}; ///< for the output's metadata
 };
 
 /// A layer drawn by itself.
@@ -42,6 +43,9 @@ struct DrawnPicture {
 /// .mp4 and other film extensions: a film; an extension of a picture format: one picture; else a folder.
 /// Throws Error(kUsage) for extensions of pictures and films that no format writes.
 OutputKind output_kind(const std::filesystem::path& path, const host::PluginTable& plugins);
+
+/// The format that writes the output. Throws Error(kUsage) if there is none.
+const KinoraFormat& picture_format(const PictureRequest& request, const host::PluginTable& plugins);
 
 /// Nothing of an output is seen under its name until it is whole: a film appears at finish(), a folder's pictures one
 /// by one.

@@ -10,6 +10,7 @@
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/export_facts.h"
 #include "cli/picture_output.h"
 #include "core/error.h"
 #include "player/camera_file.h"
@@ -134,6 +135,11 @@ std::vector<DrawnLayer> draw_layers(const player::Player& player, const player::
   return drawn;
 }
 
+std::string cameras_text(const Options& options) {
+  if (!options.cameras.empty()) return options.cameras.filename().string();
+  return options.has_orbit ? fmt::format("orbit of {:g} degrees", options.orbit) : "the capture's";
+}
+
 void run(const Options& options, Context& context) {
   const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
@@ -169,6 +175,10 @@ void run(const Options& options, Context& context) {
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip(), kind);
 
+  const PictureExport pictures{
+      player.clip(), picture_format(request, context.plugins()), options.clip, cameras_text(options), views, layers,
+      beside};
+  request.facts = facts_of(pictures);
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   context.progress.stage("drawing", views.size());
@@ -186,11 +196,12 @@ void run(const Options& options, Context& context) {
     context.print_json({{"schema", "kinora.render/1"},
                         {"output", options.out.string()},
                         {"pictures", views.size()},
+                        {"lost", losses_of(pictures)},
                         {"size", {views[0].camera.intrinsics.width, views[0].camera.intrinsics.height}}});
   } else {
-    context.print(fmt::format("{}: {} picture{} of {}x{} pixels\n", options.out.string(), views.size(),
+    context.print(fmt::format("{}: {} picture{} of {}x{} pixels\n{}", options.out.string(), views.size(),
                               views.size() == 1 ? "" : "s", views[0].camera.intrinsics.width,
-                              views[0].camera.intrinsics.height));
+                              views[0].camera.intrinsics.height, losses_text(losses_of(pictures))));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "cli/clip_input.h"
 #include "cli/conversion.h"
+#include "cli/export_facts.h"
 #include "cli/output_file.h"
 #include "core/error.h"
 

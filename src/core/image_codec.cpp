@@ -70,17 +70,17 @@ LabelImage decode_labels(std::span<const std::byte> bytes, const std::string& so
   return image;
 }
 
-Bytes encode_png(const ColorImage& image) {
+Bytes encode_png(const ColorImage& image, const PngTexts& texts) {
   const int channels = image.channels();
   if (image.empty() || (channels != 1 && channels != 3 && channels != 4))
     throw Error(ErrorCode::kFailure, "a PNG needs 1, 3 or 4 channels and at least one pixel");
-  return encode_png_rows(image.width(), 8, channels, rows_of(image));
+  return encode_png_rows(image.width(), 8, channels, rows_of(image), texts);
 }
 
-Bytes encode_png16(const DepthImage16& image) {
+Bytes encode_png16(const DepthImage16& image, const PngTexts& texts) {
   if (image.empty() || image.channels() != 1)
     throw Error(ErrorCode::kFailure, "a 16-bit PNG needs one channel and at least one pixel");
-  return encode_png_rows(image.width(), 16, 1, rows_of(image));
+  return encode_png_rows(image.width(), 16, 1, rows_of(image), texts);
 }
 
 } // namespace kinora

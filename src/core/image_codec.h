@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -25,9 +26,12 @@ DepthImage16 decode_depth16(std::span<const std::byte> bytes, const std::string&
 /// the picture holds only 0 and one other value v > 64 (a binary mask: label 1). 1 and 16 bit: non-zero is label 1.
 LabelImage decode_labels(std::span<const std::byte> bytes, const std::string& source);
 
-/// 8-bit PNG of 1, 3 or 4 channels. The same image gives the same bytes (no date inside).
-Bytes encode_png(const ColorImage& image);
+/// Keywords (1 to 79 letters of ASCII) and texts (UTF-8) that a PNG says beside its picture, as iTXt chunks.
+using PngTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// 8-bit PNG of 1, 3 or 4 channels. The same image and texts give the same bytes (no date inside).
+Bytes encode_png(const ColorImage& image, const PngTexts& texts = {});
 /// Single-channel 16-bit PNG.
-Bytes encode_png16(const DepthImage16& image);
+Bytes encode_png16(const DepthImage16& image, const PngTexts& texts = {});
 
 } // namespace kinora

@@ -1,7 +1,9 @@
 #include "core/png_codec.h"
 
+#include <algorithm>
 #include <csetjmp>
 #include <cstring>
+#include <iterator>
 
 #include <png.h>
 
@@ -94,7 +96,18 @@ struct PngHeader {
 struct Encode {
   Bytes bytes;
   std::vector<const std::uint8_t*> rows;
+  std::vector<png_text> texts; ///< their strings are another's
 };
+
+/// libpng wants names that it could change.
+png_text chunk_of(const std::pair<std::string, std::string>& text) {
+  png_text chunk{};
+  chunk.compression = PNG_ITXT_COMPRESSION_NONE;
+  chunk.key = const_cast<char*>(text.first.c_str());
+  chunk.text = const_cast<char*>(text.second.c_str());
+  chunk.itxt_length = text.second.size();
+  return chunk;
+}
 
 void on_png_write(png_structp png, png_bytep data, std::size_t size) {
   auto& encode = *static_cast<Encode*>(png_get_io_ptr(png));
@@ -120,6 +133,7 @@ bool write_png(Encode& encode, png_structp png, png_infop info, const PngHeader&
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
   png_set_IHDR(png, info, header.width, header.height, header.bits, header.type, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_text(png, info, encode.texts.data(), static_cast<int>(encode.texts.size()));
   png_write_info(png, info);
   if (header.bits == 16) png_set_swap(png);
   for (const std::uint8_t* row : encode.rows) png_write_row(png, row);
@@ -149,11 +163,12 @@ PictureDecoding decode_png(std::span<const std::byte> bytes, PngTarget target, c
   return decode;
 }
 
-Bytes encode_png_rows(int width, int bits, int channels, std::vector<const std::uint8_t*> rows) {
+Bytes encode_png_rows(int width, int bits, int channels, std::vector<const std::uint8_t*> rows, const PngTexts& texts) {
   const int type = channels == 1 ? PNG_COLOR_TYPE_GRAY : channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
   const PngHeader header{static_cast<png_uint_32>(width), static_cast<png_uint_32>(rows.size()), bits, type};
   Encode encode;
   encode.rows = std::move(rows);
+  std::ranges::transform(texts, std::back_inserter(encode.texts), chunk_of);
   struct Handles {
     png_structp png;
     png_infop info;

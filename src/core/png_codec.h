@@ -15,6 +15,6 @@ bool is_png(std::span<const std::byte> bytes);
 PictureDecoding decode_png(std::span<const std::byte> bytes, PngTarget target, const std::string& source);
 
 /// Bits of 8 with 1, 3 or 4 channels, or 16 with one; one pointer per row. Throws Error(kFailure).
-Bytes encode_png_rows(int width, int bits, int channels, std::vector<const std::uint8_t*> rows);
+Bytes encode_png_rows(int width, int bits, int channels, std::vector<const std::uint8_t*> rows, const PngTexts& texts);
 
 } // namespace kinora

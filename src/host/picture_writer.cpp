@@ -49,8 +49,11 @@ KinoraPicture layer_of(const Picture& layer, const std::vector<KinoraLabel>& lab
 
 } // namespace
 
-PictureWriter::PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options)
-    : format_(&format), writer_(open_writer(format, KINORA_WRITES_PICTURES, "pictures", path, options)) {}
+PictureWriter::PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
+                             const Facts& facts)
+    : format_(&format), writer_(open_writer(format, KINORA_WRITES_PICTURES, "pictures", path, options)) {
+  describe_output(format, writer_, facts);
+}
 
 void PictureWriter::write(const Picture& picture) {
   const bool flatten = picture.color.channels() == 4 && !supports(*format_, KINORA_WRITES_ALPHA);

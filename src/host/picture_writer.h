@@ -41,8 +41,9 @@ struct Picture {
 class PictureWriter {
 public:
   /// Throws what the plugin reports, and Error(kUsage) for options that the format does not declare or a format that
-  /// does not write.
-  PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options);
+  /// does not write. `facts`: for the output's metadata, if its format has a place for them.
+  PictureWriter(const KinoraFormat& format, const std::filesystem::path& path, const Options& options,
+                const Facts& facts = {});
 
   const KinoraFormat& format() const { return *format_; }
   /// Formats without alpha get the colour composited on black. Depth and what else stands beside colour

@@ -1,4 +1,5 @@
 // kinora convert between captures, as a user runs it: what goes round comes back.
+#include <algorithm>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -212,20 +213,29 @@ INSTANTIATE_TEST_SUITE_P(All, RoundTrip, testing::Combine(testing::ValuesIn(kSou
                            return name;
                          });
 
-/// Who adds a writer of captures adds it to the table of targets.
-TEST(RoundTripTable, HasEveryFormatThatIsWritten) {
+/// A new one comes among the targets, and is compared then.
+TEST(RoundTrips, AreOfEveryFormatThatReadsAndWritesCaptures) {
   const TemporaryFolder folder;
-  std::set<std::string> written, tried;
+  std::set<std::string> both;
   const auto told = nlohmann::json::parse(run_kinora(folder, {"formats", "--json"}).out);
-  for (const auto& format : told.at("formats")) {
-    const auto can = format.at("capabilities").get<std::set<std::string>>();
-    if (can.contains("write-frames")) written.insert(format.at("name").get<std::string>());
+  for (const auto& format : told["formats"]) {
+    const auto& can = format["capabilities"];
+    const auto has = [&can](const char* name) { return std::ranges::find(can, name) != can.end(); };
+    if (has("read-frames") && has("write-frames")) both.insert(format["name"].get<std::string>());
+    EXPECT_FALSE(has("write-frames") && !has("read-frames")) << format["name"] << ": what reads it again?";
   }
-  for (const Target& target : kTargets) tried.insert(target.format);
-  EXPECT_EQ(written, tried);
+  std::set<std::string> compared;
+  for (const Target& target : kTargets) compared.insert(target.format);
+  EXPECT_EQ(compared, both);
 }
 
-class Interruption : public testing::TestWithParam<Target> {
+std::vector<std::string> words_for(const Target& target, const fs::path& from, const fs::path& to) {
+  std::vector<std::string> words = {"convert", from.string(), (to / target.output).string(), "--to", target.format};
+  if (std::string(target.format) == "transforms") words.insert(words.end(), {"-O", "still=true"});
+  return words;
+}
+
+class EachTarget : public testing::TestWithParam<Target> {
 protected:
   TemporaryFolder from_;
   TemporaryFolder to_;
@@ -293,7 +303,7 @@ TEST_F(CaptureConversion, ABadFrameIsNamedAndTheOthersAreWritten) {
   EXPECT_FALSE(exists("b.part"));
 }
 
-TEST_P(Interruption, LeavesNothing) {
+TEST_P(EachTarget, LeavesNothingWhenInterrupted) {
   constexpr int kMany = 200;
   constexpr int kWidth = 640, kHeight = 480;
   from_.write("intrinsics.json", R"({"fx": 500, "fy": 500, "cx": 319.5, "cy": 239.5})");
@@ -303,18 +313,42 @@ TEST_P(Interruption, LeavesNothing) {
     from_.write("color/" + six_digits(i) + ".png", color);
     from_.write("depth/" + six_digits(i) + ".png", depth);
   }
-  const Target& target = GetParam();
-  std::vector<std::string> words = {"convert", from_.path().string(), (to_.path() / target.output).string(), "--to",
-                                    target.format};
-  if (std::string(target.format) == "transforms") words.insert(words.end(), {"-O", "still=true"});
-  Running running(out_.path(), words);
+  Running running(out_.path(), words_for(GetParam(), from_.path(), to_.path()));
   ASSERT_TRUE(running.wait_for("converting"));
   running.interrupt();
   expect_error(running.finish(), 130, "interrupted");
   EXPECT_TRUE(fs::is_empty(to_.path())) << "neither the output nor what would have become it";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Interruption, testing::ValuesIn(kTargets), [](const auto& chosen) {
+/// The largest file that a program may write stands for a disk that is full.
+TEST_P(EachTarget, LeavesNothingOnAFullDisk) {
+  from_.write("intrinsics.json", R"({"fx": 100, "fy": 100, "cx": 79.5, "cy": 59.5})");
+  from_.write("color/0.png", encode_png(sample_color(160, 120, 3)));
+  from_.write("depth/0.png", encode_png16(sample_depth(160, 120, 1000)));
+  std::vector<std::string> words = words_for(GetParam(), from_.path(), to_.path());
+  words.insert(words.begin(), {"-c", R"(trap "" XFSZ; ulimit -f 1; exec "$0" "$@")", KINORA_PROGRAM});
+  expect_error(Running(out_.path(), words, {}, "/bin/bash").finish(), 5, "cannot be written");
+  EXPECT_TRUE(fs::is_empty(to_.path()));
+}
+
+TEST_P(EachTarget, TakesNamesOfAllLanguages) {
+  make_numbered(from_);
+  const fs::path place = to_.path() / "Ordner für 'Bilder' 日本";
+  fs::create_directories(place);
+  const Said said = run_kinora(out_, words_for(GetParam(), from_.path(), place));
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_EQ(read_capture(place / GetParam().output).frames.size(), static_cast<std::size_t>(kFrames));
+}
+
+TEST_P(EachTarget, RefusesAnOptionThatDoesNotExist) {
+  make_numbered(from_);
+  std::vector<std::string> words = words_for(GetParam(), from_.path(), to_.path());
+  words.insert(words.end(), {"-O", "sitll=true"});
+  expect_error(run_kinora(out_, words), 2, "no option \"sitll\"");
+  EXPECT_TRUE(fs::is_empty(to_.path()));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachTarget, testing::ValuesIn(kTargets), [](const auto& chosen) {
   std::string name = chosen.param.format;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;

@@ -1,5 +1,9 @@
 // What every door out does with clips, names and places that are not as usual, as a user runs it.
 #include <functional>
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
 
 #include "bake/analytic_field.h"
 #include "cli/run_kinora.h"
@@ -10,6 +14,7 @@ namespace {
 
 /// A command that writes a clip in one format.
 struct Door {
+  std::string format;
   std::vector<std::string> words; ///< before the clip, the output and after them
   std::string output;
   std::vector<std::string> options;
@@ -18,31 +23,34 @@ struct Door {
 };
 
 const Door kDoors[] = {
-    {{"convert"}, "clip.glb", {"-O", "triangles=2000"}, "clip.glb", "surfaces"},
-    {{"convert"},
+    {"glb", {"convert"}, "clip.glb", {"-O", "triangles=2000"}, "clip.glb", "surfaces"},
+    {"glb",
+     {"convert"},
      "sequence.glb",
      {"-O", "animation=sequence", "-O", "compression=draco", "-O", "triangles=2000"},
      "sequence.glb",
      "surfaces"},
-    {{"convert"}, "clip.usda", {"-O", "triangles=2000"}, "clip.usda", "surfaces"},
-    {{"convert"}, "clip.ply", {"-O", "triangles=2000"}, "clip_0001.ply", "surfaces"},
-    {{"convert"}, "splats.ply", {"-O", "content=splats", "-O", "triangles=2000"}, "splats_0001.ply", "surfaces"},
-    {{"convert"}, "clip.obj", {"-O", "triangles=2000"}, "clip_0001.obj", "surfaces"},
-    {{"convert"},
+    {"usd", {"convert"}, "clip.usda", {"-O", "triangles=2000"}, "clip.usda", "surfaces"},
+    {"ply", {"convert"}, "clip.ply", {"-O", "triangles=2000"}, "clip_0001.ply", "surfaces"},
+    {"ply", {"convert"}, "splats.ply", {"-O", "content=splats", "-O", "triangles=2000"}, "splats_0001.ply", "surfaces"},
+    {"obj", {"convert"}, "clip.obj", {"-O", "triangles=2000"}, "clip_0001.obj", "surfaces"},
+    {"openvdb",
+     {"convert"},
      "clip.vdb",
      {"-O", "voxel=0.05", "-O", "content=both", "-O", "index=true"},
      "clip_0001.vdb",
      "volumes"},
-    {{"render"}, "pictures", {"--size", "160x120"}, "pictures/000000.png", "drawing"},
-    {{"render"}, "pictures", {"--size", "160x120", "-O", "format=exr"}, "pictures/000000.exr", "drawing"},
-    {{"render"},
+    {"png", {"render"}, "pictures", {"--size", "160x120"}, "pictures/000000.png", "drawing"},
+    {"exr", {"render"}, "pictures", {"--size", "160x120", "-O", "format=exr"}, "pictures/000000.exr", "drawing"},
+    {"exr",
+     {"render"},
      "views",
      {"--size", "160x120", "-O", "format=exr", "-O", "views=parts", "--passes", "rgb,deep"},
      "views/000000.exr",
      "drawing"},
-    {{"render"}, "film.mp4", {"--size", "160x120"}, "film.mp4", "drawing"},
-    {{"render"}, "film.webm", {"--size", "160x120"}, "film.webm", "drawing"},
-    {{"render"}, "set", {"--size", "160x120", "-O", "format=data-set"}, "set/transforms.json", "drawing"},
+    {"mp4", {"render"}, "film.mp4", {"--size", "160x120"}, "film.mp4", "drawing"},
+    {"mp4", {"render"}, "film.webm", {"--size", "160x120"}, "film.webm", "drawing"},
+    {"data-set", {"render"}, "set", {"--size", "160x120", "-O", "format=data-set"}, "set/transforms.json", "drawing"},
 };
 
 class Exports : public testing::Test {
@@ -149,6 +157,21 @@ TEST_F(Exports, PlacesThatCannotBeWrittenAreNamedAndNothingIsLeft) {
   EXPECT_EQ(after, before);
 }
 
+/// Cameras that look away, and so empty pictures in every format of pictures.
+TEST_F(Exports, PicturesMayShowNothing) {
+  folder_.write("away.json", R"({"w": 64, "h": 48, "fl_x": 52, "frames": [
+    {"file_path": "000000", "frame": 0, "transform_matrix": [[1,0,0,0],[0,1,0,50],[0,0,1,0],[0,0,0,1]]},
+    {"file_path": "000001", "frame": 1, "transform_matrix": [[1,0,0,0],[0,1,0,50],[0,0,1,0],[0,0,0,1]]}]})");
+  for (const Door& door : kDoors) {
+    if (door.words[0] != "render") continue;
+    const Said said = run(door, "", {"--cameras", path("away.json").string()});
+    EXPECT_EQ(said.code, 0) << door.first << ": " << said.err;
+    EXPECT_TRUE(fs::exists(path(door.first))) << door.first;
+    fs::remove_all(path(door.output));
+  }
+  EXPECT_TRUE(unfinished().empty());
+}
+
 /// The largest file that a program may write stands for a disk that is full.
 TEST_F(Exports, FullDisksAreToldOfAndNothingIsLeft) {
   for (const Door& door : kDoors) {
@@ -165,9 +188,10 @@ TEST_F(Exports, FullDisksAreToldOfAndNothingIsLeft) {
 TEST_F(Exports, OptionsThatDoNotExistAreToldWithTheNearest) {
   const std::pair<std::string, std::string> slips[] = {
       {"clip.glb", "triangels"}, {"clip.usda", "textur"}, {"clip.ply", "contents"}, {"clip.obj", "unit"},
-      {"clip.vdb", "voxels"},    {"film.mp4", "fsp"},     {"views.exr", "veiws"}};
+      {"clip.vdb", "voxels"},    {"film.mp4", "fsp"},     {"views.exr", "veiws"},   {"still.png", "layuot"}};
   for (const auto& [output, slip] : slips) {
-    const std::string command = output == "film.mp4" || output == "views.exr" ? "render" : "convert";
+    const bool pictures = output == "film.mp4" || output == "views.exr" || output == "still.png";
+    const std::string command = pictures ? "render" : "convert";
     const Said said =
         run_kinora(folder_, {command, path("clip.mkv").string(), path(output).string(), "-O", slip + "=1"});
     expect_error(said, 2,
@@ -178,8 +202,14 @@ TEST_F(Exports, OptionsThatDoNotExistAreToldWithTheNearest) {
                                                         {"unit", "units"},
                                                         {"voxels", "voxel"},
                                                         {"fsp", "fps"},
-                                                        {"veiws", "views"}}[slip]);
+                                                        {"veiws", "views"},
+                                                        {"layuot", "layout"}}[slip]);
+    EXPECT_FALSE(fs::exists(path(output)));
   }
+  const Said said = run_kinora(folder_, {"render", path("clip.mkv").string(), path("set").string(), "-O",
+                                         "format=data-set", "-O", "layout=file"});
+  expect_error(said, 2, "data-set has no options");
+  EXPECT_FALSE(fs::exists(path("set")));
 }
 
 TEST_F(Exports, InterruptionLeavesWholeFilesOrNone) {
@@ -194,6 +224,20 @@ TEST_F(Exports, InterruptionLeavesWholeFilesOrNone) {
     fs::remove_all(path(door.output));
     fs::remove(path(door.first));
   }
+}
+
+/// All that is tested here holds for a new format too.
+TEST_F(Exports, HaveADoorForEachFormat) {
+  std::set<std::string> doors;
+  for (const Door& door : kDoors) doors.insert(door.format);
+  std::set<std::string> written;
+  const auto told = nlohmann::json::parse(run_kinora(folder_, {"formats", "--json"}).out);
+  for (const auto& format : told["formats"]) {
+    for (const auto& can : format["capabilities"])
+      if (can == "write-meshes" || can == "write-volumes" || can == "write-pictures")
+        written.insert(format["name"].get<std::string>());
+  }
+  EXPECT_EQ(doors, written);
 }
 
 TEST_F(Exports, SequencesGoOnWhereTheyWereInterrupted) {

@@ -84,6 +84,26 @@ TEST(ImageCodec, SameImageGivesSameBytes) {
   EXPECT_EQ(encode_png(sample_color(40, 30)), encode_png(sample_color(40, 30)));
 }
 
+TEST(ImageCodec, TextsStandInThePngAsTheyAre) {
+  const PngTexts texts = {{"source", "Größe 1.mkv"}, {"lost", "depth; \n the times"}};
+  const ColorImage image = sample_color(40, 30);
+  const Bytes said = encode_png(image, texts);
+  const std::string bytes(reinterpret_cast<const char*>(said.data()), said.size());
+  for (const auto& [keyword, text] : texts) {
+    // Keyword, its end, no compression (two bytes), no language and no translation of the keyword, text.
+    std::string chunk = "iTXt" + keyword;
+    chunk.append(5, '\0').append(text);
+    const std::size_t found = bytes.find(chunk);
+    ASSERT_NE(found, std::string::npos) << keyword;
+    EXPECT_LT(found, bytes.find("IDAT")) << "a reader has them before it has the pixels";
+  }
+  EXPECT_TRUE(equal(decode_color(said, "a.img"), image));
+  EXPECT_EQ(said, encode_png(image, texts));
+  const Bytes depth = encode_png16(sample_depth(8, 8), texts);
+  EXPECT_GT(depth.size(), encode_png16(sample_depth(8, 8)).size());
+  EXPECT_TRUE(equal(decode_depth16(depth, "a.img"), sample_depth(8, 8)));
+}
+
 TEST(ImageCodec, JpegIsReadWithinItsQuality) {
   ColorImage image(32, 24, 3);
   for (int v = 0; v < 24; ++v)

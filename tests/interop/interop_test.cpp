@@ -1,6 +1,9 @@
 // What foreign programs make of Kinora's files, compared with what kinora render draws.
+#include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <png.h>
 
@@ -50,7 +53,11 @@ protected:
   }
   void run_script(const std::string& command, const Json& job) const {
     std::ofstream(path("job.json")) << job.dump(1);
-    const std::string all = command + " '" + path("job.json").string() + "' > '" + path("log.txt").string() + "' 2>&1";
+    run_script(command, path("job.json"));
+  }
+  /// What it says is in log.txt.
+  void run_script(const std::string& command, const fs::path& file) const {
+    const std::string all = command + " '" + file.string() + "' > '" + path("log.txt").string() + "' 2>&1";
     ASSERT_EQ(std::system(all.c_str()), 0) << test::contents_of(path("log.txt"));
   }
   static Json camera() {
@@ -96,6 +103,22 @@ protected:
 
   fs::path folder_;
 };
+
+/// Around the vertices of a PLY file of Kinora.
+std::pair<Eigen::Vector3f, Eigen::Vector3f> box_of(const fs::path& file) {
+  const std::string bytes = test::contents_of(file);
+  const std::string key = "element vertex ";
+  const auto count = static_cast<std::size_t>(std::stoul(bytes.substr(bytes.find(key) + key.size())));
+  const std::size_t body = bytes.find("end_header\n") + 11;
+  constexpr std::size_t kVertexBytes = 27;
+  Eigen::AlignedBox3f box;
+  for (std::size_t v = 0; v < count; ++v) {
+    Eigen::Vector3f position;
+    std::memcpy(position.data(), bytes.data() + body + kVertexBytes * v, sizeof position);
+    box.extend(position);
+  }
+  return {box.min(), box.max()};
+}
 
 /// Blender 3.4's importer needs NumPy, which Debian only recommends.
 bool has_blender() { return runs("blender --version") && runs("/usr/bin/python3 -c 'import numpy'"); }
@@ -167,6 +190,66 @@ TEST_F(Interop, ThreeDrawsUsdFilesAsKinoraDoes) {
     fs::rename(path(out + "_0.png"), path("usd_" + std::to_string(i) + ".png"));
   }
   expect_same("usd", kFrames.size(), 22);
+}
+
+/// TinyUSDZ takes time samples at the first one, too; its parser is another than that of three.js.
+TEST_F(Interop, TinyUsdzFindsTheMeshesWhereTheyAre) {
+  if (!runs("node --version") || !fs::exists(script("node_modules/tinyusdz")))
+    GTEST_SKIP() << "node or TinyUSDZ is not installed; run tests/interop/install";
+  const test::Said said =
+      test::Running(folder_, {"convert", clip(), path("clip.usda").string(), "-O", "layers=person,object", "--json"})
+          .finish();
+  ASSERT_EQ(said.code, 0) << said.err;
+  run_script("node '" + script("read_usd.mjs").string() + "'", path("clip.usda"));
+  const Json found = Json::parse(test::contents_of(path("log.txt")))["meshes"];
+  const Json layers = Json::parse(said.out)["layers"];
+  ASSERT_EQ(found.size(), layers.size());
+  for (const Json& layer : layers) {
+    const std::string name = layer["name"];
+    SCOPED_TRACE(name);
+    const auto mesh = std::ranges::find(found, layer["name"], [](const Json& one) { return one["name"]; });
+    ASSERT_NE(mesh, found.end());
+    EXPECT_EQ((*mesh)["triangles"], layer["triangles"]);
+    EXPECT_EQ((*mesh)["texture"], "clip_" + name + ".jpg");
+    // The box of the same layer as points, which are not simplified.
+    kinora({"convert", clip(), path(name + ".ply").string(), "-O", "layers=" + name, "--frames", "0:1"});
+    const auto [low, high] = box_of(path(name + "_0001.ply"));
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR((*mesh)["low"][k].get<double>(), low[static_cast<Eigen::Index>(k)], 0.01);
+      EXPECT_NEAR((*mesh)["high"][k].get<double>(), high[static_cast<Eigen::Index>(k)], 0.01);
+    }
+  }
+}
+
+/// Views as parts, and deep pixels.
+TEST_F(Interop, OpenExrsOwnProgramsReadViewsAndDeepPictures) {
+  if (std::system("exrheader -v > /dev/null 2>&1") == 127 * 256) GTEST_SKIP() << "exrheader is not installed";
+  std::ofstream(path("cameras.json")) << R"({"w": 320, "h": 240, "fl_x": 262.5, "frames": [
+    {"file_path": "left", "frame": 0, "transform_matrix": [[1,0,0,-0.1],[0,-1,0,0],[0,0,-1,0],[0,0,0,1]]},
+    {"file_path": "right", "frame": 0, "transform_matrix": [[1,0,0,0.1],[0,-1,0,0],[0,0,-1,0],[0,0,0,1]]}]})";
+  kinora({"render", clip(), path("views").string(), "--cameras", path("cameras.json").string(), "-O", "format=exr",
+          "-O", "views=parts", "--passes", "rgb,normal,confidence,deep"});
+  const auto header_of = [this](const std::string& name) {
+    const std::string log = path(name + ".txt").string();
+    EXPECT_TRUE(std::system(("exrheader '" + path("views/" + name).string() + "' > '" + log + "' 2>&1").c_str()) == 0);
+    return test::contents_of(log);
+  };
+  const std::string views = header_of("000000.exr");
+  for (const char* line : {"name (type string): \"left\"", "view (type string): \"right\"",
+                           "type (type string): \"scanlineimage\"", "N.X, 16-bit floating-point",
+                           "Z, 32-bit floating-point", "software (type string): \"Kinora\"", "lost (type string): \""})
+    EXPECT_NE(views.find(line), std::string::npos) << line << " is not in:\n" << views;
+  for (const std::string name : {"left.deep.exr", "right.deep.exr"}) {
+    const std::string deep = header_of(name);
+    for (const char* line : {"type (type string): \"deepscanline\"", "Z, 32-bit floating-point",
+                             "id, 32-bit unsigned integer", "layers (type string): \""})
+      EXPECT_NE(deep.find(line), std::string::npos) << line << " is not in:\n" << deep;
+  }
+  // exrinfo walks the file's own parts, with the library's other half, which is written in C.
+  if (runs("exrinfo --help")) {
+    EXPECT_TRUE(runs("exrinfo -a -s '" + path("views/000000.exr").string() + "'"));
+    EXPECT_TRUE(runs("exrinfo -a -s '" + path("views/left.deep.exr").string() + "'"));
+  }
 }
 
 TEST_F(Interop, ASplatViewerDrawsSplatsAsKinoraDoes) {
