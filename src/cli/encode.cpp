@@ -182,10 +182,11 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   return result;
 }
 
-/// Of as many bytes as the options say, or of the usual quality.
+/// Of as many bytes as the options say.
 void write_clip(const Options& options, const std::filesystem::path& path, encode::EncodeResult& result,
                 Context& context) {
   clip::write_clip(result.clip, path);
+  if (options.kb_per_frame == 0) return;
   std::error_code is_device;
   const std::uintmax_t usual = std::filesystem::file_size(path, is_device);
   if (is_device) return;

@@ -6,13 +6,6 @@
 
 namespace kinora::cli {
 
-namespace {
-
-/// What rounding may lose of pictures, unless bytes are asked for: dB against what was trained.
-constexpr double kUsualPsnr = 40;
-
-} // namespace
-
 void add_kb_per_frame_option(CLI::App& command, double& kb_per_frame) {
   command
       .add_option(
@@ -29,12 +22,11 @@ encode::RateChoice choose_rate(const clip::Clip& clip, std::size_t usual_bytes, 
   const auto frames = static_cast<double>(clip.times.size());
   const auto in_kb = [frames](std::size_t bytes) { return std::round(static_cast<double>(bytes) / frames) / 1000; };
   const auto wanted = static_cast<std::size_t>(std::llround(1000 * kb_per_frame * frames));
-  encode::RateChoice choice = wanted > 0 ? control.for_bytes(wanted) : control.for_psnr(kUsualPsnr);
+  encode::RateChoice choice = control.for_bytes(wanted);
   report = {{"psnr_of_rounding", std::round(100 * choice.picture_psnr) / 100},
             {"fewest_kb_per_frame", in_kb(control.fewest_bytes())},
-            {"most_kb_per_frame", in_kb(control.most_bytes())}};
-  if (wanted == 0) return choice;
-  report["wanted_kb_per_frame"] = kb_per_frame;
+            {"most_kb_per_frame", in_kb(control.most_bytes())},
+            {"wanted_kb_per_frame", kb_per_frame}};
   const bool is_less = wanted < control.fewest_bytes();
   if (is_less || wanted > control.most_bytes()) {
     context.progress.warn(fmt::format("--kb-per-frame {:g} is {} than the clip {}; it takes {:.2f} KB per frame",

@@ -11,9 +11,8 @@ namespace kinora::cli {
 
 void add_kb_per_frame_option(CLI::App& command, double& kb_per_frame);
 
-/// `kb_per_frame`: the file's, besides a flat preview; 0: what the usual quality takes. `usual_bytes`: of the file as
-/// clip::write_clip stores it unasked. Warns where the file cannot take so many. `report` gets what was chosen.
-/// Throws Error(kInterrupted).
+/// `kb_per_frame`: the file's, besides a flat preview, above 0. `usual_bytes`: of the file as clip::write_clip stores
+/// it unasked. Warns where the file cannot take so many. `report` gets what was chosen. Throws Error(kInterrupted).
 encode::RateChoice choose_rate(const clip::Clip& clip, std::size_t usual_bytes, double kb_per_frame, Context& context,
                                nlohmann::json& report);
 
