@@ -243,8 +243,8 @@ struct RateControl::Units {
     return sum;
   }
 
-  // Each unit begins with its cheapest choice. A step that `takes` refuses ends its unit.
-  template <class Takes> RateChoice choose(const Takes& takes) const {
+  // Each unit begins with its cheapest choice. A step that does not fit ends its unit; those of others may still fit.
+  RateChoice choose(std::size_t bytes) const {
     std::vector<std::size_t> chosen(units.size(), 0);
     RateChoice result;
     result.bytes = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
@@ -253,7 +253,7 @@ struct RateControl::Units {
     for (const Step& step : steps) {
       const Choice& before = units[step.unit].choices[step.to - 1];
       const Choice& after = units[step.unit].choices[step.to];
-      if (chosen[step.unit] + 1 != step.to || !takes(result.bytes + after.bytes - before.bytes, error)) continue;
+      if (chosen[step.unit] + 1 != step.to || result.bytes + after.bytes - before.bytes > bytes) continue;
       chosen[step.unit] = step.to;
       result.bytes += after.bytes - before.bytes;
       error += after.error - before.error;
@@ -296,13 +296,6 @@ std::size_t RateControl::most_bytes() const {
   return units_->bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.back(); });
 }
 
-RateChoice RateControl::for_bytes(std::size_t bytes) const {
-  return units_->choose([bytes](std::size_t with_step, double /*error*/) { return with_step <= bytes; });
-}
-
-RateChoice RateControl::for_psnr(double decibels) const {
-  const double enough = kPeak * kPeak / std::pow(10, decibels / 10) * static_cast<double>(units_->drawn_values);
-  return units_->choose([enough](std::size_t /*bytes*/, double error) { return error > enough; });
-}
+RateChoice RateControl::for_bytes(std::size_t bytes) const { return units_->choose(bytes); }
 
 } // namespace kinora::encode

@@ -1,4 +1,4 @@
-// How finely each level of each field is stored: for so many bytes, or for so good a picture.
+// How finely each level of each field is stored, so that a file takes the bytes that it may.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +32,6 @@ public:
 
   /// The best of at most `bytes`; the cheapest if those are too few.
   RateChoice for_bytes(std::size_t bytes) const;
-  /// The cheapest whose pictures are so good; the best if none is.
-  RateChoice for_psnr(double decibels) const;
 
 private:
   struct Units;

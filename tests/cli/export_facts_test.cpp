@@ -2,16 +2,13 @@
 #include <map>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
 #include "bake/analytic_field.h"
+#include "cli/known_formats.h"
 #include "cli/run_kinora.h"
 #include "clip/clip_io.h"
 
 namespace kinora::test {
 namespace {
-
-using Json = nlohmann::json;
 
 /// How a format is written, and which of the files that come of it say how they were made.
 struct Export {
@@ -166,15 +163,7 @@ TEST_F(ExportFacts, StandInTheFilesOfEveryFormat) {
 TEST_F(ExportFacts, AreAskedOfEveryFormatThatIsMadeOfAClip) {
   std::set<std::string> tried;
   for (const Export& chosen : kExports) tried.insert(chosen.format);
-  std::set<std::string> written;
-  const auto told = nlohmann::json::parse(run_kinora(folder_, {"formats", "--json"}).out);
-  for (const Json& format : told["formats"]) {
-    for (const Json& capability : format["capabilities"]) {
-      if (capability == "write-meshes" || capability == "write-volumes" || capability == "write-pictures")
-        written.insert(format["name"].get<std::string>());
-    }
-  }
-  EXPECT_EQ(tried, written);
+  EXPECT_EQ(tried, export_formats(folder_));
 }
 
 TEST_F(ExportFacts, AreTheSameEachTime) {

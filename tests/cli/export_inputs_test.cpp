@@ -3,9 +3,8 @@
 #include <map>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
 #include "bake/analytic_field.h"
+#include "cli/known_formats.h"
 #include "cli/run_kinora.h"
 #include "clip/clip_io.h"
 
@@ -230,14 +229,7 @@ TEST_F(Exports, InterruptionLeavesWholeFilesOrNone) {
 TEST_F(Exports, HaveADoorForEachFormat) {
   std::set<std::string> doors;
   for (const Door& door : kDoors) doors.insert(door.format);
-  std::set<std::string> written;
-  const auto told = nlohmann::json::parse(run_kinora(folder_, {"formats", "--json"}).out);
-  for (const auto& format : told["formats"]) {
-    for (const auto& can : format["capabilities"])
-      if (can == "write-meshes" || can == "write-volumes" || can == "write-pictures")
-        written.insert(format["name"].get<std::string>());
-  }
-  EXPECT_EQ(doors, written);
+  EXPECT_EQ(doors, export_formats(folder_));
 }
 
 TEST_F(Exports, SequencesGoOnWhereTheyWereInterrupted) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/analytic_field.h"
+#include "cli/known_formats.h"
 #include "cli/run_kinora.h"
 #include "clip/clip_io.h"
 #include "core/error.h"
@@ -212,14 +213,7 @@ TEST_F(WrittenAndRead, NothingIsReadThatIsNotCompared) {
 TEST_F(WrittenAndRead, EveryFormatThatIsMadeOfAClipIsTried) {
   std::set<std::string> tried;
   for (const Trip& trip : kTrips) tried.insert(trip.writer);
-  std::set<std::string> written;
-  const auto told = nlohmann::json::parse(run_kinora(folder_, {"formats", "--json"}).out);
-  for (const Json& format : told["formats"]) {
-    for (const Json& can : format["capabilities"])
-      if (can == "write-meshes" || can == "write-volumes" || can == "write-pictures")
-        written.insert(format["name"].get<std::string>());
-  }
-  EXPECT_EQ(tried, written);
+  EXPECT_EQ(tried, export_formats(folder_));
 }
 
 } // namespace
