@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "encode/motion_smoothing.h"
 #include "fields/training/view_confidence.h"
 
 namespace kinora::encode {
@@ -10,7 +11,7 @@ namespace {
 /// What a draft leaves behind.
 struct Draft {
   fields::Field field;
-  motion::Motion motion; ///< the layer's, refined
+  motion::Motion motion; ///< the layer's, refined and smoothed
   DraftReport report;
 };
 
@@ -28,8 +29,8 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
   DraftReport report{shorter.rays, {}};
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
   motion::Motion motion = times.measure("refine the motion of " + name, [&] {
-    return refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing, progress,
-                         &report.refinement, refinement);
+    return smoothed_in_time(refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing,
+                                          progress, &report.refinement, refinement));
   });
   return {std::move(field), std::move(motion), report};
 }

@@ -10,6 +10,7 @@
 #include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "encode/node_correction.h"
 #include "fields/sampling/contour_pixels.h"
 #include "fields/sampling/surface_band.h"
 #include "fields/training/ray_response.h"
@@ -297,17 +298,6 @@ private:
   MotionRefinementConfig config_;
   std::vector<Eigen::Vector3d> nodes_; ///< canonical, relative to the table's origin
 };
-
-// How a node was corrected, as a twist about its own place in canonical space.
-Twist correction_of(const Eigen::Vector3d& node, const DualQuaternion& before, const DualQuaternion& after) {
-  return log_se3(
-      SE3(Eigen::Translation3d(-node) * before.to_se3().inverse() * after.to_se3() * Eigen::Translation3d(node)));
-}
-
-DualQuaternion corrected(const Eigen::Vector3d& node, const DualQuaternion& before, const Twist& correction) {
-  return DualQuaternion::from(
-      SE3(before.to_se3() * Eigen::Translation3d(node) * exp_se3(correction) * Eigen::Translation3d(-node)));
-}
 
 // Half way between what the tracker says of a node and what the frames beside say, which errs in other ways; less of
 // theirs where they differ by more than the tracker errs: there the node changed its pace.

@@ -143,8 +143,9 @@ const KinoraFormat& PluginTable::writer_for(const fs::path& path, std::uint64_t 
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{}: no format writes files called *{}; there are {}", path.string(),
-                                             extension, fmt::join(known, ", ")));
+  throw Error(ErrorCode::kUsage, fmt::format("{}: no format writes files called *{}; there are {}, and --to names "
+                                             "a format by itself, for a folder with such a name too",
+                                             path.string(), extension, fmt::join(known, ", ")));
 }
 
 } // namespace kinora::host

@@ -78,6 +78,17 @@ TEST(ClipDescription, RejectsWhatDoesNotFitTogether) {
   }
 }
 
+TEST(ClipDescription, PassesOverMembersThatItDoesNotKnow) {
+  const ClipDescription known = parse_clip_description(bytes_of(kGood), "a.mkv: clip.json");
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"{\"version\": 1", "{\"weather\": {\"wind\": [3, null]}, \"version\": 1"},
+           {"\"moves\": false", "\"moves\": false, \"lens\": \"wide\""},
+           {"\"kind\": \"rigid\"", "\"kind\": \"rigid\", \"weight\": 2.5"}}) {
+    const ClipDescription clip = parse_clip_description(bytes_of(changed(from, to)), "a.mkv: clip.json");
+    EXPECT_EQ(text_of(to_json(clip)), text_of(to_json(known))) << to;
+  }
+}
+
 TEST(ClipDescription, SaysThatAFileOfALaterVersionNeedsANewerKinora) {
   expect_code(changed("\"version\": 1", "\"version\": 2"), ErrorCode::kNotRecognised);
 }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "clip/clip_description.h"
+#include "clip/clip_edit.h"
 #include "container/ebml_builder.h"
 #include "container/writer.h"
 #include "core/error.h"
@@ -161,6 +162,33 @@ TEST(ClipFile, NoticesFlippedBitsOfItsPayloads) {
     EXPECT_EQ(code_of_reading(folder / "b.mkv", &sentence), ErrorCode::kCorruptInput);
     EXPECT_NE(sentence.find("checksum"), std::string::npos) << sentence;
   }
+}
+
+TEST(ClipFile, PlaysWhereALaterVersionAddedTracksAndAttachments) {
+  const TemporaryFolder folder;
+  write_clip(bending_clip(3, 12, true), folder / "known.mkv");
+  const Clip known = read_clip(folder / "known.mkv");
+  StoredClip stored = load_stored_clip(folder / "known.mkv");
+  stored.tracks.push_back({900, "S_KINORA/SMELL", "of the scene", Bytes(3)});
+  stored.payloads[900] = {{900, 0, true, Bytes(40)}, {900, stored.description.times_ns.back(), false, Bytes(5)}};
+  stored.attachments.push_back({"later.json", "application/json", "", Bytes(20)});
+  write_stored_clip(stored, folder / "later.mkv");
+  EXPECT_GT(load(folder / "later.mkv").size(), load(folder / "known.mkv").size());
+  expect_equal(read_clip(folder / "later.mkv"), known);
+}
+
+TEST(ClipFile, OfALaterLayoutIsRefusedByName) {
+  const TemporaryFolder folder;
+  write_clip(bending_clip(3, 2, true), folder / "a.mkv");
+  Bytes bytes = load(folder / "a.mkv");
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t version = text.find('1', text.find(container::kVersionTag));
+  ASSERT_LT(version, bytes.size());
+  bytes[version] = std::byte{'2'};
+  store(bytes, folder / "a.mkv");
+  std::string sentence;
+  EXPECT_EQ(code_of_reading(folder / "a.mkv", &sentence), ErrorCode::kNotRecognised);
+  EXPECT_NE(sentence.find("its layout has version 2; use a newer Kinora"), std::string::npos) << sentence;
 }
 
 TEST(ClipFile, IsToldFromOtherFiles) {

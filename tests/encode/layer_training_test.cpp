@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/statistics.h"
+#include "encode/motion_smoothing.h"
 #include "sheet_astray.h"
 
 namespace kinora::encode {
@@ -14,13 +16,13 @@ using fields::Performance;
 
 constexpr std::size_t kFewRays = 100'000;
 
-/// The sheet, its nodes tracked 1 cm beside their places.
-TrackedLabel tracked_sheet(const Performance& performance) {
+/// The sheet, its nodes tracked beside their places by so many metres.
+TrackedLabel tracked_sheet(const Performance& performance, double astray = 0.01) {
   TrackedLabel label;
   label.plan = {1, "sheet", motion::MotionKind::kDeforming, false, "it bends"};
   label.layer =
-      tracking::TrackedLayer{testing::astray(performance.motion, 0.01), testing::edges_of(*performance.motion.graph()),
-                             testing::kSpacing, tracking::LayerBody()};
+      tracking::TrackedLayer{testing::astray(performance.motion, astray),
+                             testing::edges_of(*performance.motion.graph()), testing::kSpacing, tracking::LayerBody()};
   return label;
 }
 
@@ -49,6 +51,22 @@ TEST(LayerTraining, LeavesAMotionThatWasRefinedThroughTheField) {
   EXPECT_LT(left, 0.75 * tracked);
   ASSERT_TRUE(outcome.draft);
   EXPECT_EQ(outcome.draft->rays + outcome.trainer.rays, kRays) << "a draft's rays count as the layer's";
+}
+
+TEST(LayerTraining, LeavesASmoothMotion) {
+  const Performance performance;
+  const motion::Motion motion = trained(performance, tracked_sheet(performance, 0.002), kFewRays).layer.motion;
+  const motion::Motion smoother = smoothed_in_time(motion);
+  std::vector<double> moves; // of nodes, were the motion smoothed again
+  for (const std::size_t f : {3U, 4U, 5U}) {
+    for (std::size_t n = 0; n < motion.graph()->nodes().size(); ++n) {
+      const Eigen::Vector3d& node = motion.graph()->nodes()[n];
+      moves.push_back((smoother.deformations()[f].node_to_world[n].to_se3() * node -
+                       motion.deformations()[f].node_to_world[n].to_se3() * node)
+                          .norm());
+    }
+  }
+  EXPECT_LT(median(moves), 0.0003) << "metres"; // 0.0009 without
 }
 
 TEST(LayerTraining, LeavesHowWellCamerasSawEachSide) {

@@ -1,0 +1,15 @@
+// Takes the tremble out of a deforming motion: what a tracker sees of one frame moves nodes about paths that are
+// smooth. Source: Savitzky and Golay, "Smoothing and differentiation of data by simplified least squares procedures",
+// Analytical Chemistry 36(8), 1964.
+#pragma once
+
+#include "motion/motion.h"
+
+namespace kinora::encode {
+
+/// A deforming motion whose nodes are, in each tracked frame, brought to the parabola through it and the three frames
+/// on either side: less where that is farther than a tracker errs, because there a node changed its pace, and by 2.5 mm
+/// at most. Frames without three tracked ones on either side stay as they are. Thread-safe.
+motion::Motion smoothed_in_time(const motion::Motion& motion);
+
+} // namespace kinora::encode
