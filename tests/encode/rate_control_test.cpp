@@ -36,7 +36,8 @@ protected:
   }
   /// Of what the capture's camera sees of one and the other, over all that the first shows, in the middle of it.
   static double picture_psnr(const clip::Clip& truth, const clip::Clip& other) {
-    const auto frame = static_cast<double>(truth.times.size() / 2);
+    const std::size_t middle = truth.times.size() / 2;
+    const auto frame = static_cast<double>(middle);
     const auto draw = [frame](const clip::Clip& clip) {
       const player::Player player(clip);
       return player.draw(clip.capture_camera(frame), frame, player.all_layers()).color;
