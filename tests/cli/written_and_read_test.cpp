@@ -135,7 +135,7 @@ bool is_inside(const CopiedFrame& frame, std::size_t pixel) {
   for (int y = v - 1; y <= v + 1; ++y)
     for (int x = u - 1; x <= u + 1; ++x)
       if (x < 0 || y < 0 || x >= kWidth || y >= kHeight ||
-          depth_at(frame, static_cast<std::size_t>(y * kWidth + x)) == 0)
+          depth_at(frame, static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x)) == 0)
         return false;
   return true;
 }
