@@ -143,9 +143,9 @@ void draw_preview(const fs::path& clip_file, clip::StoredClip& stored, Context& 
 }
 
 void replace_tags(const container::Tags& tags, container::Tags& all) {
-  for (const auto& [name, value] : tags) {
-    std::erase_if(all, [&name](const auto& tag) { return tag.first == name; });
-    if (!value.empty()) all.emplace_back(name, value);
+  for (const auto& replacement : tags) {
+    std::erase_if(all, [&replacement](const auto& tag) { return tag.first == replacement.first; });
+    if (!replacement.second.empty()) all.push_back(replacement);
   }
 }
 

@@ -225,7 +225,7 @@ StoredClip load_stored_clip(const std::filesystem::path& path) {
       sound_found = true;
     } else if (is_preview(stored) && !preview) {
       preview = i;
-      clip.preview.emplace(stored.track);
+      clip.preview = container::Preview{stored.track, {}};
       clip.preview->track.id = container::kPreviewTrack;
     } else {
       clip.others.push_back(stored.track.name.empty() ? stored.track.codec : stored.track.name);

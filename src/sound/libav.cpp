@@ -31,7 +31,8 @@ bool needs_private_data(AVCodecID codec) {
 
 libav::Codec started(libav::Codec context) {
   context->thread_count = 1;
-  check(avcodec_open2(context.get(), context->codec, nullptr), ErrorCode::kCorruptInput, "sound cannot be decoded");
+  libav::check(avcodec_open2(context.get(), context->codec, nullptr), ErrorCode::kCorruptInput,
+               "sound cannot be decoded");
   return context;
 }
 
@@ -64,7 +65,8 @@ container::Bytes private_data_of(const AVCodecParameters& parameters) {
 
 libav::Codec open_decoder(const AVCodecParameters& parameters) {
   libav::Codec context = context_for(parameters.codec_id);
-  check(avcodec_parameters_to_context(context.get(), &parameters), ErrorCode::kCorruptInput, "sound cannot be decoded");
+  libav::check(avcodec_parameters_to_context(context.get(), &parameters), ErrorCode::kCorruptInput,
+               "sound cannot be decoded");
   return started(std::move(context));
 }
 

@@ -12,7 +12,6 @@ extern "C" {
 
 namespace kinora::sound {
 
-using libav::check;
 using Resampler = std::unique_ptr<SwrContext, libav::Release<SwrContext, swr_free>>;
 
 inline constexpr AVRational kNanosecond = {1, 1'000'000'000};

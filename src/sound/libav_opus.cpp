@@ -37,7 +37,7 @@ libav::Codec open_encoder(int channels) {
   encoder->bit_rate = kBitsPerChannel * static_cast<std::int64_t>(channels);
   encoder->flags |= AV_CODEC_FLAG_BITEXACT;
   av_channel_layout_default(&encoder->ch_layout, channels);
-  check(avcodec_open2(encoder.get(), encoder->codec, nullptr), ErrorCode::kFailure, "Opus cannot be started");
+  libav::check(avcodec_open2(encoder.get(), encoder->codec, nullptr), ErrorCode::kFailure, "Opus cannot be started");
   return encoder;
 }
 
@@ -60,8 +60,9 @@ container::Sound to_opus(const container::Sound& sound) {
   const libav::Packet packet(av_packet_alloc());
   frame->format = encoder->sample_fmt;
   frame->nb_samples = encoder->frame_size;
-  check(av_channel_layout_copy(&frame->ch_layout, &encoder->ch_layout), ErrorCode::kFailure, "sound has no room");
-  check(av_frame_get_buffer(frame.get(), 0), ErrorCode::kFailure, "sound has no room");
+  libav::check(av_channel_layout_copy(&frame->ch_layout, &encoder->ch_layout), ErrorCode::kFailure,
+               "sound has no room");
+  libav::check(av_frame_get_buffer(frame.get(), 0), ErrorCode::kFailure, "sound has no room");
   const auto size = static_cast<std::size_t>(encoder->frame_size);
   const auto receive = [&] {
     while (avcodec_receive_packet(encoder.get(), packet.get()) >= 0) {
@@ -74,13 +75,13 @@ container::Sound to_opus(const container::Sound& sound) {
   };
   const std::size_t count = samples.size() / kPlayedChannels;
   for (std::size_t begin = 0; begin < count; begin += size) {
-    check(av_frame_make_writable(frame.get()), ErrorCode::kFailure, "sound has no room");
+    libav::check(av_frame_make_writable(frame.get()), ErrorCode::kFailure, "sound has no room");
     auto* to = reinterpret_cast<float*>(frame->data[0]);
     for (std::size_t i = 0; i < size; ++i)
       for (int c = 0; c < channels; ++c)
         *to++ = begin + i < count ? samples[(begin + i) * kPlayedChannels + static_cast<std::size_t>(c)] : 0.0F;
     frame->pts = static_cast<std::int64_t>(begin);
-    check(avcodec_send_frame(encoder.get(), frame.get()), ErrorCode::kFailure, "Opus cannot encode");
+    libav::check(avcodec_send_frame(encoder.get(), frame.get()), ErrorCode::kFailure, "Opus cannot encode");
     receive();
   }
   avcodec_send_frame(encoder.get(), nullptr);

@@ -61,7 +61,7 @@ void LibavSource::decode_to_samples() {
                                    &decoder_->ch_layout, decoder_->sample_fmt, decoder_->sample_rate, 0, nullptr);
   resampler_.reset(resampler);
   if (result >= 0) result = swr_init(resampler_.get());
-  check(result, ErrorCode::kCorruptInput, name_ + ": its sound cannot be decoded");
+  libav::check(result, ErrorCode::kCorruptInput, name_ + ": its sound cannot be decoded");
 }
 
 std::int64_t LibavSource::time_ns(std::int64_t timestamp) {
@@ -77,7 +77,7 @@ bool LibavSource::read_packet() {
     av_packet_unref(packet_.get());
     const int result = av_read_frame(input_.get(), packet_.get());
     if (result == AVERROR_EOF) return false;
-    check(result, ErrorCode::kCorruptInput, name_ + ": its sound cannot be read any further");
+    libav::check(result, ErrorCode::kCorruptInput, name_ + ": its sound cannot be read any further");
     if (packet_->stream_index == stream_->index && packet_->size > 0) return true;
   }
 }
@@ -99,8 +99,8 @@ bool LibavSource::next_samples(container::Payload& packet) {
   container::Bytes bytes(samples * 2 * static_cast<std::size_t>(track_.media->channels));
   auto* out = reinterpret_cast<std::uint8_t*>(bytes.data());
   const auto** in = const_cast<const std::uint8_t**>(frame_->extended_data);
-  check(swr_convert(resampler_.get(), &out, frame_->nb_samples, in, frame_->nb_samples), ErrorCode::kCorruptInput,
-        name_ + ": its sound cannot be decoded");
+  libav::check(swr_convert(resampler_.get(), &out, frame_->nb_samples, in, frame_->nb_samples),
+               ErrorCode::kCorruptInput, name_ + ": its sound cannot be decoded");
   packet = {track_.id, time_ns(frame_->best_effort_timestamp), true, std::move(bytes)};
   return true;
 }
