@@ -15,7 +15,7 @@ namespace {
 constexpr int kTexturePixels = 2048;      ///< per side and layer, at most
 constexpr double kSimplification = 0.002; ///< metres that a textured surface may be off
 constexpr double kStillSimplification = 0.005;
-constexpr double kFlatSimplification = 0.015;
+constexpr double kFlatSimplification = 0.025;
 constexpr double kMaxRate = 1000; ///< frames per second
 
 struct ExportOption {
@@ -48,7 +48,7 @@ constexpr ExportOption kOptions[] = {
      kMeshes,
      KINORA_WRITES_TEXTURES},
     {{"still-error", "number", "0", "The same for layers that do not move, such as rooms.", nullptr}, kMeshes},
-    {{"flat-error", "number", "0.015", "The same for those that are flat as a whole besides: floors.", nullptr},
+    {{"flat-error", "number", "0.025", "The same for those that are flat as a whole besides: floors.", nullptr},
      kMeshes,
      KINORA_WRITES_TEXTURES},
     {{"flat-error", "number", "0", "The same for those that are flat as a whole besides: floors.", nullptr}, kMeshes},
