@@ -12,6 +12,7 @@
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
 #include "clip/payloads/deformation_codec.h"
+#include "clip/payloads/graph_codec.h"
 #include "clip/payloads/joints_codec.h"
 #include "clip/stored_sound.h"
 #include "container/reader.h"

@@ -7,9 +7,10 @@
 
 namespace kinora::encode {
 
-/// A deforming motion whose nodes are, in each tracked frame, brought to the parabola through it and the three frames
-/// on either side: less where that is farther than a tracker errs, because there a node changed its pace, and by 2.5 mm
-/// at most. Frames without three tracked ones on either side stay as they are. Thread-safe.
+/// A deforming motion whose nodes are, in each tracked frame, brought to the parabola that is nearest to nine tracked
+/// frames in a row, the frame in the middle of them or as near to it as there are any: less where that is farther than
+/// a tracker errs, because there a node changed its pace, and by 2.5 mm at most. Frames of shorter rows stay as they
+/// are. Thread-safe.
 motion::Motion smoothed_in_time(const motion::Motion& motion);
 
 } // namespace kinora::encode

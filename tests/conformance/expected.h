@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,25 +13,50 @@
 
 namespace kinora::conformance {
 
-/// Of table, density net, colour net as little-endian floats, and of the integers that a deforming layer's nodes have.
+/// Of table, density net, colour net as little-endian floats, and of a layer's motion as integers.
 using Checksums = std::array<std::uint32_t, 4>;
 
 template <class Values> std::uint32_t checksum_of(const Values& values) {
   return container::crc32c(std::as_bytes(std::span(values)));
 }
 
-/// 0 of a layer that does not deform.
+/// Health, translation in micrometres and rotation matrix in units of 2⁻¹⁶.
+inline std::vector<std::int32_t> numbers_of(const motion::Motion::Pose& pose) {
+  std::vector<std::int32_t> numbers{static_cast<std::int32_t>(pose.health)};
+  const auto put = [&numbers](double value, double units) {
+    numbers.push_back(static_cast<std::int32_t>(std::floor(value * units + 0.5)));
+  };
+  for (int row = 0; row < 3; ++row) put(pose.canonical_to_world.translation()[row], 1e6);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) put(pose.canonical_to_world.linear()(row, column), 1 << 16);
+  }
+  return numbers;
+}
+
+/// Health and state of each node.
+inline std::vector<std::int32_t> numbers_of(const motion::Motion::Deformation& deformation,
+                                            const std::vector<clip::RestPosition>& rest) {
+  std::vector<std::int32_t> numbers{static_cast<std::int32_t>(deformation.health)};
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const clip::NodeState state = clip::quantise(deformation.node_to_world[i], rest[i], clip::kFineSteps);
+    numbers.insert(numbers.end(), state.position.begin(), state.position.end());
+    numbers.insert(numbers.end(), state.rotation.begin(), state.rotation.end());
+  }
+  return numbers;
+}
+
+/// 0 of a layer that stands still.
 inline std::uint32_t checksum_of_motion(const motion::Motion& motion) {
-  if (motion.kind() != motion::MotionKind::kDeforming) return 0;
-  const std::vector<clip::RestPosition> rest = clip::quantise_rest(motion.graph()->nodes());
   std::vector<std::int32_t> numbers;
-  for (const motion::Motion::Deformation& deformation : motion.deformations()) {
-    numbers.push_back(static_cast<std::int32_t>(deformation.health));
-    for (std::size_t i = 0; i < rest.size(); ++i) {
-      const clip::NodeState state = clip::quantise(deformation.node_to_world[i], rest[i], clip::kFineSteps);
-      numbers.insert(numbers.end(), state.position.begin(), state.position.end());
-      numbers.insert(numbers.end(), state.rotation.begin(), state.rotation.end());
-    }
+  const auto append = [&numbers](const std::vector<std::int32_t>& more) {
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  };
+  if (motion.kind() == motion::MotionKind::kStill) return 0;
+  if (motion.kind() == motion::MotionKind::kRigid) {
+    for (const motion::Motion::Pose& pose : motion.poses()) append(numbers_of(pose));
+  } else {
+    const std::vector<clip::RestPosition> rest = clip::quantise_rest(motion.graph()->nodes());
+    for (const motion::Motion::Deformation& deformation : motion.deformations()) append(numbers_of(deformation, rest));
   }
   return checksum_of(numbers);
 }
@@ -47,24 +73,30 @@ struct Expected {
   std::array<Checksums, 3> layers;
 };
 
-inline constexpr std::array<Expected, 3> kExpected{
+inline constexpr std::array<Expected, 4> kExpected{
     {{"clip_fields_3_and_4.mkv",
       "fields of versions 3 and 4, a deformation of version 1",
       4,
       {{{0x713C3E6F, 0x9F46A76E, 0x62145567, 0},
-        {0x8AD07818, 0x37BF03A1, 0x5BF0AF95, 0},
+        {0x8AD07818, 0x37BF03A1, 0x5BF0AF95, 0x307F1E22},
         {0xD7BE131F, 0xF1CFE6F4, 0x3176A5A6, 0xB70F9054}}}},
      {"clip_fields_5_deformation_2.mkv",
       "fields of version 5, a deformation of version 2 with two key payloads",
       33,
       {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
-        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0},
+        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
         {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
      {"clip_fields_7.mkv",
       "the same clip with its fields in versions 7 and 8",
       33,
       {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
-        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0},
+        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
+        {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
+     {"clip_graph_2_poses_2.mkv",
+      "the same clip with its graph and its poses in version 2",
+      33,
+      {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
+        {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
         {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}}}};
 
 } // namespace kinora::conformance

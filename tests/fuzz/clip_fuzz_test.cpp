@@ -8,6 +8,7 @@
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
+#include "clip/payloads/graph_codec.h"
 #include "clip/payloads/joints_codec.h"
 #include "clip/payloads/pose_codec.h"
 #include "clip/sample_clip.h"

@@ -33,15 +33,6 @@ std::array<std::int64_t, 3> rotated(const WideQuaternion& q, const std::array<st
   return result;
 }
 
-std::uint64_t squared_distance(const RestPosition& a, const RestPosition& b) {
-  std::uint64_t sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int64_t difference = std::int64_t{a[axis]} - b[axis];
-    sum += static_cast<std::uint64_t>(difference * difference);
-  }
-  return sum;
-}
-
 std::int32_t to_units(double metres, double units, std::int32_t farthest) {
   const double scaled = metres * units;
   if (!(std::abs(scaled) <= farthest)) {
@@ -53,6 +44,15 @@ std::int32_t to_units(double metres, double units, std::int32_t farthest) {
 }
 
 } // namespace
+
+std::uint64_t squared_distance(const RestPosition& a, const RestPosition& b) {
+  std::uint64_t sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t difference = std::int64_t{a[axis]} - b[axis];
+    sum += static_cast<std::uint64_t>(difference * difference);
+  }
+  return sum;
+}
 
 RestPosition quantise_rest(const Eigen::Vector3d& canonical) {
   RestPosition rest{};

@@ -39,6 +39,8 @@ struct NodeSteps {
 inline constexpr NodeSteps kFineSteps{1, 1};
 inline constexpr NodeSteps kCoarseSteps{4, 8};
 
+std::uint64_t squared_distance(const RestPosition& a, const RestPosition& b);
+
 /// Throws Error(kFailure) if a position is not finite or too far away.
 RestPosition quantise_rest(const Eigen::Vector3d& canonical);
 std::vector<RestPosition> quantise_rest(std::span<const Eigen::Vector3d> canonical);

@@ -10,27 +10,19 @@
 namespace kinora::clip {
 
 using container::get;
-using container::get_double;
 using container::put;
 using motion::DeformationGraph;
 using motion::Motion;
 
 namespace {
 
-constexpr std::uint8_t kGraphVersion = 1;
 constexpr std::uint8_t kAllFineVersion = 1;
 constexpr std::uint8_t kPayloadVersion = 2;
-constexpr std::size_t kGraphHeaderBytes = 24;
-constexpr std::size_t kNodeBytes = 12;
 constexpr std::size_t kPayloadHeaderBytes = 2;
-constexpr double kSmallestRadius = 1e-4; // metres
-constexpr double kLargestRadius = 1e3;
 
 [[noreturn]] void reject(const std::string& location, const std::string& why) {
   throw Error(ErrorCode::kCorruptInput, fmt::format("{}: {}", location, why));
 }
-
-bool is_radius(double metres) { return metres >= kSmallestRadius && metres <= kLargestRadius; }
 
 bool is_valid(const NodeState& node) {
   const auto is_near = [](std::int32_t coordinate) {
@@ -45,55 +37,6 @@ bool is_valid(const NodeState& node) {
 }
 
 } // namespace
-
-Bytes encode_graph(const DeformationGraph& graph) {
-  const auto refuse = [](const std::string& why) {
-    throw Error(ErrorCode::kFailure, fmt::format("a deformation graph cannot be stored: {}", why));
-  };
-  if (graph.nodes().size() > kMaxNodes) {
-    refuse(fmt::format("it has {} nodes, and {} are the most", graph.nodes().size(), kMaxNodes));
-  }
-  if (!is_radius(graph.weight_radius()) || !is_radius(graph.influence_radius())) {
-    refuse(fmt::format("its radii are {} m and {} m", graph.weight_radius(), graph.influence_radius()));
-  }
-  Bytes out;
-  put(out, kGraphVersion);
-  put(out, std::uint8_t{0});
-  put(out, std::uint16_t{0});
-  put(out, static_cast<std::uint32_t>(graph.nodes().size()));
-  put(out, graph.weight_radius());
-  put(out, graph.influence_radius());
-  for (const Eigen::Vector3d& node : graph.nodes()) {
-    for (const std::int32_t coordinate : quantise_rest(node)) put(out, coordinate);
-  }
-  return out;
-}
-
-std::shared_ptr<const DeformationGraph> decode_graph(std::span<const std::byte> private_data,
-                                                     const std::string& location) {
-  if (private_data.size() < kGraphHeaderBytes) reject(location, "the private data of a deforming layer has no graph");
-  if (const auto version = get<std::uint8_t>(private_data, 0); version != kGraphVersion) {
-    reject(location, fmt::format("a graph has version {}; this Kinora reads version {}", version, kGraphVersion));
-  }
-  const auto count = get<std::uint32_t>(private_data, 4);
-  if (count == 0 || count > kMaxNodes || private_data.size() != kGraphHeaderBytes + kNodeBytes * count) {
-    reject(location, fmt::format("{} bytes are no graph of {} nodes", private_data.size(), count));
-  }
-  const double weight_radius = get_double(private_data, 8);
-  const double influence_radius = get_double(private_data, 16);
-  if (!is_radius(weight_radius) || !is_radius(influence_radius))
-    reject(location, "a radius of a graph is out of range");
-  std::vector<Eigen::Vector3d> nodes;
-  for (std::size_t at = kGraphHeaderBytes; at < private_data.size(); at += kNodeBytes) {
-    RestPosition rest{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      rest[a] = get<std::int32_t>(private_data, at + 4 * a);
-      if (rest[a] < -kFarthestRest || rest[a] > kFarthestRest) reject(location, "a node of a graph is too far away");
-    }
-    nodes.push_back(dequantise(rest));
-  }
-  return std::make_shared<const DeformationGraph>(std::move(nodes), weight_radius, influence_radius);
-}
 
 std::uint64_t decoding_memory(const DeformationGraph& graph, std::size_t frames) {
   return std::uint64_t{frames} * (sizeof(Motion::Deformation) + graph.nodes().size() * sizeof(DualQuaternion));

@@ -1,8 +1,7 @@
-// The motion of a deforming layer as the private data and the payloads of a S_KINORA/MOTION track, and back.
-// docs/container.md specifies them.
+// The motion of a deforming layer as the payloads of a S_KINORA/MOTION track, and back. docs/container.md specifies
+// them.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,18 +14,8 @@
 
 namespace kinora::clip {
 
-inline constexpr std::size_t kMaxNodes = 16384;
 /// Every so many frames a payload is understood without those before it.
 inline constexpr std::size_t kKeyInterval = 30;
-
-/// The graph as private data of its track: positions of nodes to half a micrometre for each axis. Thread-safe.
-/// Throws Error(kFailure) if it has too many nodes, or one too far away, or a radius that cannot be stored.
-Bytes encode_graph(const motion::DeformationGraph& graph);
-
-/// encode_graph(decode_graph(b)) = b for every b that encode_graph wrote. Safe for untrusted input. Thread-safe.
-/// Throws Error(kCorruptInput) naming `location`.
-std::shared_ptr<const motion::DeformationGraph> decode_graph(std::span<const std::byte> private_data,
-                                                             const std::string& location);
 
 /// Memory that a motion takes once it is decoded.
 std::uint64_t decoding_memory(const motion::DeformationGraph& graph, std::size_t frames);

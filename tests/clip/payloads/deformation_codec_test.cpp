@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "clip/payloads/graph_codec.h"
 #include "clip/sample_clip.h"
 #include "clip/sample_motion.h"
 #include "core/error.h"
@@ -234,25 +235,6 @@ TEST(DeformationCodec, RejectsPayloadsThatAreNotWhole) {
   expect_corrupt(other);
 }
 
-TEST(DeformationCodec, RejectsGraphsOutsideTheirLimits) {
-  const Bytes good = encode_graph(*scattered(6, 5, 1).graph());
-  const auto expect_corrupt = [&good](std::size_t at, const std::vector<int>& values) {
-    Bytes bad = good;
-    for (const int value : values) bad[at++] = static_cast<std::byte>(value);
-    EXPECT_THROW(decode_graph(bad, "a.mkv"), Error) << "byte " << at;
-  };
-  expect_corrupt(0, {2});                             // version
-  expect_corrupt(4, {0});                             // no node
-  expect_corrupt(4, {6});                             // more than there are
-  expect_corrupt(7, {0xFF});                          // far more
-  expect_corrupt(8, {0, 0, 0, 0, 0, 0, 0, 0});        // a radius of zero
-  expect_corrupt(8, {0, 0, 0, 0, 0, 0, 0xF8, 0x7F});  // not a number
-  expect_corrupt(16, {0, 0, 0, 0, 0, 0, 0xF0, 0x7F}); // infinite
-  expect_corrupt(27, {0x7F});                         // a node beyond a kilometre
-  EXPECT_THROW(decode_graph({}, "a.mkv"), Error);
-  EXPECT_THROW(decode_graph(std::span(good).first(good.size() - 1), "a.mkv"), Error);
-}
-
 TEST(DeformationCodec, RefusesToStoreWhatIsNotRigidOrNotFinite) {
   const Motion motion = scattered(7, 5, 1);
   const auto expect_refused = [&motion](const DualQuaternion& bad) {
@@ -271,9 +253,6 @@ TEST(DeformationCodec, RefusesToStoreWhatIsNotRigidOrNotFinite) {
   expect_refused(bad);
   bad.dual.x() = 1e9;
   expect_refused(bad);
-  EXPECT_THROW(encode_graph(DeformationGraph({{0, 0, 5000}}, 0.1, 0.1)), Error);
-  EXPECT_THROW(encode_graph(DeformationGraph({{0, 0, 0}}, 1e-9, 0.1)), Error);
-  EXPECT_THROW(encode_graph(DeformationGraph(std::vector(kMaxNodes + 1, Eigen::Vector3d(0, 0, 1)), 0.1, 0.1)), Error);
 }
 
 } // namespace

@@ -25,18 +25,44 @@ std::vector<SE3> hard_poses() {
       poses.push_back(pose);
     }
   }
+  for (const double metres : {1999.9999999, 2000.0000001, 2000.5, 123456.789}) {
+    SE3 far = SE3::Identity();
+    far.translation() = Eigen::Vector3d(-metres, 0.1, metres / 3);
+    poses.push_back(far);
+  }
   Random random(1);
   for (int i = 0; i < 3000; ++i) poses.push_back(testing::random_pose(random));
   return poses;
 }
 
-TEST(PoseCodec, StaysWithinHalfAMicrometreAndAFewNanoradians) {
+Bytes bytes_of(const std::vector<int>& values) {
+  Bytes bytes;
+  for (const int value : values) bytes.push_back(static_cast<std::byte>(value));
+  return bytes;
+}
+
+TEST(PoseCodec, StaysWithinHalfAMicrometreAndHalfAMicroradian) {
   for (const SE3& pose : hard_poses()) {
-    const Motion::Pose back = decode_pose(encode_pose({pose, Health::kHeld}), "a.mkv");
+    const Bytes payload = encode_pose({pose, Health::kHeld});
+    EXPECT_EQ(payload.size(), pose.translation().cwiseAbs().maxCoeff() > 2000.0000005 ? 40U : 23U);
+    const Motion::Pose back = decode_pose(payload, "a.mkv");
     EXPECT_LE((back.canonical_to_world.translation() - pose.translation()).cwiseAbs().maxCoeff(), 0.5e-6 + 1e-12);
-    EXPECT_LE((back.canonical_to_world.linear() - pose.linear()).norm(), 8e-9);
+    EXPECT_LE(rotation_angle(back.canonical_to_world.inverse() * pose), 5e-7);
     EXPECT_EQ(back.health, Health::kHeld);
   }
+}
+
+TEST(PoseCodec, ReadsTheFortyBytesOfVersionOne) {
+  const Bytes payload = bytes_of(
+      {1, 2,    3,    0,    0, 0, 0, 0x10, 0,    0,    0,    0xF0, 0,    0,    0,    0xF0, // ¼ −¼ −¼, z left out
+       1, 0,    0,    0,    0, 0, 0, 0,    0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
+       0, 0xE4, 0x0B, 0x54, 2, 0, 0, 0}); // 10¹⁰ µm
+  const Motion::Pose pose = decode_pose(payload, "a.mkv");
+  EXPECT_EQ(pose.health, Health::kLost);
+  EXPECT_LE((pose.canonical_to_world.translation() - Eigen::Vector3d(1e-6, -1e-6, 1e4)).norm(), 1e-9);
+  const Eigen::Matrix3d rotation = Eigen::Quaterniond(0.25, -0.25, -0.25, std::sqrt(0.8125)).toRotationMatrix();
+  EXPECT_LE((pose.canonical_to_world.linear() - rotation).norm(), 1e-12);
+  EXPECT_EQ(encode_pose(pose), payload); // too far for version 2
 }
 
 TEST(PoseCodec, EncodesWhatItDecodedToTheSameBytes) {
@@ -55,21 +81,30 @@ TEST(PoseCodec, GivesRotationsThatAreRigid) {
 }
 
 TEST(PoseCodec, RejectsEveryPayloadOutsideItsLimits) {
-  const Bytes good = encode_pose({SE3::Identity(), Health::kTracked});
-  const auto expect_corrupt = [&good](std::size_t at, int value) {
-    Bytes bad = good;
+  SE3 far = SE3::Identity();
+  far.translation().x() = 5000;
+  const auto expect_corrupt = [](Bytes bad, std::size_t at, int value) {
     bad[at] = static_cast<std::byte>(value);
     EXPECT_THROW(decode_pose(bad, "a.mkv"), Error) << "byte " << at;
   };
-  expect_corrupt(0, 2);    // version
-  expect_corrupt(1, 3);    // health
-  expect_corrupt(2, 4);    // omitted component
-  expect_corrupt(7, 0x7F); // a component larger than the omitted one
-  expect_corrupt(7, 0x80);
-  expect_corrupt(23, 0x7F); // a translation of many light years
-  expect_corrupt(23, 0x80);
-  EXPECT_THROW(decode_pose({}, "a.mkv"), Error);
+  const Bytes near = encode_pose({SE3::Identity(), Health::kTracked});
+  expect_corrupt(near, 0, 1); // the other version
+  expect_corrupt(near, 0, 3);
+  expect_corrupt(near, 1, 3);    // health
+  expect_corrupt(near, 1, 16);   // omitted component
+  expect_corrupt(near, 4, 0x7F); // a component larger than the omitted one
+  expect_corrupt(near, 4, 0x80);
+  EXPECT_THROW(decode_pose(std::span(near).first(22), "a.mkv"), Error);
+  const Bytes good = encode_pose({far, Health::kTracked});
+  expect_corrupt(good, 0, 2);    // the other version
+  expect_corrupt(good, 1, 3);    // health
+  expect_corrupt(good, 2, 4);    // omitted component
+  expect_corrupt(good, 7, 0x7F); // a component larger than the omitted one
+  expect_corrupt(good, 7, 0x80);
+  expect_corrupt(good, 23, 0x7F); // a translation of many light years
+  expect_corrupt(good, 23, 0x80);
   EXPECT_THROW(decode_pose(std::span(good).first(39), "a.mkv"), Error);
+  EXPECT_THROW(decode_pose({}, "a.mkv"), Error);
 }
 
 TEST(PoseCodec, RefusesToStoreWhatIsNotFinite) {

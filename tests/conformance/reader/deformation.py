@@ -29,17 +29,33 @@ class Frame(NamedTuple):
 
 
 def read_graph(data: bytes) -> Graph:
-    if len(data) < 24 or data[:4] != b"\1\0\0\0":
+    if len(data) < 24 or data[:4] not in (b"\1\0\0\0", b"\2\0\0\0"):
         raise Damaged("version of a graph")
     count, weight, influence = struct.unpack_from("<Idd", data, 4)
-    if not 1 <= count <= 16384 or len(data) != 24 + 12 * count:
+    if not 1 <= count <= 16384 or (data[0] == 1 and len(data) != 24 + 12 * count):
         raise Damaged("number of nodes of a graph")
     if not (1e-4 <= weight <= 1e3 and 1e-4 <= influence <= 1e3):
         raise Damaged("radius of a graph")
-    nodes = list(struct.iter_unpack("<3i", data[24:]))
+    nodes = list(struct.iter_unpack("<3i", data[24:])) if data[0] == 1 else read_nodes(data[24:], count)
     if any(abs(x) > 1 << 30 for node in nodes for x in node):
         raise Damaged("a node is too far away")
     return Graph(weight, influence, nodes)
+
+
+def read_nodes(data: bytes, count: int) -> list[Vector]:
+    """Of version 2: each node from one before it."""
+    decoder, back, axes = Decoder(data), IntegerModels(), [IntegerModels() for _ in range(3)]
+    nodes: list[Vector] = []
+    for i in range(count):
+        start: Vector = (0, 0, 0)
+        if i > 0:
+            places = decoder.integer(back)
+            if not 0 <= places < i:
+                raise Damaged("a node lies beside none")
+            start = nodes[i - 1 - places]
+        nodes.append(tuple(x + decoder.integer(models) for x, models in zip(start, axes)))
+    decoder.end()
+    return nodes
 
 
 def quotient(a: int, b: int) -> int:

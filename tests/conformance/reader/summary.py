@@ -1,6 +1,7 @@
 """What a clip decodes to, in numbers that others can compare."""
 from __future__ import annotations
 
+import math
 import struct
 from typing import Any
 
@@ -9,8 +10,14 @@ from clip import Clip, Layer
 
 
 def checksums(layer: Layer) -> list[int]:
-    """Of table, density network and colour network as floats, and of health and states of the nodes as i32."""
+    """Of table, density network and colour network as floats, and of the motion as i32: health, and translation and rotation
+    matrix of a pose or the states of nodes."""
     numbers: list[int] = []
+    for pose in layer.poses:
+        if pose is not None:
+            numbers.append(pose.health)
+            numbers += (math.floor(x * 1e6 + 0.5) for x in pose.translation)
+            numbers += (math.floor(x * 2**16 + 0.5) for x in pose.matrix())
     for frame in layer.deformations:
         if frame is not None:
             numbers.append(frame.health)
