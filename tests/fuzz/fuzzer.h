@@ -23,11 +23,12 @@ struct Fuzzer {
 /// All of them.
 std::vector<Fuzzer> fuzzers();
 
-std::vector<Fuzzer> file_fuzzers();   ///< Kinora's own file
-std::vector<Fuzzer> folder_fuzzers(); ///< what capture folders hold
-std::vector<Fuzzer> input_fuzzers();  ///< what else a user may give to a command
-std::vector<Fuzzer> plugin_fuzzers(); ///< what a plugin may hand over
-std::vector<Fuzzer> reader_fuzzers(); ///< captures of one file
+std::vector<Fuzzer> file_fuzzers();    ///< Kinora's own file
+std::vector<Fuzzer> folder_fuzzers();  ///< what capture folders hold
+std::vector<Fuzzer> input_fuzzers();   ///< what else a user may give to a command
+std::vector<Fuzzer> payload_fuzzers(); ///< what a clip's tracks hold
+std::vector<Fuzzer> plugin_fuzzers();  ///< what a plugin may hand over
+std::vector<Fuzzer> reader_fuzzers();  ///< captures of one file
 
 /// What a parser must never break.
 inline void require(bool holds, const std::string& claim) {
