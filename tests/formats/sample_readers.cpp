@@ -78,6 +78,18 @@ bool make_tum(const TemporaryFolder& folder) { return write_with("tum-rgbd", fol
 bool make_numbered(const TemporaryFolder& folder) {
   return write_with("numbered-folder", folder.path() / "in", 0.1), true;
 }
+/// With the calibration and the poses of Open3D.
+bool make_open3d(const TemporaryFolder& folder) {
+  write_with("numbered-folder", folder.path() / "in", 0.1);
+  folder.remove("in/intrinsics.json");
+  folder.write("in/intrinsic.json",
+               R"({"width": 16, "height": 12, "intrinsic_matrix": [20, 0, 0, 0, 20, 0, 7.5, 5.5, 1]})");
+  std::string poses;
+  for (int i = 0; i < kSampleFrames; ++i)
+    poses += fmt::format("{} {} {}\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i, i + 1);
+  folder.write("in/trajectory.log", poses);
+  return true;
+}
 bool make_transforms(const TemporaryFolder& folder) {
   return write_with("transforms", folder.path() / "in", 0.1), true;
 }
@@ -349,6 +361,7 @@ const std::vector<SampleReader>& sample_readers() {
        {"intrinsics.json", "color/000000.png", "depth/000000.png"},
        "depth/000001.png",
        nullptr},
+      {"numbered-folder", make_open3d, "", {"intrinsic.json", "trajectory.log"}, "color/000001.png", nullptr},
       {"3dmatch",
        make_3dmatch,
        "",
