@@ -39,7 +39,9 @@ if(KINORA_SANITIZE)
   add_compile_options(-fsanitize=${KINORA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${KINORA_SANITIZE})
   # g++ 12 warns of overruns inside std::string's own `operator+` once it is instrumented (its bug 105651).
-  add_compile_options(-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    add_compile_options(-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow)
+  endif()
 endif()
 
 # kinora_use_pch(target): the shared precompiled header of cmake/pch.h, compiled once.

@@ -41,21 +41,38 @@ Distortion distortion_of(const nlohmann::json& json, const fs::path& path) {
   return {k[0], k[1], k[2], k[3], k[4]};
 }
 
+/// Open3D's: nine numbers, column by column.
+void take_open3d_matrix(const nlohmann::json& json, const fs::path& path, Intrinsics& intrinsics) {
+  if (!json.is_array() || json.size() != 9 ||
+      !std::ranges::all_of(json, [](const nlohmann::json& value) { return value.is_number(); }))
+    fail(path, "\"intrinsic_matrix\" must be a list of the 9 numbers fx 0 0 0 fy 0 cx cy 1");
+  intrinsics.fx = json[0].get<double>();
+  intrinsics.fy = json[4].get<double>();
+  intrinsics.cx = json[6].get<double>();
+  intrinsics.cy = json[7].get<double>();
+}
+
 Calibration read_json(const fs::path& path) {
   const nlohmann::json json = nlohmann::json::parse(read_text(path), nullptr, false);
   if (!json.is_object()) fail(path, "not a JSON object; write {\"fx\": …, \"fy\": …, \"cx\": …, \"cy\": …}");
   Calibration calibration;
   Intrinsics& intrinsics = calibration.intrinsics;
-  intrinsics.fx = number_of(json, "fx", path);
-  intrinsics.fy = number_of(json, "fy", path);
-  intrinsics.cx = number_of(json, "cx", path);
-  intrinsics.cy = number_of(json, "cy", path);
+  if (json.contains("intrinsic_matrix")) {
+    take_open3d_matrix(json["intrinsic_matrix"], path, intrinsics);
+  } else {
+    intrinsics.fx = number_of(json, "fx", path);
+    intrinsics.fy = number_of(json, "fy", path);
+    intrinsics.cx = number_of(json, "cx", path);
+    intrinsics.cy = number_of(json, "cy", path);
+  }
   constexpr double kMaxSide = 16384;
   if (json.contains("width")) intrinsics.width = static_cast<int>(positive_of(json, "width", path, kMaxSide));
   if (json.contains("height")) intrinsics.height = static_cast<int>(positive_of(json, "height", path, kMaxSide));
   if (json.contains("distortion")) calibration.distortion = distortion_of(json["distortion"], path);
   if (json.contains("depth_factor"))
     calibration.depth_unit = 1.0 / positive_of(json, "depth_factor", path, 1e9);
+  else if (json.contains("depth_scale")) // Open3D's word for it
+    calibration.depth_unit = 1.0 / positive_of(json, "depth_scale", path, 1e9);
   else if (json.contains("depth_scale_m"))
     calibration.depth_unit = positive_of(json, "depth_scale_m", path, 1);
   if (json.contains("fps")) calibration.frames_per_second = positive_of(json, "fps", path, 1e5);
@@ -87,7 +104,8 @@ Calibration read_matrix(const fs::path& path) {
 
 Calibration read_calibration(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders) {
-    for (const char* name : {"intrinsics.json", "intrinsics.txt", "camera-intrinsics.txt"}) {
+    for (const char* name : {"intrinsics.json", "intrinsics.txt", "camera-intrinsics.txt", "intrinsic.json",
+                             "camera_intrinsic.json", "camera_primesense.json"}) { // the last three are Open3D's
       const fs::path path = folder / name;
       if (!fs::exists(path)) continue;
       Calibration calibration = path.extension() == ".json" ? read_json(path) : read_matrix(path);

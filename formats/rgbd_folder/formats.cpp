@@ -49,8 +49,9 @@ constexpr KinoraFormat tum_format() {
 
 constexpr KinoraFormat numbered_format() {
   KinoraFormat format = folder_format<list_numbered, probe_numbered>(
-      "numbered-folder", "folder of numbered images: color/ (or rgb/) and depth/, optionally mask/",
-      KINORA_READS_MASKS | KINORA_WRITES_MASKS);
+      "numbered-folder",
+      "folder of numbered images: color/ (or rgb/) and depth/, optionally mask/; Open3D's trajectory.log gives poses",
+      KINORA_READS_POSES | KINORA_READS_MASKS | KINORA_WRITES_MASKS);
   set_writer<FolderWriter, open_folder_writer<FolderLayout::kNumbered>>(format);
   return format;
 }

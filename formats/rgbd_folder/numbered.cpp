@@ -1,10 +1,11 @@
-// color/NNNN.* beside depth/NNNN.png: DeepDeform, depthkit exports and whatever people write themselves.
+// color/NNNN.* beside depth/NNNN.png: DeepDeform, Open3D, depthkit exports and whatever people write themselves.
 #include <set>
 
 #include "common/files.h"
 #include "common/numbering.h"
 #include "core/error.h"
 #include "rgbd_folder/listing.h"
+#include "rgbd_folder/trajectory.h"
 
 namespace kinora::formats {
 namespace fs = std::filesystem;
@@ -24,6 +25,20 @@ fs::path find_color_folder(const fs::path& folder) {
 bool has_images(const fs::path& folder) {
   const std::vector<fs::path> files = list_files(folder);
   return std::any_of(files.begin(), files.end(), is_image_name);
+}
+
+/// Of Open3D: in its sample data beside the images, and where its reconstruction system writes it.
+void add_poses(Listing& listing, const fs::path& folder) {
+  for (const fs::path& path : {folder / "trajectory.log", folder / "scene" / "trajectory.log"}) {
+    if (!fs::exists(path)) continue;
+    const std::vector<SE3> poses = read_trajectory_log(path);
+    listing.has_poses = poses.size() == listing.frames.size();
+    if (!listing.has_poses)
+      listing.warnings.push_back(path.string() + ": has " + std::to_string(poses.size()) + " poses for " +
+                                 std::to_string(listing.frames.size()) + " frames; no pose is used");
+    for (std::size_t i = 0; listing.has_poses && i < poses.size(); ++i) listing.frames[i].camera_to_world = poses[i];
+    return;
+  }
 }
 
 } // namespace
@@ -75,6 +90,7 @@ Listing list_numbered(const fs::path& folder) {
     if (color != colors.end()) frame.masks = masks.masks_of(frame.color);
     listing.frames.push_back(std::move(frame));
   }
+  add_poses(listing, folder);
   return listing;
 }
 

@@ -1,5 +1,9 @@
 #include "rgbd_folder/trajectory.h"
 
+#include <algorithm>
+#include <iterator>
+#include <span>
+
 #include "common/files.h"
 #include "core/error.h"
 
@@ -8,6 +12,19 @@ namespace {
 
 constexpr double kMaxInterpolationGap = 0.1; ///< seconds
 constexpr double kUnitTolerance = 0.05;      ///< of a quaternion's length: text has few digits
+constexpr std::size_t kMatrixWords = 16;
+
+/// Row by row.
+SE3 pose_of(std::span<const std::string_view> words, const std::filesystem::path& path) {
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
+  for (std::size_t i = 0; i < kMatrixWords; ++i) {
+    const std::optional<double> value = parse_number(words[i]);
+    if (!value)
+      throw Error(ErrorCode::kCorruptInput, path.string() + ": \"" + std::string(words[i]) + "\" is not a number");
+    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = *value;
+  }
+  return rigid_from_matrix(matrix, path.c_str());
+}
 
 } // namespace
 
@@ -64,16 +81,24 @@ std::optional<SE3> Trajectory::at(double time, double tolerance) const {
 SE3 read_pose_file(const std::filesystem::path& path) {
   const std::string text = read_text(path);
   const std::vector<std::string_view> words = split_words(text);
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
-  if (words.size() != 16)
+  if (words.size() != kMatrixWords)
     throw Error(ErrorCode::kCorruptInput, path.string() + ": must hold a 4x4 camera-to-world matrix");
-  for (std::size_t i = 0; i < 16; ++i) {
-    const std::optional<double> value = parse_number(words[i]);
-    if (!value)
-      throw Error(ErrorCode::kCorruptInput, path.string() + ": \"" + std::string(words[i]) + "\" is not a number");
-    matrix(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = *value;
-  }
-  return rigid_from_matrix(matrix, path.c_str());
+  return pose_of(words, path);
+}
+
+std::vector<SE3> read_trajectory_log(const std::filesystem::path& path) {
+  constexpr std::size_t kFrameWords = 3 + kMatrixWords;
+  const std::string text = read_text(path);
+  std::vector<std::string_view> words;
+  for (const std::string_view line : split_lines(text))
+    if (!line.starts_with('#')) std::ranges::copy(split_words(line), std::back_inserter(words));
+  if (words.size() % kFrameWords != 0)
+    throw Error(ErrorCode::kCorruptInput,
+                path.string() + ": must hold three numbers and a 4x4 camera-to-world matrix for each frame");
+  std::vector<SE3> poses;
+  for (std::size_t i = 0; i < words.size(); i += kFrameWords)
+    poses.push_back(pose_of(std::span(words).subspan(i + 3, kMatrixWords), path));
+  return poses;
 }
 
 } // namespace kinora::formats

@@ -1,4 +1,4 @@
-// Camera poses from text: TUM's groundtruth.txt and 3DMatch's .pose.txt.
+// Camera poses from text: TUM's groundtruth.txt, 3DMatch's .pose.txt and Open3D's trajectory.log.
 #pragma once
 
 #include <filesystem>
@@ -31,5 +31,8 @@ private:
 
 /// A 4×4 camera-to-world matrix. Throws Error(kCorruptInput) naming the file unless it is a finite rigid transform.
 SE3 read_pose_file(const std::filesystem::path& path);
+
+/// Frame by frame three numbers, which nobody needs, and such a matrix. Throws as read_pose_file does.
+std::vector<SE3> read_trajectory_log(const std::filesystem::path& path);
 
 } // namespace kinora::formats

@@ -1,6 +1,7 @@
 // Every reader of captures against files that are spoilt: cut at each tenth, overwritten, with files missing, with
 // times that run backwards.
 #include <algorithm>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -86,25 +87,56 @@ TEST_P(BadInput, AbsurdSizesAreBorne) {
   }
 }
 
+/// The same in text: each number is once the largest that many programs hold, and once beyond all of them.
+TEST_P(BadInput, AbsurdNumbersInTextAreBorne) {
+  constexpr std::size_t kNumbers = 48;
+  constexpr std::string_view kDigits = "0123456789";
+  for (const std::string& file : GetParam().spoilt) {
+    const std::string whole = contents(in() / file);
+    if (whole.find('\0') != std::string::npos) continue; // no text
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < kNumbers; ++k) {
+      begin = whole.find_first_of(kDigits, begin);
+      if (begin == std::string::npos) break;
+      const std::size_t end = std::min(whole.find_first_not_of(kDigits, begin), whole.size());
+      for (const char* number : {"2147483647", "-99999999999999999999999"}) {
+        spoil(file, whole.substr(0, begin) + number + whole.substr(end));
+        expect_borne(file + " at " + std::to_string(begin));
+      }
+      begin = end;
+    }
+    spoil(file, whole);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, BadInput, testing::ValuesIn(sample_readers()), name_of);
 
-/// Of captures in many files.
-class MissingFile : public BadInput {};
+// ---- a frame that is missing
 
-TEST_P(MissingFile, CostsItsOwnFrameAlone) {
-  fs::remove(in() / GetParam().removed);
+class MissingFrame : public BadInput {};
+
+TEST_P(MissingFrame, IsAllThatIsMissing) {
+  if (GetParam().lose_frame != nullptr)
+    ASSERT_TRUE(GetParam().lose_frame(folder_));
+  else
+    ASSERT_TRUE(fs::remove(in() / GetParam().removed));
   const CopiedCapture capture = read_capture(input(), GetParam().format);
   const auto whole =
       std::ranges::count_if(capture.frames, [](const CopiedFrame& frame) { return frame.problem.empty(); });
   EXPECT_EQ(static_cast<std::size_t>(whole), frames_ - 1);
 }
 
-std::vector<SampleReader> readers_of_folders() {
+bool can_lose_a_frame(const SampleReader& reader) { return !reader.removed.empty() || reader.lose_frame != nullptr; }
+
+std::vector<SampleReader> readers_of_frames() {
   std::vector<SampleReader> readers = sample_readers();
-  std::erase_if(readers, [](const SampleReader& reader) { return reader.removed.empty(); });
+  std::erase_if(readers, std::not_fn(can_lose_a_frame));
   return readers;
 }
-INSTANTIATE_TEST_SUITE_P(All, MissingFile, testing::ValuesIn(readers_of_folders()), name_of);
+INSTANTIATE_TEST_SUITE_P(All, MissingFrame, testing::ValuesIn(readers_of_frames()), name_of);
+
+/// Formats whose frames are drawn when they are asked for.
+constexpr std::string_view kWithoutFrames[] = {"kinora-clip", "gltf-scene"};
 
 // ---- times that run backwards
 
@@ -149,19 +181,25 @@ constexpr std::string_view kWithoutTimes[] = {"numbered-folder", "3dmatch", "m3t
 
 // ---- the table
 
+template <class Has> bool is_any(const char* format, const Has& has) {
+  return std::ranges::any_of(sample_readers(), [&](const SampleReader& reader) {
+    return std::string_view(reader.format) == format && has(reader);
+  });
+}
+template <class List> bool is_among(const List& list, const char* format) {
+  return std::ranges::find(list, format) != std::end(list);
+}
+
 TEST(BadInputTable, HasEveryReader) {
   for (const host::FormatEntry& entry : sample_plugins().formats()) {
+    const char* const name = entry.format->name;
     if (!host::supports(*entry.format, KINORA_READS_FRAMES) || host::supports(*entry.format, KINORA_READS_DEVICE))
       continue;
-    const bool there = std::ranges::any_of(sample_readers(), [&](const SampleReader& reader) {
-      return std::string_view(reader.format) == entry.format->name;
-    });
-    EXPECT_TRUE(there) << entry.format->name;
-    const bool with_times = std::ranges::any_of(sample_readers(), [&](const SampleReader& reader) {
-      return std::string_view(reader.format) == entry.format->name && reader.turn_back != nullptr;
-    });
-    EXPECT_NE(with_times, std::ranges::find(kWithoutTimes, entry.format->name) != std::end(kWithoutTimes))
-        << entry.format->name;
+    EXPECT_TRUE(is_any(name, [](const SampleReader&) { return true; })) << name;
+    EXPECT_NE(is_any(name, can_lose_a_frame), is_among(kWithoutFrames, name)) << name;
+    EXPECT_NE(is_any(name, [](const SampleReader& reader) { return reader.turn_back != nullptr; }),
+              is_among(kWithoutTimes, name))
+        << name;
   }
 }
 

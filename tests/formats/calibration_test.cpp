@@ -54,6 +54,23 @@ TEST_F(CalibrationTest, MatricesOfThreeAndFourRowsAreRead) {
   EXPECT_EQ(read().intrinsics, (Intrinsics{0, 0, 585, 586, 320, 240}));
 }
 
+/// As Open3D and its recorder of RealSense cameras write it, column by column.
+TEST_F(CalibrationTest, Open3dsMatrixIsRead) {
+  const std::string text =
+      R"({"width": 640, "height": 480, "intrinsic_matrix": [525.5, 0, 0, 0, 526, 0, 319.5, 239.5, 1],
+    "depth_scale": 4000, "fps": 15})";
+  for (const char* name : {"intrinsic.json", "camera_intrinsic.json", "camera_primesense.json"}) {
+    folder_.write(name, text);
+    EXPECT_EQ(read().intrinsics, (Intrinsics{640, 480, 525.5, 526, 319.5, 239.5}));
+    EXPECT_EQ(read().depth_unit, 0.00025);
+    EXPECT_EQ(read().frames_per_second, 15);
+    folder_.remove(name);
+  }
+  expect_refused("intrinsic.json", R"({"intrinsic_matrix": [525, 0, 319, 0, 525, 239]})", "9 numbers");
+  expect_refused("intrinsic.json", R"({"intrinsic_matrix": [525, 0, 0, 0, "x", 0, 319, 239, 1]})", "9 numbers");
+  expect_refused("intrinsic.json", R"({"intrinsic_matrix": [0, 0, 0, 0, 525, 0, 319, 239, 1]})", "positive");
+}
+
 TEST_F(CalibrationTest, AbsenceIsAnErrorThatSaysWhatToAdd) {
   try {
     read();

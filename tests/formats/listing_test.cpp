@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/numbering.h"
+#include "core/error.h"
 #include "formats/sample_capture.h"
 
 namespace kinora::formats {
@@ -58,6 +59,40 @@ TEST(Listing, NumberedFramesKeepTheirDistanceInTime) {
   const Listing listing = list_numbered(folder.path());
   ASSERT_EQ(listing.frames.size(), 3U);
   EXPECT_DOUBLE_EQ(listing.frames[2].time, 2.0);
+}
+
+constexpr const char* kOpen3dLog =
+    "# of two frames\n0 0 1\n1.00000000 0.00000000 0.00000000 0.00000000\n0 1 0 0\n0 0 1 0\n"
+    "0 0 0 1\n1 1 2\n0.6 0 0.8 0.5\n0 1 0 -0.25\n-0.8 0 0.6 2\n0 0 0 1\n";
+
+TEST(Listing, Open3dsTrajectoryHasAPoseForEachNumberedFrame) {
+  const TemporaryFolder folder;
+  write_numbered(folder, 2);
+  for (const char* name : {"scene/trajectory.log", "trajectory.log"}) {
+    folder.write(name, kOpen3dLog);
+    const Listing listing = list_numbered(folder.path());
+    EXPECT_TRUE(listing.has_poses);
+    EXPECT_TRUE(listing.warnings.empty());
+    EXPECT_TRUE(listing.frames[0].camera_to_world.value().isApprox(SE3::Identity()));
+    const SE3 second = listing.frames[1].camera_to_world.value();
+    EXPECT_TRUE(second.translation().isApprox(Eigen::Vector3d(0.5, -0.25, 2)));
+    EXPECT_TRUE((second.linear() * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d(0.8, 0, 0.6)));
+  }
+}
+
+TEST(Listing, Open3dsTrajectoryOfOtherFramesIsNotUsed) {
+  const TemporaryFolder folder;
+  write_numbered(folder, 3);
+  folder.write("trajectory.log", kOpen3dLog);
+  const Listing listing = list_numbered(folder.path());
+  EXPECT_FALSE(listing.has_poses);
+  ASSERT_EQ(listing.warnings.size(), 1U);
+  EXPECT_NE(listing.warnings[0].find("has 2 poses for 3 frames"), std::string::npos) << listing.warnings[0];
+  for (const char* damaged : {"0 0 1 1 0 0 0", "0 0 1\n1 0 0 x\n0 1 0 0\n0 0 1 0\n0 0 0 1\n",
+                              "0 0 1\n2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"}) {
+    folder.write("trajectory.log", damaged);
+    EXPECT_THROW((void)list_numbered(folder.path()), Error) << damaged;
+  }
 }
 
 TEST(Listing, NumberedFramesWithoutPartnerAreListedWithTheReason) {

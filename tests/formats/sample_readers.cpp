@@ -31,8 +31,8 @@ std::string contents(const fs::path& path) {
 
 namespace {
 
-/// A still camera's frames in a format that can be written; times go up, or down.
-void write_with(const char* format, const fs::path& path, double step) {
+/// A still camera's frames in a format that can be written, all but `lost`; times go up, or down.
+void write_with(const char* format, const fs::path& path, double step, int lost = -1) {
   auto info = host::make_struct<KinoraCaptureInfo>();
   info.frame_count = kSampleFrames;
   info.frames_per_second = 10;
@@ -40,6 +40,7 @@ void write_with(const char* format, const fs::path& path, double step) {
   info.has_poses = 1;
   host::FrameWriter writer(sample_plugins().find(format), path, {}, info);
   for (int i = 0; i < kSampleFrames; ++i) {
+    if (i == lost) continue;
     const ColorImage color = sample_color(kSampleWidth, kSampleHeight, 3, i);
     const DepthImage16 depth = sample_depth(kSampleWidth, kSampleHeight, static_cast<std::uint16_t>(1000 + i));
     auto frame = host::make_struct<KinoraFrame>();
@@ -76,6 +77,18 @@ constexpr const char* kYaml = "%YAML:1.2\nload_directory: \"./\"\nintrinsics:\n 
 bool make_tum(const TemporaryFolder& folder) { return write_with("tum-rgbd", folder.path() / "in", 0.1), true; }
 bool make_numbered(const TemporaryFolder& folder) {
   return write_with("numbered-folder", folder.path() / "in", 0.1), true;
+}
+/// With the calibration and the poses of Open3D.
+bool make_open3d(const TemporaryFolder& folder) {
+  write_with("numbered-folder", folder.path() / "in", 0.1);
+  folder.remove("in/intrinsics.json");
+  folder.write("in/intrinsic.json",
+               R"({"width": 16, "height": 12, "intrinsic_matrix": [20, 0, 0, 0, 20, 0, 7.5, 5.5, 1]})");
+  std::string poses;
+  for (int i = 0; i < kSampleFrames; ++i)
+    poses += fmt::format("{} {} {}\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i, i + 1);
+  folder.write("in/trajectory.log", poses);
+  return true;
 }
 bool make_transforms(const TemporaryFolder& folder) {
   return write_with("transforms", folder.path() / "in", 0.1), true;
@@ -226,22 +239,32 @@ template <const char* const& file> bool turn_log_back(const TemporaryFolder& fol
   return true;
 }
 
-/// The times of the pictures of each stream of OpenNI's file.
-template <const char* const& file> bool turn_oni_back(const TemporaryFolder& folder) {
+constexpr std::size_t kOniRecordHeadBytes = 28;
+
+/// Where the records of the pictures of each stream of OpenNI's file begin.
+std::map<std::uint32_t, std::vector<std::size_t>> oni_pictures(const std::string& bytes) {
   constexpr std::uint32_t kNewData = 0x0A, kEnd = 0x0B;
-  constexpr std::size_t kFileHeadBytes = 24, kRecordHeadBytes = 28;
-  const fs::path name = fs::path("in") / fs::path(file).filename();
-  std::string bytes = contents(folder.path() / name);
-  std::map<std::uint32_t, std::vector<std::size_t>> times;
-  for (std::size_t at = kFileHeadBytes; at + kRecordHeadBytes <= bytes.size();) {
+  constexpr std::size_t kFileHeadBytes = 24;
+  std::map<std::uint32_t, std::vector<std::size_t>> records;
+  for (std::size_t at = kFileHeadBytes; at + kOniRecordHeadBytes <= bytes.size();) {
     const auto type = number_at<std::uint32_t>(bytes, at + 4);
     if (type == kEnd) break;
-    if (type == kNewData) times[number_at<std::uint32_t>(bytes, at + 8)].push_back(at + kRecordHeadBytes);
+    if (type == kNewData) records[number_at<std::uint32_t>(bytes, at + 8)].push_back(at);
     at += std::size_t{number_at<std::uint32_t>(bytes, at + 12)} + number_at<std::uint32_t>(bytes, at + 16);
   }
-  for (const auto& [stream, places] : times) reverse_numbers<std::uint64_t>(bytes, places);
+  return records;
+}
+
+template <const char* const& file> bool turn_oni_back(const TemporaryFolder& folder) {
+  const fs::path name = fs::path("in") / fs::path(file).filename();
+  std::string bytes = contents(folder.path() / name);
+  auto pictures = oni_pictures(bytes);
+  for (auto& [stream, places] : pictures) {
+    for (std::size_t& place : places) place += kOniRecordHeadBytes; // of the time
+    reverse_numbers<std::uint64_t>(bytes, places);
+  }
   folder.write(name, bytes);
-  return !times.empty();
+  return !pictures.empty();
 }
 
 bool turn_r3d_back(const TemporaryFolder& folder) {
@@ -273,6 +296,55 @@ bool turn_glb_back(const TemporaryFolder& folder) {
   return !inputs.empty();
 }
 
+// ---- a frame that is missing
+
+bool lose_of_recording(const TemporaryFolder& folder) {
+  return write_with(kRecording, folder.path() / "in" / "r.mkv", 0.1, 1), true;
+}
+
+/// The second packet of every video.
+bool lose_of_videos(const TemporaryFolder& folder) {
+  return run(folder, "for file in in/*.mkv; do ffmpeg -v error -y -i $file -map 0 -c copy -bsf:v "
+                     "\"noise=drop='eq(n,1)'\" less.mkv && mv less.mkv $file || exit 1; done");
+}
+
+/// Of a log that is not packed, what was sent at 0.28125 s after a second: its records become ones that nobody knows.
+template <const char* const& file> bool lose_of_log(const TemporaryFolder& folder) {
+  constexpr std::uint32_t kMiddle = 281'250'000;
+  constexpr char kUnknown = 0x70;
+  constexpr std::size_t kMcapKindToTime = 39; // of a message of ROS 2
+  const fs::path name = fs::path("in") / fs::path(file).filename();
+  std::string log = contents(folder.path() / name);
+  int lost = 0;
+  for (std::size_t i = kMcapKindToTime; i + 4 <= log.size(); ++i) {
+    if (number_at<std::uint32_t>(log, i) != kMiddle) continue;
+    const bool is_bag = name.extension() == ".bag";
+    const std::size_t kind = is_bag ? log.rfind("op=\x02", i) + 3 : i - kMcapKindToTime;
+    if (!is_bag && log[kind] != 5) continue; // no message: another of its times
+    log[kind] = kUnknown;
+    ++lost;
+  }
+  folder.write(name, log);
+  return lost > 0;
+}
+
+/// Of each stream the middle picture's record becomes one that nobody knows.
+template <const char* const& file> bool lose_of_oni(const TemporaryFolder& folder) {
+  const fs::path name = fs::path("in") / fs::path(file).filename();
+  std::string bytes = contents(folder.path() / name);
+  const auto pictures = oni_pictures(bytes);
+  for (const auto& [stream, places] : pictures) bytes[places[places.size() / 2] + 4] = 0x70;
+  folder.write(name, bytes);
+  return !pictures.empty();
+}
+
+bool lose_of_r3d(const TemporaryFolder& folder) {
+  zip_t* const archive = zip_open((folder.path() / "in/sample.r3d").c_str(), 0, nullptr);
+  const zip_int64_t depth = zip_name_locate(archive, "rgbd/1.depth", 0);
+  const bool lost = depth >= 0 && zip_delete(archive, static_cast<zip_uint64_t>(depth)) == 0;
+  return zip_close(archive) == 0 && lost;
+}
+
 } // namespace
 
 const std::vector<SampleReader>& sample_readers() {
@@ -289,6 +361,7 @@ const std::vector<SampleReader>& sample_readers() {
        {"intrinsics.json", "color/000000.png", "depth/000000.png"},
        "depth/000001.png",
        nullptr},
+      {"numbered-folder", make_open3d, "", {"intrinsic.json", "trajectory.log"}, "color/000001.png", nullptr},
       {"3dmatch",
        make_3dmatch,
        "",
@@ -309,17 +382,29 @@ const std::vector<SampleReader>& sample_readers() {
        {"rgb.mp4", "odometry.csv", "camera_matrix.csv", "depth/000000.png"},
        "depth/000001.png",
        turn_stray_back},
-      {"video-pair", make_video_pair, "", {"color.mkv", "depth.mkv", "intrinsics.json"}, "", turn_pair_back},
-      {"azure-kinect", make_kinect, "r.mkv", {"r.mkv"}, "", turn_videos_back},
-      {"kinora-recording", make_recording, "r.mkv", {"r.mkv"}, "", write_backwards<kRecording>},
+      {"video-pair",
+       make_video_pair,
+       "",
+       {"color.mkv", "depth.mkv", "intrinsics.json"},
+       "",
+       turn_pair_back,
+       lose_of_videos},
+      {"azure-kinect", make_kinect, "r.mkv", {"r.mkv"}, "", turn_videos_back, lose_of_videos},
+      {"kinora-recording", make_recording, "r.mkv", {"r.mkv"}, "", write_backwards<kRecording>, lose_of_recording},
       {"kinora-clip", make_clip, "c.mkv", {"c.mkv"}, "", nullptr},
-      {"record3d", copy_sample<kR3d>, "sample.r3d", {"sample.r3d"}, "", turn_r3d_back},
+      {"record3d", copy_sample<kR3d>, "sample.r3d", {"sample.r3d"}, "", turn_r3d_back, lose_of_r3d},
       {"ros-bag", copy_sample<kBag>, "aligned_lz4.bag", {"aligned_lz4.bag"}, "", nullptr},
-      {"ros-bag", copy_sample<kRealSense>, "librealsense.bag", {"librealsense.bag"}, "", turn_log_back<kRealSense>},
-      {"mcap", copy_sample<kMcap>, "plain.mcap", {"plain.mcap"}, "", turn_log_back<kMcap>},
+      {"ros-bag",
+       copy_sample<kRealSense>,
+       "librealsense.bag",
+       {"librealsense.bag"},
+       "",
+       turn_log_back<kRealSense>,
+       lose_of_log<kRealSense>},
+      {"mcap", copy_sample<kMcap>, "plain.mcap", {"plain.mcap"}, "", turn_log_back<kMcap>, lose_of_log<kMcap>},
       {"mcap", copy_sample<kZstdMcap>, "zstd.mcap", {"zstd.mcap"}, "", nullptr},
-      {"oni", copy_sample<kOni>, "lossless.oni", {"lossless.oni"}, "", turn_oni_back<kOni>},
-      {"oni", copy_sample<kJpegOni>, "jpeg.oni", {"jpeg.oni"}, "", turn_oni_back<kJpegOni>},
+      {"oni", copy_sample<kOni>, "lossless.oni", {"lossless.oni"}, "", turn_oni_back<kOni>, lose_of_oni<kOni>},
+      {"oni", copy_sample<kJpegOni>, "jpeg.oni", {"jpeg.oni"}, "", turn_oni_back<kJpegOni>, lose_of_oni<kJpegOni>},
       {"gltf-scene", copy_sample<kGlb>, "scene.glb", {"scene.glb"}, "", turn_glb_back}};
   return readers;
 }

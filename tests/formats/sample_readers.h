@@ -18,6 +18,8 @@ struct SampleReader {
   std::string removed;             ///< of a capture in many files, one of its middle frame
   /// Lets the times of what `make` made run backwards; null: no file of the format can be made so. False as of `make`.
   bool (*turn_back)(const test::TemporaryFolder& folder);
+  /// Of a capture in one file or in videos: takes its middle frame away. False as of `make`.
+  bool (*lose_frame)(const test::TemporaryFolder& folder) = nullptr;
 };
 
 /// At least one of each format that reads captures from files.

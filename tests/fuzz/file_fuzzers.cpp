@@ -1,6 +1,5 @@
 // Kinora's file: the container as bytes, and clips whose payloads and attachments are spoilt under checksums that are
 // right, as a hostile writer would make them.
-#include "bake/analytic_field.h"
 #include "clip/clip_io.h"
 #include "clip/sample_clip.h"
 #include "container/ebml_builder.h"
@@ -141,12 +140,15 @@ void read_clip(std::span<const std::byte> input) {
   expect_refusal_or_success([&] { clip::read_clip(folder / "b.mkv"); });
 }
 
-/// Also drawn, as a capture.
+/// Also drawn, as a capture; few pixels of small fields, or hardly any input would have its turn.
 void read_clip_as_capture(std::span<const std::byte> input) {
   static const container::testing::TemporaryFolder folder;
   static const host::PluginTable plugins = host::PluginTable::builtin();
   static const bool written = [] {
-    clip::write_clip(bake::testing::sample_clip(2), folder / "a.mkv");
+    clip::Clip clip = clip::testing::bending_clip(1, 2, false);
+    clip.intrinsics = {16, 12, 12, 12, 7.5, 5.5};
+    clip.camera_to_world = {SE3::Identity()}; // the fields stand before it
+    clip::write_clip(clip, folder / "a.mkv");
     return true;
   }();
   require(written, "the sample cannot be written");
@@ -165,7 +167,7 @@ void read_clip_as_capture(std::span<const std::byte> input) {
 std::vector<Fuzzer> file_fuzzers() {
   return {{"container", container_seeds, read_container, 8000},
           {"clip", damage_scripts, read_clip, 100},
-          {"clip_capture", damage_scripts, read_clip_as_capture, 15}};
+          {"clip_capture", damage_scripts, read_clip_as_capture, 100}};
 }
 
 } // namespace kinora::fuzz

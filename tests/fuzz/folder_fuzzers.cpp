@@ -88,7 +88,8 @@ std::vector<Bytes> calibrations() {
   return texts(
       {test::kSampleIntrinsics,
        R"({"fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5, "depth_scale_m": 0.001, "distortion": [0.1, -0.2, 0, 0, 1],
-                 "depth_registered_to_color": true})"});
+                 "depth_registered_to_color": true})",
+       R"({"width": 16, "height": 12, "intrinsic_matrix": [20, 0, 0, 0, 20, 0, 7.5, 5.5, 1], "depth_scale": 1000})"});
 }
 
 void read_camera_matrix(std::span<const std::byte> input) {
@@ -115,6 +116,14 @@ void read_pose_file(std::span<const std::byte> input) {
 }
 std::vector<Bytes> pose_files() {
   return texts({" 1.0e+000\t 0\t 0\t 1e-002\t\r\n 0\t 1\t 0\t 0\t\r\n 0\t 0\t 1\t 0\t\r\n 0\t 0\t 0\t 1\t\r\n"});
+}
+
+void read_trajectory_log(std::span<const std::byte> input) {
+  static const Folder folder("trajectory.log", [](const TemporaryFolder& made) { test::write_numbered(made, 1); });
+  folder.read_with(input);
+}
+std::vector<Bytes> trajectory_logs() {
+  return texts({"# Open3D's\n0 0 1\n0.6 0 0.8 0.5\n0 1 0 -0.25\n-0.8 0 0.6 2\n0 0 0 1\n"});
 }
 
 constexpr const char* kYaml =
@@ -351,6 +360,7 @@ std::vector<Fuzzer> folder_fuzzers() {
           {"camera_matrix", camera_matrices, read_camera_matrix, 200},
           {"labels_json", labels_json, read_labels_json, 200},
           {"pose_file", pose_files, read_pose_file, 100},
+          {"trajectory_log", trajectory_logs, read_trajectory_log, 100},
           {"yaml", yaml_files, read_yaml, 200},
           {"picture", pictures, decode_picture, 3000},
           {"transforms", transforms, read_transforms, 200},

@@ -7,12 +7,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "fuzz/fuzzer.h"
 #include "fuzz/mutate.h"
+#include "host/plugin_table.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // What is freed must go back, or the sanitizer's own store would count as memory of the parser.
@@ -88,6 +91,38 @@ TEST_P(Fuzz, WhatWasFoundOnceIsReadOrRefused) {
 
 INSTANTIATE_TEST_SUITE_P(All, Fuzz, ::testing::ValuesIn(fuzzers()),
                          [](const auto& chosen) { return std::string(chosen.param.name); });
+
+/// Of a format that reads captures: the fuzzers of its files. Pictures are all formats'.
+const std::map<std::string, std::vector<std::string>> kFuzzersOf = {
+    {"tum-rgbd", {"tum_list", "associations", "trajectory", "calibration"}},
+    {"numbered-folder", {"labels_json", "trajectory_log"}},
+    {"3dmatch", {"camera_matrix", "pose_file"}},
+    {"m3t", {"yaml"}},
+    {"transforms", {"transforms"}},
+    {"kinora-recording", {"recording"}},
+    {"kinora-clip", {"container", "clip", "clip_capture"}},
+    {"stray-scanner", {"odometry", "stray_matrix", "stray_video"}},
+    {"video-pair", {"depth_video"}},
+    {"azure-kinect", {"azure_kinect", "kinect_calibration"}},
+    {"record3d", {"record3d", "record3d_metadata", "lzfse"}},
+    {"ros-bag", {"ros_bag", "rvl"}},
+    {"mcap", {"mcap", "rvl"}},
+    {"exr-sequence", {"exr"}},
+    {"oni", {"oni"}},
+    {"gltf-scene", {"gltf"}}};
+
+TEST(Fuzzers, AreThereForEveryReader) {
+  std::set<std::string> names;
+  for (const Fuzzer& fuzzer : fuzzers()) names.insert(fuzzer.name);
+  const host::PluginTable table = host::PluginTable::builtin();
+  for (const host::FormatEntry& entry : table.formats()) {
+    if (!host::supports(*entry.format, KINORA_READS_FRAMES) || host::supports(*entry.format, KINORA_READS_DEVICE))
+      continue;
+    const auto found = kFuzzersOf.find(entry.format->name);
+    ASSERT_NE(found, kFuzzersOf.end()) << entry.format->name;
+    for (const std::string& name : found->second) EXPECT_TRUE(names.contains(name)) << name;
+  }
+}
 
 } // namespace
 } // namespace kinora::fuzz

@@ -53,6 +53,12 @@ def check_use(kinora, capture, *more):
         sys.exit("kinora formats does not list the sample")
     if json.loads(run(kinora, "info", capture, "--json", *more)).get("frames") != 3:
         sys.exit("kinora info does not read the sample's file")
+    options = [f["options"] for f in json.loads(run(kinora, "formats", "--json", *more))["formats"] if f["name"] == "raw-depth"]
+    if [(o["name"], o["type"], o["default"]) for o in options[0]] != [("fps", "number", "30")]:
+        sys.exit(f"kinora formats does not tell the sample's option: {options}")
+    if json.loads(run(kinora, "info", capture, "--json", "-O", "fps=12", *more)).get("frames_per_second") != 12:
+        sys.exit("the sample is not given its option")
+    expect_refusal(2, "type number", kinora, "info", capture, "-O", "fps=fast", *more)
 
 
 def check_missing(kinora, sample, capture, folder):
