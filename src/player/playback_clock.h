@@ -22,6 +22,7 @@ public:
   explicit PlaybackClock(std::vector<double> times, MasterClock master = steady_clock());
 
   std::size_t frame() const;
+  double position() const; ///< seconds of the clip, going on between frames; at most when the last frame has been shown
   double seconds() const { return times_[frame()]; } ///< of that frame
   bool playing() const { return playing_ && !ended(); }
   double speed() const { return speed_; }
@@ -43,8 +44,7 @@ public:
   void set_times(std::vector<double> times, bool more_is_awaited);
 
 private:
-  double position() const; // in [first time, end], continuous
-  double end() const;      // when the last frame has been shown as long as the others
+  double end() const; // when the last frame has been shown as long as the others
   bool ended() const;
   void restart_at(double position);
 

@@ -3,6 +3,7 @@
 
 usage: window_check.py KINORA SAMPLE [LOOK.png]    SAMPLE: a capture of which a small clip is made; LOOK.png: the screen
 """
+import array
 import json
 import os
 import pathlib
@@ -12,6 +13,7 @@ import tempfile
 import time
 
 FRAMES = 8
+TONE = 440  # Hz
 WAIT = 60  # seconds for what a slow machine does
 
 
@@ -55,7 +57,9 @@ class Screen:
 
 class Player:
     def __init__(self, kinora, clip, screen, folder):
-        self.environment = {**os.environ, "DISPLAY": screen.name, "LIBGL_ALWAYS_SOFTWARE": "1"}
+        self.heard = folder.parent / "heard.raw"
+        self.environment = {**os.environ, "DISPLAY": screen.name, "LIBGL_ALWAYS_SOFTWARE": "1", "SDL_AUDIODRIVER": "disk",
+                            "SDL_DISKAUDIOFILE": str(self.heard)}  # a file is the loudspeaker
         self.folder = folder
         self.process = subprocess.Popen([kinora, "play", str(clip)], cwd=folder, env=self.environment,
                                         stderr=subprocess.PIPE, text=True)
@@ -145,14 +149,27 @@ def check_camera(player, home, kinora, clip):
     expect(len(seen) == 5, "the views of depth, normals, confidence and health are not five different pictures with colour")
 
 
+def check_sound(player):
+    """What was heard from the start on is the clip's tone, for as long as the clip, or a little more that was on its way."""
+    rate = 48000
+    left = array.array("f", player.heard.read_bytes())[::2]
+    loud = [i for i, sample in enumerate(left) if abs(sample) > 0.02]
+    expect(loud, "no sound was heard")
+    heard = left[loud[0]:loud[0] + rate // 5]
+    crossings = sum(a < 0 <= b for a, b in zip(heard, heard[1:]))
+    expect(abs(crossings - TONE / 5) <= 2, f"a tone of {5 * crossings} Hz was heard, not of {TONE}")
+
+
 def main():
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
     kinora, sample = map(os.path.abspath, sys.argv[1:3])
     with tempfile.TemporaryDirectory() as name:
         clip = pathlib.Path(name) / "clip.mkv"
-        subprocess.run([kinora, "encode", sample, clip, "--preset", "fast", "--frames", f"0:{FRAMES}", "--quiet"], check=True,
-                   stdout=subprocess.DEVNULL)
+        tone = pathlib.Path(name) / "tone.wav"
+        subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", f"sine={TONE}:duration=2", tone], check=True)
+        subprocess.run([kinora, "encode", sample, clip, "--preset", "fast", "--frames", f"0:{FRAMES}", "--audio", tone, "--quiet"],
+                       check=True, stdout=subprocess.DEVNULL)
         none = subprocess.run([kinora, "play", clip], capture_output=True, text=True, check=False,
                               env={k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")})
         expect(none.returncode == 6 and "no display" in none.stderr and none.stderr.count("\n") == 1, none.stderr)
@@ -165,6 +182,7 @@ def main():
                 check_camera(player, home, kinora, clip)
                 player.do("key", "q")
                 expect(player.process.wait(timeout=WAIT) == 0, "the key q did not end it well")
+                check_sound(player)
             finally:
                 player.process.kill()
 

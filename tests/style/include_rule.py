@@ -23,11 +23,11 @@ PLAY = {  # what a player needs: builds alone, natively and for WebAssembly
     "player": ["clip", "fields/rendering", "include/kinora"],
     "player/gl": ["fields/rendering"],
     "player/http": ["container"],
-    "player/window": ["player"],
-}
-MAKE = {  # from a capture to a clip
     "libav": ["core"],
     "sound": ["container", "include/kinora", "libav"],
+    "player/window": ["player", "sound"],
+}
+MAKE = {  # from a capture to a clip
     "recording": ["container", "include/kinora", "libav"],  # what its file holds, and reading it
     "host": ["core", "include/kinora"],
     "ingest/frame": ["core"],
@@ -79,6 +79,7 @@ ONE_USER = {
     "oneapi/": re.compile(r"src/core/parallel\w*\.cpp"),
     "httplib.h": re.compile(r"src/player/http/.*"),
     "GLFW/": re.compile(r"src/player/window/glfw_window\.cpp"),
+    "SDL.h": re.compile(r"src/player/window/sdl_loudspeaker\.cpp"),
     "imgui": re.compile(r"src/player/window/(glfw_window|panel)\.cpp"),
     "libav": re.compile(r"(formats/(mp4|video)/.*|src/libav/.*|src/sound/libav.*|src/recording/ffv1_module\.cpp)"),
     "libfreenect": re.compile(r"formats/freenect/.*"),

@@ -14,6 +14,8 @@ std::optional<Action> action_of(char32_t character) {
     return Action{kStep, -1};
   case U'l':
     return Action{kLoop};
+  case U'm':
+    return Action{kMute};
   case U'[':
     return Action{kSpeed, 0.5};
   case U']':

@@ -13,6 +13,7 @@ struct Action {
     kSeekBy, ///< value: seconds, may be negative
     kLoop,
     kSpeed,      ///< value: factor on the speed
+    kMute,       ///< or sound again
     kHome,       ///< back to the capture's own view
     kLayer,      ///< value: index of the layer to be shown or hidden
     kView,       ///< value: PictureView

@@ -187,12 +187,12 @@ void show(Shown& shown, int width, int height) {
   while (!shown.ended() && glfwWindowShouldClose(window.handle()) == GLFW_FALSE) {
     glfwWaitEventsTimeout(playing || window.stirring() ? kSoon : kIdle);
     glfwGetFramebufferSize(window.handle(), &width, &height);
-    if (width < 1 || height < 1) continue; // minimised
-    const Panel& panel = shown.panel(width, height);
+    const bool minimised = width < 1 || height < 1; // its sound goes on
+    const Panel& panel = shown.panel(std::max(width, 1), std::max(height, 1));
     playing = panel.playing;
     if (title != panel.title)
       glfwSetWindowTitle(window.handle(), fmt::format("{} - Kinora", title = panel.title).c_str());
-    draw(shown, window.handle(), backdrop, panel);
+    if (!minimised) draw(shown, window.handle(), backdrop, panel);
   }
 }
 

@@ -26,6 +26,9 @@ void draw_bar(Shown& shown, const Panel& panel) {
   bool loop = panel.loop;
   if (ImGui::Checkbox("Loop", &loop)) shown.act({kLoop});
   ImGui::SameLine();
+  bool sound = !panel.muted;
+  if (panel.has_sound && ImGui::Checkbox("Sound", &sound)) shown.act({kMute});
+  if (panel.has_sound) ImGui::SameLine();
   ImGui::Text("%.3gx", panel.speed);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);

@@ -20,8 +20,9 @@ constexpr auto kBetweenCameras = 33ms; // of a recording
 } // namespace
 
 Viewer::Viewer(const std::string& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
-               MasterClock seconds)
-    : open_(std::move(open)), folder_(std::move(folder)), stopped_(std::move(stopped)), seconds_(std::move(seconds)) {
+               MasterClock seconds, SoundPlayback::OpenLoudspeaker loudspeaker)
+    : open_(std::move(open)), folder_(std::move(folder)), stopped_(std::move(stopped)), seconds_(std::move(seconds)),
+      sound_(std::move(loudspeaker), seconds_) {
   start(clip);
 }
 
@@ -36,9 +37,10 @@ void Viewer::start(const std::string& clip) {
   panel_.layers.clear();
   panel_.view = 0;
   clock_.reset();
+  sound_.set_sound(nullptr);
   take(so_far);
   panel_.message = so_far.message;
-  clock_->play();
+  begins_ = true;
 }
 
 // Another part of the same clip, or the first: what a person has chosen stays.
@@ -51,6 +53,7 @@ void Viewer::take(const ClipSoFar& so_far) {
   }
   if (!camera_ || !camera_->moved()) camera_.emplace(content.capture_camera(0), subject_of(player, 0));
   clock_->set_times(content.times, !so_far.complete);
+  if (content.sound) sound_.set_sound({so_far.player, &*content.sound});
   std::vector<std::pair<std::string, bool>> layers;
   for (const clip::Layer& layer : content.layers) {
     const auto known = std::find_if(panel_.layers.begin(), panel_.layers.end(),
@@ -100,6 +103,9 @@ void Viewer::act(const Action& action) {
     break;
   case kSpeed:
     clock_->set_speed(std::clamp(clock_->speed() * action.value, PlaybackClock::kMinSpeed, PlaybackClock::kMaxSpeed));
+    break;
+  case kMute:
+    sound_.set_muted(!sound_.muted());
     break;
   case kHome:
     camera_->reset();
@@ -178,7 +184,10 @@ PictureRequest Viewer::wanted(bool moving) const {
 }
 
 const Panel& Viewer::panel(int width, int height) {
+  if (std::exchange(begins_, false)) clock_->play();
   take_what_has_come();
+  sound_.follow(*clock_);
+  if (std::string message = sound_.take_message(); !message.empty()) panel_.message = std::move(message);
   const std::size_t frame = clock_->frame();
   if (width != width_ || height != height_ || frame != panel_.frame) changed_ = true;
   width_ = std::clamp(width, 1, 8192);
@@ -188,6 +197,8 @@ const Panel& Viewer::panel(int width, int height) {
   panel_.seconds = clock_->seconds();
   panel_.playing = clock_->playing();
   panel_.loop = clock_->loop();
+  panel_.has_sound = sound_.has_sound();
+  panel_.muted = sound_.muted();
   panel_.speed = clock_->speed();
   panel_.recording = recording_.has_value();
   if (std::string message = worker_.take_message(); !message.empty()) panel_.message = std::move(message);

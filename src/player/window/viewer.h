@@ -8,6 +8,7 @@
 #include "player/window/clip_feed.h"
 #include "player/window/orbit_camera.h"
 #include "player/window/picture_worker.h"
+#include "player/window/sound_playback.h"
 #include "player/window/window_functions.h"
 
 namespace kinora::player::window {
@@ -21,7 +22,7 @@ public:
   /// Opens `clip`, and what is dropped later, by `open`; what prevents it comes out of here, but not out of a later
   /// one. Screenshots and camera paths go to `folder`. Ends when `stopped` says so. `seconds`: of the playback.
   Viewer(const std::string& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
-         MasterClock seconds = steady_clock());
+         MasterClock seconds = steady_clock(), SoundPlayback::OpenLoudspeaker loudspeaker = open_loudspeaker);
 
   /// Of the picture of a new window, in pixels.
   std::pair<int, int> wanted_size() const;
@@ -59,12 +60,14 @@ private:
   std::unique_ptr<ClipFeed> feed_;
   ClipSoFar so_far_;
   std::string name_; ///< of the clip's file, without extension
+  SoundPlayback sound_;
   std::optional<PlaybackClock> clock_;
   std::optional<OrbitCamera> camera_;
   std::optional<CameraRecording> recording_;
   Clock::time_point recorded_;
   Panel panel_;
   int width_ = 1, height_ = 1;
+  bool begins_ = false; ///< it plays from when it is seen
   bool changed_ = true; ///< something is to be drawn that was not yet asked for
   bool full_wanted_ = true;
   Clock::time_point moved_;

@@ -17,6 +17,7 @@ struct Panel {
   double seconds = 0, first_seconds = 0, last_seconds = 0; ///< of the clip
   std::size_t frame = 0, frame_count = 0;
   bool playing = false, loop = false, recording = false;
+  bool has_sound = false, muted = false;
   bool shown = true;
   double speed = 1;
   int view = 0;                                     ///< PictureView
