@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <fstream>
 #include <map>
 #include <memory>
 
@@ -10,8 +11,11 @@
 
 #include "cli/clip_input.h"
 #include "cli/commands.h"
+#include "cli/drawn_pictures.h"
 #include "cli/export_facts.h"
 #include "cli/picture_output.h"
+#include "cli/versions.h"
+#include "container/crc32c.h"
 #include "core/error.h"
 #include "player/camera_file.h"
 
@@ -32,6 +36,7 @@ struct Options {
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
+  bool resume = false;
 };
 
 std::pair<int, int> parse_size(const std::string& text) {
@@ -135,6 +140,57 @@ std::vector<DrawnLayer> draw_layers(const player::Player& player, const player::
   return drawn;
 }
 
+std::uint32_t checksum_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::array<char, 1 << 16> piece{};
+  std::uint32_t checksum = 0;
+  while (stream.read(piece.data(), piece.size()) || stream.gcount() > 0)
+    checksum =
+        container::crc32c(std::as_bytes(std::span(piece).first(static_cast<std::size_t>(stream.gcount()))), checksum);
+  return checksum;
+}
+
+/// Pictures of a film out of what an earlier run has left, or drawn and left for a later one (--resume).
+class ResumableDrawing {
+public:
+  ResumableDrawing(const Options& options, const player::LayerChoice& layers)
+      : kept_(options.out.string() + ".drawn"),
+        how_(fmt::format("{}\n{:08x} {} {} {}", version_text(), checksum_of(options.clip),
+                         static_cast<int>(options.quality), static_cast<int>(options.unseen), fmt::join(layers, ","))) {
+  }
+
+  template <class Draw> fields::Picture picture(std::size_t index, const player::View& view, const Draw& draw) {
+    const Intrinsics& k = view.camera.intrinsics;
+    const std::string from = fmt::format("{} {} {} {} {} {} {} {} {}", how_, view.frame, k.width, k.height, k.fx, k.fy,
+                                         k.cx, k.cy, fmt::join(view.camera.camera_to_world.matrix().reshaped(), " "));
+    const std::uint32_t key = container::crc32c(std::as_bytes(std::span(from)));
+    if (std::optional<ColorImage> found = kept_.find(index, key)) return {*std::move(found), {}, {}};
+    fields::Picture drawn = draw();
+    kept_.keep(index, key, drawn.color);
+    return drawn;
+  }
+  void finish() { kept_.remove(); }
+
+private:
+  DrawnPictures kept_;
+  std::string how_;
+};
+
+/// Those whose files a folder of PNG lacks.
+std::vector<player::View> missing_views(std::vector<player::View> views, const PictureRequest& request,
+                                        const KinoraFormat& format) {
+  if (std::string_view(format.name) != "png")
+    throw Error(ErrorCode::kUsage, "--resume is for films and folders of PNG pictures");
+  std::erase_if(views, [&](const player::View& view) {
+    const auto is_there = [&](const std::string& end) {
+      return std::filesystem::exists(request.path / (view.name + end));
+    };
+    return is_there(".png") &&
+           std::ranges::all_of(request.passes, [&](const std::string& pass) { return is_there("." + pass + ".png"); });
+  });
+  return views;
+}
+
 std::string cameras_text(const Options& options) {
   if (!options.cameras.empty()) return options.cameras.filename().string();
   return options.has_orbit ? fmt::format("orbit of {:g} degrees", options.orbit) : "the capture's";
@@ -170,28 +226,38 @@ void run(const Options& options, Context& context) {
   }
   // Views of one time belong together.
   if (kind == OutputKind::kFolder) std::ranges::stable_sort(views, {}, &player::View::frame);
+  const KinoraFormat& format = picture_format(request, context.plugins());
+  const PictureExport pictures{player.clip(), format, options.clip, cameras_text(options), views, layers, beside};
+  request.facts = facts_of(pictures);
+  if (options.resume && kind == OutputKind::kPicture)
+    throw Error(ErrorCode::kUsage, "--resume is for several pictures");
+  if (options.resume && kind == OutputKind::kFolder) views = missing_views(std::move(views), request, format);
+  if (views.empty()) {
+    context.print(fmt::format("{} has all its pictures\n", options.out.string()));
+    return;
+  }
   std::vector<std::string> names;
   names.reserve(views.size());
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip(), kind);
 
-  const PictureExport pictures{
-      player.clip(), picture_format(request, context.plugins()), options.clip, cameras_text(options), views, layers,
-      beside};
-  request.facts = facts_of(pictures);
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
+  std::optional<ResumableDrawing> resumable;
+  if (options.resume && kind == OutputKind::kFilm) resumable.emplace(options, layers);
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
     const player::View& view = views[i];
-    output->add({player.draw(view.camera, view.frame, layers, draw), view.name, times[i], view.camera,
+    const auto drawn = [&] { return player.draw(view.camera, view.frame, layers, draw); };
+    output->add({resumable ? resumable->picture(i, view, drawn) : drawn(), view.name, times[i], view.camera,
                  labels_at(player.clip(), layers, view.frame),
                  has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
                              : std::vector<DrawnLayer>{}});
     context.progress.advance(i + 1, "");
   }
   output->finish();
+  if (resumable) resumable->finish();
   if (context.shared.json) {
     context.print_json({{"schema", "kinora.render/1"},
                         {"output", options.out.string()},
@@ -276,6 +342,10 @@ void add_render(CLI::App& app, Context& context) {
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  command.add_flag(
+      "--resume", options->resume,
+      "Draw only the pictures that a folder of PNG lacks; of a film, keep what is drawn in OUT.drawn/ until it "
+      "is whole, and use what an earlier run left there");
   context.add_overwrite(command);
 }
 

@@ -155,6 +155,63 @@ TEST_F(Render, FilmIsAFilm) {
   EXPECT_FALSE(fs::exists(path("o.mp4.part")));
 }
 
+TEST_F(Render, AFilmGoesOnWithThePicturesOfARunThatEndedEarly) {
+  const std::vector<std::string> words{path("o.mp4"), "--orbit", "10", "--size", "320x240", "--resume"};
+  ASSERT_EQ(render({path("whole.mp4"), "--orbit", "10", "--size", "320x240"}).code, 0);
+  std::vector<std::string> all{"render", path("clip.mkv")};
+  all.insert(all.end(), words.begin(), words.end());
+  for (const bool exchanged : {false, true}) {
+    Running running(folder_.path(), all);
+    while (!fs::exists(path("o.mp4.drawn")) || names_in("o.mp4.drawn").size() < 3) usleep(1000);
+    running.kill_at_once();
+    running.finish();
+    EXPECT_FALSE(fs::exists(path("o.mp4")));
+    const std::vector<std::string> kept = names_in("o.mp4.drawn");
+    const std::string first = contents_of(path("o.mp4.drawn/" + kept[0]));
+    // Half a picture is drawn again; a whole one is taken for what it is called.
+    folder_.write("o.mp4.drawn/" + kept[1], exchanged ? first : first.substr(0, first.size() / 2));
+    ASSERT_EQ(render(words).code, 0);
+    EXPECT_EQ(contents_of(path("o.mp4")) == contents_of(path("whole.mp4")), !exchanged);
+    EXPECT_FALSE(fs::exists(path("o.mp4.drawn")));
+    fs::remove(path("o.mp4"));
+  }
+}
+
+TEST_F(Render, AFilmTakesPicturesThatWereDrawnOtherwiseFromNoRun) {
+  Running running(folder_.path(), {"render", path("clip.mkv"), path("o.mp4"), "--size", "320x240", "--resume"});
+  while (!fs::exists(path("o.mp4.drawn")) || names_in("o.mp4.drawn").size() < 2) usleep(1000);
+  running.kill_at_once();
+  running.finish();
+  folder_.write("o.mp4.drawn/mine", "mine");
+  const std::vector<std::string> otherwise{"--size", "320x240", "--quality", "fast"};
+  std::vector<std::string> words{path("o.mp4"), "--resume"};
+  words.insert(words.end(), otherwise.begin(), otherwise.end());
+  ASSERT_EQ(render(words).code, 0);
+  words[0] = path("whole.mp4");
+  words.erase(words.begin() + 1);
+  ASSERT_EQ(render(words).code, 0);
+  EXPECT_EQ(contents_of(path("o.mp4")), contents_of(path("whole.mp4")));
+  EXPECT_EQ(contents_of(path("o.mp4.drawn/mine")), "mine");
+}
+
+TEST_F(Render, AFolderGetsThePicturesThatItLacks) {
+  const std::vector<std::string> words{path("out"), "--size", "16x12", "--passes", "rgb,depth", "--resume"};
+  ASSERT_EQ(render(words).code, 0);
+  const std::string second = contents_of(path("out/000001.depth.png"));
+  fs::remove(path("out/000001.depth.png"));
+  fs::remove(path("out/000001.png"));
+  folder_.write("out/000003.png", "mine");
+  ASSERT_EQ(render(words).code, 0);
+  EXPECT_EQ(contents_of(path("out/000001.depth.png")), second);
+  EXPECT_EQ(contents_of(path("out/000003.png")), "mine");
+  EXPECT_EQ(names_in("out").size(), 10U);
+  const Said again = render(words);
+  EXPECT_EQ(again.code, 0);
+  EXPECT_NE(again.out.find("has all its pictures"), std::string::npos) << again.out;
+  expect_error(render({path("o.png"), "--resume"}), 2, "--resume");
+  expect_error(render({path("exr"), "-O", "format=exr", "--resume"}), 2, "PNG");
+}
+
 TEST_F(Render, LayersThatAreNotThereAreWarnedOfAndDrawNothing) {
   const Said said = render({path("o.png"), "--size", "32x24", "--layers", "person,spirit"});
   EXPECT_EQ(said.code, 0);
