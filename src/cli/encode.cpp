@@ -1,6 +1,9 @@
 // kinora encode: a capture becomes a clip.
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -8,9 +11,11 @@
 
 #include "cli/archive.h"
 #include "cli/clip_input.h"
+#include "cli/clip_window.h"
 #include "cli/commands.h"
 #include "cli/companions.h"
 #include "cli/growing_clip.h"
+#include "cli/interrupt.h"
 #include "cli/live_device.h"
 #include "cli/output_file.h"
 #include "cli/quality_text.h"
@@ -57,6 +62,7 @@ struct Options {
   LiveOptions live;
   std::filesystem::path preview;
   double preview_every = 2;
+  bool view = false;
 };
 
 class Stopwatch {
@@ -158,8 +164,9 @@ std::optional<container::Sound> sound_of(const Options& options, const clip::Cli
   return small;
 }
 
+/// `published` is called whenever the clip has grown, on another thread.
 encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
-                                 Context& context) {
+                                 const std::function<void()>& published, Context& context) {
   ingest::CaptureOptions capture_how = capture_options(options);
   capture_how.max_depth = how.settings.ingest.max_depth;
   capture_how.cleaning = how.settings.ingest.cleaning;
@@ -173,6 +180,7 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   if (preview) request.interval = std::min(request.interval, options.preview_every);
   request.publish = [&](const clip::Clip& clip) {
     file.write(clip);
+    published();
     if (preview) preview->show(clip);
   };
   encode::EncodeResult result = encode::encode_live(*capture, request, how, context.progress);
@@ -180,6 +188,35 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   file.finish(result.clip);
   result.report["live"]["disconnected"] = capture_how.device->was_disconnected();
   return result;
+}
+
+/// On a thread of its own, while this one shows the growing clip in a window. The window may be closed before; it stays
+/// when the clip has ended.
+encode::EncodeResult encode_live_in_view(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
+                                         Context& context) {
+  std::atomic<bool> begun = false;
+  auto encoding = std::async(std::launch::async, [&] {
+    return encode_live(
+        options, how, out, [&begun] { begun = true; }, context);
+  });
+  while (!begun && encoding.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+  }
+  std::string message;
+  try {
+    if (begun && !interrupted()) show_in_window(options.clip.string(), context);
+  } catch (const Error& error) {
+    message = error.what();
+  }
+  encode::EncodeResult result = encoding.get();
+  if (!message.empty()) context.progress.warn(message);
+  return result;
+}
+
+encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
+                                 Context& context) {
+  if (options.view) return encode_live_in_view(options, how, out, context);
+  return encode_live(
+      options, how, out, [] {}, context);
 }
 
 /// Of as many bytes as the options say.
@@ -270,6 +307,7 @@ void run(const Options& options, Context& context) {
     how.body = tracking::measure_body(ingest::read_body_mesh(options.body));
     how.body_from = options.body.filename().string();
   }
+  if (options.view) require_window(); // before the capture begins
   const Companions companions = companions_of(options.companions);
   const std::vector inputs{options.capture, options.segmenter, options.detector,
                            options.body,    options.audio,     options.companions.chapters};
@@ -386,6 +424,7 @@ void add_encode(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber)
       ->type_name("S")
       ->capture_default_str();
+  command.add_flag("--view", options->view, "Show the growing clip in a window, as kinora play does")->needs("--live");
   for (const char* other : {"--holdout", "--holdout-tracked", "--segmenter", "--detector", "--preset", "--archive",
                             "--kb-per-frame", "--flat-preview", "--chapters", "--tag"})
     command.get_option("--live")->excludes(command.get_option(other));

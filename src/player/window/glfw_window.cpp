@@ -176,6 +176,8 @@ void draw(Shown& shown, GLFWwindow* window, Backdrop& backdrop, const Panel& pan
 
 } // namespace
 
+void require_display() { const Library library; }
+
 void show(Shown& shown, int width, int height) {
   constexpr double kSoon = 1.0 / 90, kIdle = 0.1; // seconds
   const Library library;

@@ -47,9 +47,13 @@ public:
 /// Throws Error(kMissingComponent) without a display or OpenGL 3. To be called by the program's first thread.
 void show(Shown& shown, int width, int height);
 
+/// Throws Error(kMissingComponent) if there is no display. To be called by the program's first thread.
+void require_display();
+
 /// What the module exports, through `extern "C" const WindowFunctions* kinora_functions()`.
 struct WindowFunctions {
   decltype(&show) show_window;
+  decltype(&kinora::player::window::require_display) require_display;
 };
 
 /// Thread-safe. Throws Error(kMissingComponent) if the module or a library that it needs is not installed.
