@@ -32,6 +32,7 @@ struct Options {
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
+  bool resume = false;
 };
 
 std::pair<int, int> parse_size(const std::string& text) {
@@ -179,12 +180,14 @@ void run(const Options& options, Context& context) {
       player.clip(), picture_format(request, context.plugins()), options.clip, cameras_text(options), views, layers,
       beside};
   request.facts = facts_of(pictures);
+  request.resume = options.resume;
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   context.progress.stage("drawing", views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
     const player::View& view = views[i];
+    if (output->is_done(view.name)) continue;
     output->add({player.draw(view.camera, view.frame, layers, draw), view.name, times[i], view.camera,
                  labels_at(player.clip(), layers, view.frame),
                  has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
@@ -276,6 +279,8 @@ void add_render(CLI::App& app, Context& context) {
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  command.add_flag("--resume", options->resume,
+                   "Keep pictures of a folder that are there, and draw the rest as the same command would have");
   context.add_overwrite(command);
 }
 

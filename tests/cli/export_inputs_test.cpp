@@ -248,5 +248,37 @@ TEST_F(Exports, SequencesGoOnWhereTheyWereInterrupted) {
   expect_error(run(kDoors[0], "", {"--resume"}), 2, "--resume");
 }
 
+TEST_F(Exports, FoldersOfPicturesGoOnToo) {
+  for (const Door& door : kDoors) {
+    if (door.words[0] != "render") continue;
+    if (door.output != "pictures") {
+      expect_error(run(door, "", {"--resume"}), 2, "--resume");
+      EXPECT_FALSE(fs::exists(path(door.first))) << door.first;
+      continue;
+    }
+    const bool passes_beside = door.format == "png";
+    const std::vector<std::string> passes{"--passes", passes_beside ? "rgb,depth" : "rgb,deep"};
+    const std::string end = passes_beside ? ".png" : ".exr";
+    const std::string pass = (passes_beside ? ".depth" : ".deep") + end;
+    const auto resumed = [&] { return run(door, "", {passes[0], passes[1], "--resume"}); };
+    ASSERT_EQ(resumed().code, 0) << "nothing is there yet";
+    const std::string second = contents_of(path("pictures/000001" + end));
+    const std::string third = contents_of(path("pictures/000002" + pass));
+    for (const std::string& name : {"000000" + end, "000001" + pass, "000002" + end})
+      folder_.write("pictures/" + name, "kept");
+    fs::remove(path("pictures/000001" + end));
+    fs::remove(path("pictures/000002" + pass));
+    const Said said = resumed();
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(contents_of(path("pictures/000000" + end)), "kept");
+    EXPECT_EQ(contents_of(path("pictures/000001" + end)), second);
+    EXPECT_EQ(contents_of(path("pictures/000002" + pass)), third);
+    EXPECT_NE(contents_of(path("pictures/000001" + pass)), "kept") << "a picture is made with all its passes";
+    EXPECT_EQ(resumed().code, 0) << "all are there";
+    fs::remove_all(path("pictures"));
+  }
+  EXPECT_TRUE(unfinished().empty());
+}
+
 } // namespace
 } // namespace kinora::test
