@@ -13,6 +13,7 @@
 #include "cli/export_facts.h"
 #include "cli/picture_output.h"
 #include "core/error.h"
+#include "motion/first_frame.h"
 #include "player/camera_file.h"
 
 namespace kinora::cli {
@@ -119,7 +120,7 @@ std::vector<host::LabelMeaning> labels_at(const clip::Clip& clip, const player::
   std::vector<host::LabelMeaning> labels;
   for (const std::size_t i : layers) {
     const clip::Layer& layer = clip.layers[i];
-    if (frame < static_cast<double>(player::first_frame_of(layer.motion, clip.times.size()))) continue;
+    if (frame < static_cast<double>(motion::first_frame_of(layer.motion, clip.times.size()))) continue;
     labels.push_back({layer.label, layer.name, std::string(motion::name_of(layer.motion.kind()))});
   }
   return labels;

@@ -134,6 +134,23 @@ TEST_F(Exports, WhereNothingIsThereMeshesAreRefusedAndTheRestIsEmpty) {
   EXPECT_TRUE(unfinished().empty());
 }
 
+/// Nothing has been seen yet in the first.
+TEST_F(Exports, AFrameMayBeEmpty) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  clip.layers = {clip.layers[1]};
+  std::vector<motion::Motion::Pose> poses = clip.layers[0].motion.poses();
+  poses[0].health = motion::Health::kLost;
+  clip.layers[0].motion = motion::Motion::rigid(poses);
+  write(clip);
+  expect_all_written("empty");
+  for (const Door& door : kDoors) {
+    const bool told = run(door, "").err.find("object: first seen in frame 1") != std::string::npos;
+    EXPECT_EQ(told, door.stage == "surfaces") << door.first;
+    fs::remove_all(path(door.output));
+    fs::remove_all(path("pictures"));
+  }
+}
+
 TEST_F(Exports, NamesMayHaveSpacesQuotesAndLettersOfAllLanguages) {
   clip::Clip clip = bake::testing::sample_clip(kFrames);
   clip.layers[1].name = "Karton \"groß\"";
