@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "fields/calibration.h"
 #include "instruction_set.h"
+#include "motion/first_frame.h"
 #include "player/player.h"
 #include "player/view_path.h"
 #include "stopwatch.h"
@@ -50,9 +51,9 @@ std::vector<fields::PosedField> posed(const clip::Clip& clip, const std::vector<
   std::vector<fields::PosedField> posed;
   posed.reserve(drawables.size());
   for (std::size_t i = 0; i < drawables.size(); ++i) {
-    const motion::Motion& motion = clip.layers[i].motion;
-    if (frame < static_cast<double>(player::first_frame_of(motion, clip.times.size()))) continue;
-    posed.push_back(fields::pose(drawables[i], motion.warp(frame)));
+    const motion::Motion& path = clip.layers[i].motion;
+    if (frame < static_cast<double>(motion::first_frame_of(path, clip.times.size()))) continue;
+    posed.push_back(fields::pose(drawables[i], path.warp(frame)));
   }
   return posed;
 }

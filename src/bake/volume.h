@@ -34,7 +34,8 @@ public:
   /// Every voxel near an occupied cell of a layer is pulled back into the layer's canonical space by the warp of the
   /// frame, and takes the density by which as much light passes as does on average at a few points inside
   /// it (at least 1e-4). Where layers meet, densities add up and colours
-  /// mix. Throws Error: kFailure if the scene is too large for voxels so small, kInterrupted.
+  /// mix. A layer is not there before its first frame. Throws Error: kFailure if the scene is too large for voxels so
+  /// small, kInterrupted.
   host::Volume at(int frame, const Progress& progress);
 
 private:

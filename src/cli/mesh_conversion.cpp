@@ -5,6 +5,7 @@
 #include "cli/export_facts.h"
 #include "cli/output_with_files.h"
 #include "core/error.h"
+#include "motion/first_frame.h"
 
 namespace kinora::cli {
 namespace {
@@ -79,9 +80,18 @@ host::Mesh shifted(host::Mesh mesh, const Eigen::Vector3d& by) {
 }
 
 void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context) {
+  const std::size_t first = motion::first_frame_of(layer.motion, conversion.clip->times.size());
   std::size_t lost = 0;
+  std::size_t early = 0;
   for (const int frame : conversion.frames) {
-    lost += layer.motion.health(static_cast<std::size_t>(frame)) == motion::Health::kLost ? 1U : 0U;
+    if (layer.motion.health(static_cast<std::size_t>(frame)) != motion::Health::kLost) continue;
+    ++(static_cast<std::size_t>(frame) < first ? early : lost);
+  }
+  if (early > 0 && host::supports(*conversion.format, KINORA_WRITES_MESHES)) {
+    report_loss(conversion,
+                fmt::format("{}: first seen in frame {}, and shown where it is then in the {} before", layer.name,
+                            first, early),
+                context);
   }
   if (lost > 0) {
     report_loss(conversion,

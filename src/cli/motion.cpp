@@ -7,7 +7,7 @@
 #include "cli/clip_input.h"
 #include "cli/commands.h"
 #include "cli/output_file.h"
-#include "player/player.h"
+#include "motion/first_frame.h"
 
 namespace kinora::cli {
 namespace {
@@ -54,7 +54,7 @@ Json joints_json(const motion::JointPaths& joints, std::size_t frame) {
 Json layer_json(const clip::Layer& layer, const clip::Clip& clip) {
   const std::size_t count = clip.times.size();
   const bool rigid = layer.motion.kind() == motion::MotionKind::kRigid;
-  const double first = static_cast<double>(player::first_frame_of(layer.motion, count));
+  const double first = static_cast<double>(motion::first_frame_of(layer.motion, count));
   const SE3 world_to_canonical = rigid ? layer.motion.canonical_to_world(first).inverse() : SE3::Identity();
   Json frames = Json::array();
   for (std::size_t i = 0; i < count; ++i) {

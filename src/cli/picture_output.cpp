@@ -169,11 +169,26 @@ private:
   std::vector<std::unique_ptr<OutputFile>> files_beside_; // as beside_
 };
 
+/// Pictures that share a file, or that another file lists, are not known by their names.
+void check_resume(const PictureRequest& request, const KinoraFormat& format, OutputKind kind) {
+  const auto views = request.options.find("views");
+  const bool share = views != request.options.end() && views->second != "files";
+  if (!request.resume || (kind == OutputKind::kFolder && !share && *format.extensions != '\0')) return;
+  throw Error(ErrorCode::kUsage, "--resume is for folders with a file for each picture");
+}
+
 class FolderOutput : public PictureOutput {
 public:
   FolderOutput(const PictureRequest& request, const std::vector<std::string>& names, const KinoraFormat& format,
                const host::Options& options)
       : request_(request), writer_(format, free_folder(request, names, format) / "", options, request.facts) {}
+  bool is_done(const std::string& name) const override {
+    std::error_code ignored;
+    return request_.resume &&
+           std::ranges::all_of(files_of(request_, name, writer_.format()), [&](const fs::path& file) {
+             return fs::exists(file, ignored) && !written_.contains(file.lexically_normal());
+           });
+  }
   void add(const DrawnPicture& drawn) override {
     writer_.write(picture_for(writer_.format(), drawn, request_));
     move();
@@ -188,7 +203,7 @@ private:
     writer_.files().move([this](const fs::path& inside) {
       fs::path target = request_.path / inside;
       if (!written_.insert(target.lexically_normal()).second) unwritable(target, "two pictures have this name");
-      refuse_to_lose(target, request_.overwrite, request_.inputs);
+      refuse_to_lose(target, request_);
       return target;
     });
   }
@@ -201,21 +216,28 @@ private:
     if (fs::exists(request.path, error) && !fs::is_directory(request.path, error)) {
       unwritable(request.path, "it is not a folder; name a folder, a .png or a .mp4");
     }
-    const std::string extension = std::string(format.extensions).substr(0, std::string(format.extensions).find(' '));
-    for (const std::string& name : names) {
-      refuse_to_lose(request.path / (name + extension), request.overwrite, request.inputs);
-      for (const std::string& end : ends_beside(format, request))
-        refuse_to_lose(request.path / (name + end), request.overwrite, request.inputs);
-    }
+    for (const std::string& name : names)
+      for (const fs::path& file : files_of(request, name, format)) refuse_to_lose(file, request);
     return request.path;
   }
 
-  static void refuse_to_lose(const fs::path& file, bool overwrite, const std::vector<fs::path>& inputs) {
+  /// A picture with its passes.
+  static std::vector<fs::path> files_of(const PictureRequest& request, const std::string& name,
+                                        const KinoraFormat& format) {
+    const std::string extensions = format.extensions;
+    std::vector<std::string> ends = ends_beside(format, request);
+    ends.push_back(extensions.substr(0, extensions.find(' ')));
+    std::vector<fs::path> files;
+    for (const std::string& end : ends) files.push_back(request.path / (name + end));
+    return files;
+  }
+
+  static void refuse_to_lose(const fs::path& file, const PictureRequest& request) {
     std::error_code error;
-    for (const fs::path& input : inputs) {
+    for (const fs::path& input : request.inputs) {
       if (fs::equivalent(file, input, error)) unwritable(file, "it is also the input; give another folder");
     }
-    if (overwrite || !fs::exists(fs::symlink_status(file, error))) return;
+    if (request.overwrite || request.resume || !fs::exists(fs::symlink_status(file, error))) return;
     unwritable(file, "it exists already; add --overwrite to replace it, or give another folder");
   }
 
@@ -256,7 +278,9 @@ const KinoraFormat& picture_format(const PictureRequest& request, const host::Pl
 
 std::unique_ptr<PictureOutput> PictureOutput::open(const PictureRequest& request, const std::vector<std::string>& names,
                                                    const host::PluginTable& plugins) {
-  switch (output_kind(request.path, plugins)) {
+  const OutputKind kind = output_kind(request.path, plugins);
+  check_resume(request, picture_format(request, plugins), kind);
+  switch (kind) {
   case OutputKind::kFilm:
     return std::make_unique<FilmOutput>(request, plugins);
   case OutputKind::kPicture:

@@ -22,6 +22,7 @@ struct PictureRequest {
   std::vector<std::string> passes; ///< besides colour: depth, normal, confidence, deep
   std::vector<std::filesystem::path> inputs;
   host::Facts facts = {}; ///< for the output's metadata
+  bool resume = false;    ///< pictures of a folder that are there with all their passes stay, and are not drawn again
 };
 
 /// A layer drawn by itself.
@@ -56,6 +57,8 @@ public:
   static std::unique_ptr<PictureOutput> open(const PictureRequest& request, const std::vector<std::string>& names,
                                              const host::PluginTable& plugins);
   virtual ~PictureOutput() = default;
+  /// Whether the picture of this name is there already and stays.
+  virtual bool is_done(const std::string& /*name*/) const { return false; }
   virtual void add(const DrawnPicture& drawn) = 0;
   virtual void finish() = 0;
 };

@@ -17,6 +17,7 @@
 #include "cli/versions.h"
 #include "container/crc32c.h"
 #include "core/error.h"
+#include "motion/first_frame.h"
 #include "player/camera_file.h"
 
 namespace kinora::cli {
@@ -123,7 +124,7 @@ std::vector<host::LabelMeaning> labels_at(const clip::Clip& clip, const player::
   std::vector<host::LabelMeaning> labels;
   for (const std::size_t i : layers) {
     const clip::Layer& layer = clip.layers[i];
-    if (frame < static_cast<double>(player::first_frame_of(layer.motion, clip.times.size()))) continue;
+    if (frame < static_cast<double>(motion::first_frame_of(layer.motion, clip.times.size()))) continue;
     labels.push_back({layer.label, layer.name, std::string(motion::name_of(layer.motion.kind()))});
   }
   return labels;
@@ -176,21 +177,6 @@ private:
   std::string how_;
 };
 
-/// Those whose files a folder of PNG lacks.
-std::vector<player::View> missing_views(std::vector<player::View> views, const PictureRequest& request,
-                                        const KinoraFormat& format) {
-  if (std::string_view(format.name) != "png")
-    throw Error(ErrorCode::kUsage, "--resume is for films and folders of PNG pictures");
-  std::erase_if(views, [&](const player::View& view) {
-    const auto is_there = [&](const std::string& end) {
-      return std::filesystem::exists(request.path / (view.name + end));
-    };
-    return is_there(".png") &&
-           std::ranges::all_of(request.passes, [&](const std::string& pass) { return is_there("." + pass + ".png"); });
-  });
-  return views;
-}
-
 std::string cameras_text(const Options& options) {
   if (!options.cameras.empty()) return options.cameras.filename().string();
   return options.has_orbit ? fmt::format("orbit of {:g} degrees", options.orbit) : "the capture's";
@@ -226,21 +212,16 @@ void run(const Options& options, Context& context) {
   }
   // Views of one time belong together.
   if (kind == OutputKind::kFolder) std::ranges::stable_sort(views, {}, &player::View::frame);
-  const KinoraFormat& format = picture_format(request, context.plugins());
-  const PictureExport pictures{player.clip(), format, options.clip, cameras_text(options), views, layers, beside};
-  request.facts = facts_of(pictures);
-  if (options.resume && kind == OutputKind::kPicture)
-    throw Error(ErrorCode::kUsage, "--resume is for several pictures");
-  if (options.resume && kind == OutputKind::kFolder) views = missing_views(std::move(views), request, format);
-  if (views.empty()) {
-    context.print(fmt::format("{} has all its pictures\n", options.out.string()));
-    return;
-  }
   std::vector<std::string> names;
   names.reserve(views.size());
   for (const player::View& view : views) names.push_back(view.name);
   const std::vector<double> times = show_times(views, player.clip(), kind);
 
+  const PictureExport pictures{
+      player.clip(), picture_format(request, context.plugins()), options.clip, cameras_text(options), views, layers,
+      beside};
+  request.facts = facts_of(pictures);
+  request.resume = options.resume && kind != OutputKind::kFilm;
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   std::optional<ResumableDrawing> resumable;
@@ -249,6 +230,7 @@ void run(const Options& options, Context& context) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     context.progress.check();
     const player::View& view = views[i];
+    if (output->is_done(view.name)) continue;
     const auto drawn = [&] { return player.draw(view.camera, view.frame, layers, draw); };
     output->add({resumable ? resumable->picture(i, view, drawn) : drawn(), view.name, times[i], view.camera,
                  labels_at(player.clip(), layers, view.frame),
@@ -342,10 +324,9 @@ void add_render(CLI::App& app, Context& context) {
   command.add_option("-O", options->writer_options, "An option of the format that writes (see kinora formats)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command.add_flag(
-      "--resume", options->resume,
-      "Draw only the pictures that a folder of PNG lacks; of a film, keep what is drawn in OUT.drawn/ until it "
-      "is whole, and use what an earlier run left there");
+  command.add_flag("--resume", options->resume,
+                   "Keep pictures of a folder that are there, and draw the rest as the same command would have; of a "
+                   "film, keep what is drawn in OUT.drawn/ until it is whole, and use what an earlier run left there");
   context.add_overwrite(command);
 }
 

@@ -53,6 +53,7 @@ Json convert_to_volumes(const Conversion& conversion, Context& context) {
   check_numbered_outputs(conversion, context.shared.overwrite);
   VolumeIndex index(conversion, context.shared.overwrite);
   bake::VolumeBaker baker(*conversion.clip, conversion.layers, conversion.volume);
+  for (const std::size_t i : conversion.layers) report_lost_frames(conversion, conversion.clip->layers[i], context);
   const double start = conversion.clip->times[static_cast<std::size_t>(conversion.frames.front())];
   Json voxels = Json::array();
   std::uintmax_t bytes = 0;

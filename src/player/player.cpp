@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "motion/first_frame.h"
+
 namespace kinora::player {
 namespace {
 
@@ -24,13 +26,6 @@ std::optional<Eigen::Vector3d> occupied_centre(const fields::Field& field) {
 
 } // namespace
 
-std::size_t first_frame_of(const motion::Motion& motion, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (motion.health(i) != motion::Health::kLost) return i;
-  }
-  return 0;
-}
-
 int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
   constexpr double kCoarser = 1.2; // than the capture's pixels: shows no difference yet
   int samples = 1;
@@ -43,7 +38,7 @@ Player::Player(clip::Clip clip) : clip_(std::move(clip)) {
     drawables_.push_back(
         std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence));
     centres_.push_back(occupied_centre(layer.field));
-    first_frames_.push_back(first_frame_of(layer.motion, clip_.times.size()));
+    first_frames_.push_back(motion::first_frame_of(layer.motion, clip_.times.size()));
   }
 }
 

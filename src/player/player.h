@@ -14,9 +14,6 @@ namespace kinora::player {
 
 using clip::LayerChoice;
 
-/// The first frame, of `count`, in which a layer with this motion has been seen: until then it is lost.
-std::size_t first_frame_of(const motion::Motion& motion, std::size_t count);
-
 /// Samples along each side of a pixel (DrawOptions) with which a picture shows no less than the capture's pixels would,
 /// averaged: 1 unless it is smaller than the capture.
 int samples_per_side(const Intrinsics& picture, const Intrinsics& capture);

@@ -122,6 +122,14 @@ TEST(Volume, LayersAddUpWhereTheyMeet) {
   }
 }
 
+TEST(Volume, OfALayerThatHasNotBeenSeenYetIsEmpty) {
+  const motion::Motion::Pose lost{SE3::Identity(), motion::Health::kLost};
+  const clip::Clip clip = clip_of(motion::Motion::rigid({lost, {}, lost}), 3);
+  EXPECT_TRUE(volume_of(clip, 0).voxels.empty());
+  EXPECT_FALSE(volume_of(clip, 1).voxels.empty());
+  EXPECT_FALSE(volume_of(clip, 2).voxels.empty()) << "it stays where it was last";
+}
+
 TEST(Volume, IsTheSameForAnyNumberOfThreads) {
   const clip::Clip clip = testing::sample_clip(2);
   set_thread_count(1);

@@ -150,9 +150,14 @@ TEST_F(ExportFacts, StandInTheFilesOfEveryFormat) {
       const std::string bytes = bytes_of("out/" + file);
       ASSERT_FALSE(bytes.empty()) << file;
       const bool one = chosen.output == "a.png" || chosen.output == "a.exr"; // a picture is of the first frame
-      for (const std::string& fact :
-           {std::string("Kinora"), std::string(kClip), std::string("background, object, person"),
-            std::string(one ? "0" : "0 to 2, 3 of them"), chosen.units, chosen.lost})
+      std::vector<std::string> facts{
+          "Kinora",     kClip,      "background, object, person", one ? "0" : "0 to 2, 3 of them", "fps",
+          chosen.units, chosen.lost};
+      if (chosen.command == "render") facts.insert(facts.end(), {"cameras", "the capture's"});
+      if (chosen.command == "convert") facts.insert(facts.end(), {"origin", "0, 0, 0"});
+      if (chosen.lost == kMeshes) facts.insert(facts.end(), {"triangles", "at most 2000 per layer"});
+      if (chosen.format == "openvdb") facts.insert(facts.end(), {"voxel", "0.05 m"});
+      for (const std::string& fact : facts)
         EXPECT_NE(bytes.find(fact), std::string::npos) << file << " does not say \"" << fact << "\"";
     }
   }

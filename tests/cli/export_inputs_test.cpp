@@ -134,6 +134,23 @@ TEST_F(Exports, WhereNothingIsThereMeshesAreRefusedAndTheRestIsEmpty) {
   EXPECT_TRUE(unfinished().empty());
 }
 
+/// Nothing has been seen yet in the first.
+TEST_F(Exports, AFrameMayBeEmpty) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  clip.layers = {clip.layers[1]};
+  std::vector<motion::Motion::Pose> poses = clip.layers[0].motion.poses();
+  poses[0].health = motion::Health::kLost;
+  clip.layers[0].motion = motion::Motion::rigid(poses);
+  write(clip);
+  expect_all_written("empty");
+  for (const Door& door : kDoors) {
+    const bool told = run(door, "").err.find("object: first seen in frame 1") != std::string::npos;
+    EXPECT_EQ(told, door.stage == "surfaces") << door.first;
+    fs::remove_all(path(door.output));
+    fs::remove_all(path("pictures"));
+  }
+}
+
 TEST_F(Exports, NamesMayHaveSpacesQuotesAndLettersOfAllLanguages) {
   clip::Clip clip = bake::testing::sample_clip(kFrames);
   clip.layers[1].name = "Karton \"groß\"";
@@ -246,6 +263,39 @@ TEST_F(Exports, SequencesGoOnWhereTheyWereInterrupted) {
     EXPECT_EQ(contents_of(path(second)), expected) << second;
   }
   expect_error(run(kDoors[0], "", {"--resume"}), 2, "--resume");
+}
+
+TEST_F(Exports, FoldersOfPicturesGoOnToo) {
+  for (const Door& door : kDoors) {
+    const bool film = door.output.ends_with(".mp4") || door.output.ends_with(".webm"); // Render.AFilmGoesOn… is of them
+    if (door.words[0] != "render" || film) continue;
+    if (door.output != "pictures") {
+      expect_error(run(door, "", {"--resume"}), 2, "--resume");
+      EXPECT_FALSE(fs::exists(path(door.first))) << door.first;
+      continue;
+    }
+    const bool passes_beside = door.format == "png";
+    const std::vector<std::string> passes{"--passes", passes_beside ? "rgb,depth" : "rgb,deep"};
+    const std::string end = passes_beside ? ".png" : ".exr";
+    const std::string pass = (passes_beside ? ".depth" : ".deep") + end;
+    const auto resumed = [&] { return run(door, "", {passes[0], passes[1], "--resume"}); };
+    ASSERT_EQ(resumed().code, 0) << "nothing is there yet";
+    const std::string second = contents_of(path("pictures/000001" + end));
+    const std::string third = contents_of(path("pictures/000002" + pass));
+    for (const std::string& name : {"000000" + end, "000001" + pass, "000002" + end})
+      folder_.write("pictures/" + name, "kept");
+    fs::remove(path("pictures/000001" + end));
+    fs::remove(path("pictures/000002" + pass));
+    const Said said = resumed();
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(contents_of(path("pictures/000000" + end)), "kept");
+    EXPECT_EQ(contents_of(path("pictures/000001" + end)), second);
+    EXPECT_EQ(contents_of(path("pictures/000002" + pass)), third);
+    EXPECT_NE(contents_of(path("pictures/000001" + pass)), "kept") << "a picture is made with all its passes";
+    EXPECT_EQ(resumed().code, 0) << "all are there";
+    fs::remove_all(path("pictures"));
+  }
+  EXPECT_TRUE(unfinished().empty());
 }
 
 } // namespace

@@ -194,24 +194,6 @@ TEST_F(Render, AFilmTakesPicturesThatWereDrawnOtherwiseFromNoRun) {
   EXPECT_EQ(contents_of(path("o.mp4.drawn/mine")), "mine");
 }
 
-TEST_F(Render, AFolderGetsThePicturesThatItLacks) {
-  const std::vector<std::string> words{path("out"), "--size", "16x12", "--passes", "rgb,depth", "--resume"};
-  ASSERT_EQ(render(words).code, 0);
-  const std::string second = contents_of(path("out/000001.depth.png"));
-  fs::remove(path("out/000001.depth.png"));
-  fs::remove(path("out/000001.png"));
-  folder_.write("out/000003.png", "mine");
-  ASSERT_EQ(render(words).code, 0);
-  EXPECT_EQ(contents_of(path("out/000001.depth.png")), second);
-  EXPECT_EQ(contents_of(path("out/000003.png")), "mine");
-  EXPECT_EQ(names_in("out").size(), 10U);
-  const Said again = render(words);
-  EXPECT_EQ(again.code, 0);
-  EXPECT_NE(again.out.find("has all its pictures"), std::string::npos) << again.out;
-  expect_error(render({path("o.png"), "--resume"}), 2, "--resume");
-  expect_error(render({path("exr"), "-O", "format=exr", "--resume"}), 2, "PNG");
-}
-
 TEST_F(Render, LayersThatAreNotThereAreWarnedOfAndDrawNothing) {
   const Said said = render({path("o.png"), "--size", "32x24", "--layers", "person,spirit"});
   EXPECT_EQ(said.code, 0);

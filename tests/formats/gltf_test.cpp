@@ -438,6 +438,12 @@ TEST_F(GlbWriterTest, KhronosValidatorFindsNothing) {
   EXPECT_TRUE(test::is_valid_gltf({path("linear.glb"), path("steps.glb"), path("still.glb"), path("small.glb"),
                                    path("picture.glb"), path("morphtrue.glb"), path("morphfalse.glb"),
                                    path("sequencetrue.glb"), path("sequencefalse.glb")}));
+  const std::pair<const char*, const char*> packed[] = {
+      {"skin", "meshopt"}, {"skin", "draco"}, {"morph", "meshopt"}, {"sequence", "meshopt"}, {"sequence", "draco"}};
+  for (const auto& [animation, compression] : packed) {
+    const fs::path file = write_scene("packed.glb", {{"animation", animation}, {"compression", compression}});
+    EXPECT_TRUE(test::is_valid_gltf({file})) << animation << ", " << compression;
+  }
 }
 
 } // namespace

@@ -22,6 +22,7 @@ using Json = nlohmann::json;
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
+constexpr int kClipFrames = 8;
 constexpr std::array<int, 3> kFrames{0, 3, 7}; ///< of the clip
 constexpr double kFramesPerSecond = 30;
 
@@ -148,7 +149,7 @@ TEST_F(Interop, BlenderDrawsTheVolumesAsKinoraDoes) {
   kinora({"convert", clip(), path("clip.vdb").string(), "-O", "layers=person,object", "-O", "vdb-names=blender", "-O",
           "up=z"});
   Json files = Json::array();
-  for (const int frame : kFrames) files.push_back(path("clip_000" + std::to_string(frame + 1) + ".vdb").string());
+  for (int i = 1; i <= kClipFrames; ++i) files.push_back(path("clip_000" + std::to_string(i) + ".vdb").string());
   run_script(blender(), {{"camera", camera()},
                          {"fps", kFramesPerSecond},
                          {"frames", kFrames},

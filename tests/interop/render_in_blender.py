@@ -3,7 +3,7 @@
 usage: blender -b --factory-startup --python-exit-code 1 --python render_in_blender.py -- JOB.json
 
 JOB: {"camera": {w, h, fx, fy, cx, cy}, "fps", "frames": [number], "samples": number,
-      "views": [{"file": a .glb or "files": the .vdb of each of the frames, z up, "out": prefix}]}; paths are absolute.
+      "views": [{"file": a .glb or "files": all .vdb of a sequence, z up, "out": prefix}]}; paths are absolute.
 Writes <out>_<number in the list>.png. Colours as stored: view transform Standard, transparent where nothing is.
 """
 import json
@@ -91,13 +91,17 @@ def draw_model(job, view):
 
 
 def draw_volumes(job, view):
-    for i, file in enumerate(view["files"]):
-        scene = empty_scene()
-        set_up(scene, job)
-        bpy.ops.object.volume_import(filepath=file, files=[{"name": os.path.basename(file)}],
-                                     directory=os.path.dirname(file))
-        volume = bpy.context.object
-        volume.data.materials.append(volume_material())
+    scene = empty_scene()
+    set_up(scene, job)
+    first = view["files"][0]
+    bpy.ops.object.volume_import(filepath=first, files=[{"name": os.path.basename(file)} for file in view["files"]],
+                                 directory=os.path.dirname(first))
+    volume = bpy.context.object.data
+    if volume.is_sequence != (len(view["files"]) > 1):
+        sys.exit("the files are no sequence")
+    volume.materials.append(volume_material())
+    for i, frame in enumerate(job["frames"]):
+        scene.frame_set(volume.frame_start + frame)
         render(scene, f"{view['out']}_{i}.png")
 
 
