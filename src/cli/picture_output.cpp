@@ -228,6 +228,7 @@ private:
     std::vector<std::string> ends = ends_beside(format, request);
     ends.push_back(extensions.substr(0, extensions.find(' ')));
     std::vector<fs::path> files;
+    files.reserve(ends.size());
     for (const std::string& end : ends) files.push_back(request.path / (name + end));
     return files;
   }
