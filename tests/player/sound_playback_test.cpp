@@ -84,8 +84,8 @@ private:
 class SoundPlaybackTest : public ::testing::Test {
 protected:
   SoundPlaybackTest() {
-    std::vector<double> times;
-    for (int i = 0; i < 90; ++i) times.push_back(i / 30.0);
+    std::vector<double> times(90);
+    for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<double>(i) / 30;
     clock_.emplace(std::move(times), seconds());
     playback_.set_sound(telling_sound());
   }
