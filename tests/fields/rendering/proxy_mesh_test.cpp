@@ -47,7 +47,8 @@ TEST_P(ProxyMeshTest, CornersAreWhereTheWarpCarriesThem) {
   const TwistedBall& ball = twisted_ball();
   const PosedProxyMesh posed(ball.proxy_mesh, ball.warp);
   ASSERT_GT(ball.proxy_mesh.corner_count(), 100U);
-  for (std::size_t i = 0; i < ball.proxy_mesh.corner_count(); ++i) {
+  constexpr std::size_t kStep = 7; // every lane of every vector has its turn
+  for (std::size_t i = 0; i < ball.proxy_mesh.corner_count(); i += kStep) {
     const Eigen::Vector3d canonical = ball.proxy_mesh.to_canonical(ball.proxy_mesh.positions()[i]);
     const Eigen::Vector3d expected = ball.warp.to_world(canonical).value() - posed.origin();
     ASSERT_LT((posed.corners().world[i].cast<double>() - expected).norm(), 1e-5) << i;
