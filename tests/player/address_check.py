@@ -61,7 +61,7 @@ class Faulty(http.server.BaseHTTPRequestHandler):
 def played(kinora, clip, screen, folder, wanted=None):
     """A screenshot of its first frame; with `wanted`, once it is that: until all has come, less is shown."""
     folder.mkdir()
-    player = Player(kinora, clip, screen, folder)
+    player = Player([kinora, "play", clip], screen, folder)
     try:
         player.do("key", "comma", "Left", "Left", "Left")
         picture = pixels(player.screenshot())
