@@ -1,7 +1,10 @@
 #include "clip/payloads/pose_codec.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -30,7 +33,7 @@ struct SmallestThree {
   int omitted = 0;
   std::array<std::int32_t, 3> others{};
 
-  bool operator==(const SmallestThree&) const = default;
+  auto operator<=>(const SmallestThree&) const = default;
 };
 
 SmallestThree pack(const Eigen::Quaterniond& rotation, double scale) {
@@ -64,16 +67,19 @@ Eigen::Quaterniond unpack(const SmallestThree& packed, double scale) {
   return {q[0], q[1], q[2], q[3]};
 }
 
-// Rounding may still make another component the largest; packing what was unpacked then settles it.
+// Rounding may still make another component the largest, and packing what was unpacked that one again: of the numbers
+// that follow each other in such a circle the least are it, from wherever it is entered.
 SmallestThree pack_stable(const SE3& pose, double scale) {
-  SmallestThree packed = pack(Eigen::Quaterniond(pose.linear()).normalized(), scale);
-  constexpr int kMaxRounds = 8;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const SmallestThree again = pack(Eigen::Quaterniond(unpack(packed, scale).toRotationMatrix()).normalized(), scale);
-    if (again == packed) break;
-    packed = again;
+  std::vector<SmallestThree> steps{pack(Eigen::Quaterniond(pose.linear()).normalized(), scale)};
+  constexpr std::size_t kMaxSteps = 64;
+  while (steps.size() < kMaxSteps) {
+    const Eigen::Quaterniond unpacked(unpack(steps.back(), scale).toRotationMatrix());
+    const SmallestThree next = pack(unpacked.normalized(), scale);
+    const auto circle = std::ranges::find(steps, next);
+    if (circle != steps.end()) return *std::min_element(circle, steps.end());
+    steps.push_back(next);
   }
-  return packed;
+  return steps.back();
 }
 
 [[noreturn]] void reject(const std::string& location, const std::string& why) {

@@ -1,5 +1,8 @@
 #include "clip/payloads/pose_codec.h"
 
+#include <algorithm>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "clip/sample_clip.h"
@@ -69,6 +72,25 @@ TEST(PoseCodec, EncodesWhatItDecodedToTheSameBytes) {
   for (const SE3& pose : hard_poses()) {
     const Bytes payload = encode_pose({pose, Health::kTracked});
     EXPECT_EQ(encode_pose(decode_pose(payload, "a.mkv")), payload);
+  }
+}
+
+TEST(PoseCodec, EncodesWhatItDecodedToTheSameBytesWhereComponentsAreNearlyEqual) {
+  std::mt19937 generator(29);
+  std::uniform_real_distribution<double> smallest(0, 0.5);
+  for (const double distance : {1.0, 5000.0}) {
+    for (int i = 0; i < 200000; ++i) {
+      const double small = smallest(generator);
+      const double third = std::sqrt((1 - small * small) / 3);
+      std::normal_distribution<double> noise(0, distance > 2000 ? 4e-9 : 5e-7); // steps of version 1, of version 2
+      std::array<double, 4> q{small, third + noise(generator), third + noise(generator), third + noise(generator)};
+      std::ranges::shuffle(q, generator);
+      SE3 pose = SE3::Identity();
+      pose.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+      pose.translation().x() = distance;
+      const Bytes payload = encode_pose({pose, Health::kTracked});
+      ASSERT_EQ(encode_pose(decode_pose(payload, "a.mkv")), payload) << i;
+    }
   }
 }
 
