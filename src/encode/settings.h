@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "encode/live/live_settings.h"
 #include "encode/motion_refinement.h"
 #include "encode/setting_list.h"
 #include "fields/training/trainer.h"
@@ -52,6 +53,7 @@ struct Settings {
   TrackingSettings tracking;
   FieldSettings fields;
   TrainingBudget budget;
+  LiveSettings live; ///< of encoding live alone
 };
 
 /// Whose measures are known is told with them (EncodeOptions::body).

@@ -53,16 +53,16 @@ LiveRequest quick_request() {
   LiveRequest request;
   request.interval = 0;
   request.after_end = 0;
-  request.key_frames = 4;
-  request.training.first_rays = request.training.rays = 1024;
-  request.training.pixels_per_frame = 2000;
   request.publish = [](const clip::Clip& /*clip*/) {};
   return request;
 }
 
 EncodeResult encode(ingest::Capture& capture, const LiveRequest& request) {
   Progress quiet;
-  return encode_live(capture, request, EncodeOptions::of(Preset::kFast), quiet);
+  EncodeOptions options = EncodeOptions::of(Preset::kFast);
+  options.settings.live.key_frames.capacity = 4;
+  options.settings.live.training = {1024, 1024, 512, 2000, 0.1};
+  return encode_live(capture, request, options, quiet);
 }
 
 ErrorCode code_of_failure(ingest::Capture& capture, const LiveRequest& request) {
@@ -148,30 +148,6 @@ TEST(LiveExchange, GivesTheNewestSnapshotToAnotherThreadAndInTheEndTheLastOne) {
   }
   trainer.join();
   EXPECT_EQ(seen, 100U);
-}
-
-std::vector<int> numbers_of(const KeyFramePool& pool) {
-  std::vector<int> numbers;
-  for (const KeyFrame& frame : pool.frames()) numbers.push_back(frame.number);
-  return numbers;
-}
-
-TEST(KeyFramePool, KeepsAllFramesWhileThereIsRoom) {
-  KeyFramePool pool(5);
-  for (int i = 0; i < 4; ++i) pool.add({i, std::make_shared<ingest::Frame>()});
-  EXPECT_EQ(numbers_of(pool), (std::vector<int>{0, 1, 2, 3}));
-}
-
-TEST(KeyFramePool, IsSpreadOverLongCapturesAndHasTheLastFrame) {
-  KeyFramePool pool(8);
-  for (int i = 0; i < 1000; ++i) {
-    pool.add({i, std::make_shared<ingest::Frame>()});
-    EXPECT_LE(pool.frames().size(), 8U);
-  }
-  const std::vector<int> numbers = numbers_of(pool);
-  EXPECT_EQ(numbers.front(), 0);
-  EXPECT_EQ(numbers.back(), 999);
-  for (std::size_t i = 1; i < numbers.size(); ++i) EXPECT_LE(numbers[i] - numbers[i - 1], 1000 / 3) << i;
 }
 
 } // namespace

@@ -130,6 +130,8 @@ Json random_value(const Json& like, Random& random) {
     return values;
   }
   if (like.is_boolean()) return random.uniform() < 0.5F;
+  if (like.is_string())
+    return like == "paper" ? "interval" : "paper"; // the one enum that there is: of rules for key frames
   if (like.is_number_float()) return static_cast<double>(random.uniform()) * 12.3;
   return static_cast<int>(random.uniform() * 1e6F);
 }

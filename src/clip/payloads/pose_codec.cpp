@@ -33,7 +33,7 @@ struct SmallestThree {
   int omitted = 0;
   std::array<std::int32_t, 3> others{};
 
-  auto operator<=>(const SmallestThree&) const = default;
+  auto operator<=>(const SmallestThree&) const = default; // NOLINT(modernize-use-nullptr): what it makes of <=> here
 };
 
 SmallestThree pack(const Eigen::Quaterniond& rotation, double scale) {

@@ -61,10 +61,11 @@ private:
 /// The trainer's thread, from the first snapshot to the last.
 class TrainerThread {
 public:
-  TrainerThread(const LiveRequest& request, const EncodeOptions& options, Json metadata, const KeyFramePool& pool,
-                LiveExchange& exchange, const Progress& user)
-      : request_(request), metadata_(std::move(metadata)), pool_(pool), exchange_(exchange), user_(user),
-        trainer_(options, request.training), publisher_(request, Clock::now()), thread_([this] { run(); }) {}
+  TrainerThread(const LiveRequest& request, const EncodeOptions& options, Json metadata, LiveExchange& exchange,
+                const Progress& user)
+      : request_(request), config_(options.settings.live.training), metadata_(std::move(metadata)), exchange_(exchange),
+        user_(user), pool_(options.settings.live.key_frames), trainer_(options), publisher_(request, Clock::now()),
+        thread_([this] { run(); }) {}
   TrainerThread(const TrainerThread&) = delete;
   TrainerThread& operator=(const TrainerThread&) = delete;
   ~TrainerThread() {
@@ -80,6 +81,8 @@ public:
     exchange_.rethrow();
   }
   const LiveTrainer& trainer() const { return trainer_; }
+  const KeyFramePool& pool() const { return pool_; }
+  std::size_t views_refined() const { return views_refined_; }
   const Publisher& publisher() const { return publisher_; }
   const clip::Clip& clip() const { return clip_; } ///< the last one
 
@@ -101,14 +104,32 @@ private:
     for (;;) {
       if (snapshot->is_last) serial.reset();
       // The last snapshot is trained with once in any case: its motion becomes that of the layers.
-      const bool has_trained = trainer_.train(*snapshot, pool_.frames(), stop);
+      const bool has_trained = train(*snapshot, stop);
       if (snapshot->is_last && !end) end = Clock::now();
       const bool is_over = end && (!has_trained || stop.cancelled() || seconds_since(*end) >= request_.after_end);
-      if (is_over || publisher_.is_due()) publisher_.publish(clip_of(*snapshot));
+      if (is_over || publisher_.is_due()) {
+        if (has_trained) refine_asked_view(*snapshot, stop);
+        publisher_.publish(clip_of(*snapshot));
+      }
       if (is_over) break;
       if (!snapshot->is_last) snapshot = exchange_.newest(has_trained ? nullptr : snapshot.get());
     }
     clip_ = clip_of(*snapshot);
+  }
+
+  bool train(const LiveSnapshot& snapshot, Progress& stop) {
+    for (const KeyFrame& frame : exchange_.take_frames(static_cast<int>(snapshot.timeline.times.size())))
+      pool_.add(frame, snapshot);
+    const std::size_t rays = trainer_.outcomes().empty() ? config_.first_rays : config_.rays;
+    return trainer_.train(snapshot, pool_.frames(), rays, stop);
+  }
+
+  void refine_asked_view(const LiveSnapshot& snapshot, Progress& stop) {
+    if (!request_.asked_view || config_.view_rays == 0 || stop.cancelled()) return;
+    const std::optional<SE3> camera_to_world = request_.asked_view();
+    if (!camera_to_world) return;
+    trainer_.train(snapshot, pool_.frames_for(*camera_to_world, snapshot), config_.view_rays, stop);
+    ++views_refined_;
   }
 
   clip::Clip clip_of(const LiveSnapshot& snapshot) const {
@@ -118,13 +139,15 @@ private:
   }
 
   const LiveRequest& request_;
+  LiveTrainingConfig config_;
   Json metadata_;
-  const KeyFramePool& pool_;
   LiveExchange& exchange_;
   const Progress& user_;
+  KeyFramePool pool_;
   LiveTrainer trainer_;
   Publisher publisher_;
   clip::Clip clip_;
+  std::size_t views_refined_ = 0;
   std::thread thread_; ///< last: it uses all the others
 };
 
@@ -145,8 +168,8 @@ std::optional<ingest::Frame> next_frame(ingest::Capture& capture, FrontEndLog& l
   }
 }
 
-FrontEndLog follow_frames(ingest::Capture& capture, FrontEnd& front_end, KeyFramePool& pool, LiveExchange& exchange,
-                          StageTimes& times, Progress& progress) {
+FrontEndLog follow_frames(ingest::Capture& capture, FrontEnd& front_end, LiveExchange& exchange, StageTimes& times,
+                          Progress& progress) {
   FrontEndLog log;
   const Clock::time_point start = Clock::now();
   for (int number = 0;; ++number) {
@@ -154,7 +177,7 @@ FrontEndLog follow_frames(ingest::Capture& capture, FrontEnd& front_end, KeyFram
     std::optional<ingest::Frame> read = times.measure("wait for a frame", [&] { return next_frame(capture, log); });
     if (!read) break;
     const auto frame = std::make_shared<const ingest::Frame>(std::move(*read));
-    if (front_end.add(*frame, false, times)) pool.add({number, frame});
+    if (front_end.add(*frame, false, times)) exchange.show({number, frame});
     log.latencies.push_back(capture.age());
     if (exchange.wants_snapshot()) {
       times.measure("tell the trainer",
@@ -185,6 +208,9 @@ Json live_json(const ingest::Capture& capture, FrontEndLog log, const TrainerThr
           {"stopped", log.was_stopped},
           {"rounds", trainer.trainer().rounds()},
           {"round_ms", std::move(rounds)},
+          {"key_frames", trainer.pool().frames().size()},
+          {"frames_blurred", trainer.pool().blurred()},
+          {"views_refined", trainer.views_refined()},
           {"fields_begun_anew", trainer.trainer().begun_anew()},
           {"clips_written", trainer.publisher().count()},
           {"first_clip_s", round4(trainer.publisher().first())}};
@@ -253,11 +279,10 @@ EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, c
   const Json settings = settings_json(options.settings);
   StageTimes times;
   FrontEnd front_end(info, options, progress);
-  KeyFramePool pool(request.key_frames);
   LiveExchange exchange;
   progress.stage("following live", options.expected_frames(info.frame_count));
-  TrainerThread trainer(request, options, clip_metadata(info, config, settings), pool, exchange, progress);
-  FrontEndLog log = follow_frames(capture, front_end, pool, exchange, times, progress);
+  TrainerThread trainer(request, options, clip_metadata(info, config, settings), exchange, progress);
+  FrontEndLog log = follow_frames(capture, front_end, exchange, times, progress);
   if (log.was_stopped) exchange.stop();
   const Clock::time_point end = Clock::now();
   const std::size_t unlabelled = front_end.unlabelled();

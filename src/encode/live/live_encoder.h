@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "encode/live/live_trainer.h"
 #include "encode/pipeline.h"
@@ -16,15 +17,17 @@ struct LiveRequest {
   double interval = 1; ///< seconds between two calls, at least; they take no more than a tenth of the time
   /// Seconds of training after the last frame, unless the user stopped: more or less, as a round lasts.
   double after_end = 2;
-  std::size_t key_frames = 24;
-  LiveTrainingConfig training;
+  /// Camera to world of who looks at the clip, if anybody does: called on the trainer's thread before each publishing,
+  /// which the fields are refined for. May be empty.
+  std::function<std::optional<SE3>()> asked_view;
 };
 
 /// What becomes of it depends on the speed of the machine. Masks are needed, for everything is done with what is known
-/// by then: nothing looks ahead. The camera is still, or the frames say where it is. The report is that of
-/// encode_capture, with `live`: frames that were followed and lost, seconds from capture to motion, rounds of training.
-/// The first Ctrl-C ends the capture: that is no error here. Throws what the capture and `publish` throw, and
-/// Error: kUsage without masks, kCorruptInput if no frame is usable, kFailure if nothing can be modelled.
+/// by then: nothing looks ahead (Settings::live). The camera is still, or the frames say where it is. The report is
+/// that of encode_capture, with `live`: frames that were followed and lost, seconds from capture to motion, rounds of
+/// training, and what became of frames as key frames. The first Ctrl-C ends the capture: that is no error here. Throws
+/// what the capture and `publish` throw, and Error: kUsage without masks, kCorruptInput if no frame is usable, kFailure
+/// if nothing can be modelled.
 EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, const EncodeOptions& options,
                          Progress& progress);
 

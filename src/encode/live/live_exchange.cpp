@@ -1,5 +1,8 @@
 #include "encode/live/live_exchange.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace kinora::encode {
 
 void LiveExchange::give(LiveSnapshot snapshot) {
@@ -27,6 +30,24 @@ std::shared_ptr<const LiveSnapshot> LiveExchange::newest(const LiveSnapshot* kno
 void LiveExchange::fail(std::exception_ptr error) {
   const std::lock_guard lock(mutex_);
   error_ = std::move(error);
+}
+
+void LiveExchange::show(KeyFrame frame) {
+  constexpr std::size_t kMax = 16;
+  const std::lock_guard lock(mutex_);
+  if (shown_.size() == kMax) {
+    for (std::size_t i = 1; 2 * i < kMax; ++i) shown_[i] = std::move(shown_[2 * i]);
+    shown_.resize(kMax / 2);
+  }
+  shown_.push_back(std::move(frame));
+}
+
+std::vector<KeyFrame> LiveExchange::take_frames(int end) {
+  const std::lock_guard lock(mutex_);
+  const auto later = std::ranges::find_if(shown_, [end](const KeyFrame& frame) { return frame.number >= end; });
+  std::vector<KeyFrame> taken(std::move_iterator(shown_.begin()), std::move_iterator(later));
+  shown_.erase(shown_.begin(), later);
+  return taken;
 }
 
 } // namespace kinora::encode

@@ -59,7 +59,8 @@ struct LiveTrainer::Share {
   std::size_t rays;
 };
 
-bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, Progress& progress) {
+bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,
+                        Progress& progress) {
   fields::PixelStore pixels(config_.pixels_per_frame * frames.size(), frames.size());
   times_.measure("store pixels", [&] {
     for (const KeyFrame& key_frame : frames) {
@@ -75,7 +76,6 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
     shares.push_back({label, count, 0});
     sum += std::sqrt(static_cast<double>(count));
   }
-  const std::size_t rays = outcomes_.empty() ? config_.first_rays : config_.rays;
   for (Share& share : shares) {
     const double part = std::sqrt(static_cast<double>(share.pixels)) / sum;
     share.rays = static_cast<std::size_t>(part * static_cast<double>(rays));

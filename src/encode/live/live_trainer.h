@@ -8,28 +8,22 @@
 
 #include "encode/layer_training.h"
 #include "encode/live/key_frame_pool.h"
+#include "encode/live/live_settings.h"
 #include "encode/live/live_snapshot.h"
 
 namespace kinora::encode {
 
-struct LiveTrainingConfig {
-  std::size_t first_rays = 24'000;        ///< of all layers together, in the first round: a picture is wanted soon
-  std::size_t rays = 96'000;              ///< in every later one
-  std::size_t pixels_per_frame = 100'000; ///< that are looked at
-  double spare = 0.1;                     ///< of a box's side: room for surface that comes into view
-};
-
 /// Not thread-safe.
 class LiveTrainer {
 public:
-  LiveTrainer(const EncodeOptions& options, const LiveTrainingConfig& config)
-      : settings_(options.settings.fields), config_(config) {}
+  explicit LiveTrainer(const EncodeOptions& options)
+      : settings_(options.settings.fields), config_(options.settings.live.training) {}
 
-  /// Trains every layer that the frames show. A field whose layer is no longer in the space that it fills, or is
-  /// deformed from another pose, is begun anew. Ends early when `progress` is cancelled; what was learnt before stays,
-  /// and with the last snapshot those that must be begun anew are, with few rays.
-  /// False if there is nothing to train.
-  bool train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, Progress& progress);
+  /// Trains every layer that the frames show with so many rays in all. A field whose layer is no longer in the space
+  /// that it fills, or is deformed from another pose, is begun anew. Ends early when `progress` is cancelled; what was
+  /// learnt before stays, and with the last snapshot those that must be begun anew are, with few rays. False if there
+  /// is nothing to train.
+  bool train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays, Progress& progress);
 
   /// The clip as of the snapshot of the last call of train().
   clip::Clip clip(const LiveSnapshot& snapshot) const;
