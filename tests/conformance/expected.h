@@ -73,7 +73,7 @@ struct Expected {
   std::array<Checksums, 3> layers;
 };
 
-inline constexpr std::array<Expected, 4> kExpected{
+inline constexpr std::array<Expected, 5> kExpected{
     {{"clip_fields_3_and_4.mkv",
       "fields of versions 3 and 4, a deformation of version 1",
       4,
@@ -92,6 +92,14 @@ inline constexpr std::array<Expected, 4> kExpected{
       {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
         {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
         {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
+     {"clip_corner_cases.mkv",
+      "turns with equal, zero and negative largest components, places at the edge, a level of which all entries count "
+      "as "
+      "touched",
+      33,
+      {{{0x27F2D4EE, 0x9EF6EC58, 0x423C1C93, 0},
+        {0xEED45E8D, 0xCAEEED0F, 0x12C219B7, 0x711547F7},
+        {0xD9B6E2AB, 0x898A4C09, 0xE20CE61F, 0xBFFA9317}}}},
      {"clip_graph_2_poses_2.mkv",
       "the same clip with its graph and its poses in version 2",
       33,

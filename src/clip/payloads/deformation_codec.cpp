@@ -95,6 +95,7 @@ Motion::Deformation DeformationDecoder::decode(std::span<const std::byte> payloa
   started_ = true;
   Motion::Deformation deformation;
   deformation.health = static_cast<motion::Health>(health);
+  deformation.node_to_world.reserve(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) deformation.node_to_world.push_back(dequantise(nodes[i], rest_[i]));
   return deformation;
 }

@@ -94,18 +94,17 @@ std::int16_t sum(std::int16_t difference, std::int32_t base, const std::string& 
   return static_cast<std::int16_t>(value);
 }
 
-// The cells in which two fields of one shape differ; all that are occupied if there is but one.
-fields::Occupancy changed_cells(const fields::Occupancy& cells, const Field* base) {
-  fields::Occupancy changed = cells;
-  for (std::size_t w = 0; base != nullptr && w < changed.words().size(); ++w)
-    changed.words()[w] ^= base->occupancy.words()[w];
-  return changed;
+// Cells become those in which two fields of one shape differ, and such become cells again; they stay if there is but
+// one field.
+void change_cells(fields::Occupancy& cells, const Field* base) {
+  for (std::size_t w = 0; base != nullptr && w < cells.words().size(); ++w)
+    cells.words()[w] ^= base->occupancy.words()[w];
 }
 
 // Without a base, damage leaves the field as it was.
-void decode_level(std::span<const std::byte> part, int exponent, const GridLevel& level,
-                  std::span<const std::uint32_t> touched, const BaseIntegers& before, Field& field,
-                  const std::string& location) {
+void decode_level(std::span<const std::byte> part, int exponent, const GridLevel& level, const BaseIntegers& before,
+                  Field& field, const std::string& location) {
+  const std::vector<std::uint32_t> touched = touched_entries(level, field.occupancy);
   std::vector<std::int16_t> values(touched.size() * kFeatures);
   decoded(part, location, [&](RangeDecoder& decoder) { code_level(decoder, values, location); });
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -114,9 +113,8 @@ void decode_level(std::span<const std::byte> part, int exponent, const GridLevel
   }
 }
 
-// Gives the touched entries.
-std::vector<std::vector<std::uint32_t>> decode_parts(std::span<const std::byte> payload, const FieldHeader& header,
-                                                     const Field* base, Field& field, const std::string& location) {
+void decode_parts(std::span<const std::byte> payload, const FieldHeader& header, const Field* base, Field& field,
+                  const std::string& location) {
   std::size_t at = header.bytes;
   const auto part = [&](std::size_t p) {
     const std::span<const std::byte> bytes = payload.subspan(at, header.part_bytes[p]);
@@ -128,7 +126,7 @@ std::vector<std::vector<std::uint32_t>> decode_parts(std::span<const std::byte> 
     const fields::Occupancy unknown(header.config.occupancy_resolution);
     code_occupancy(decoder, unknown, field.occupancy);
   });
-  field.occupancy = changed_cells(field.occupancy, base);
+  change_cells(field.occupancy, base);
   const std::vector<GridLevel> levels = fields::grid_levels(header.config);
   decoded(part(1), location, [&](RangeDecoder& decoder) {
     for (std::size_t m = 0; m < kMatrices; ++m) {
@@ -140,10 +138,8 @@ std::vector<std::vector<std::uint32_t>> decode_parts(std::span<const std::byte> 
         matrix[i] = dequantise(sum(values[i], before.of_weight(m, i, exponent), location), exponent);
     }
   });
-  std::vector<std::vector<std::uint32_t>> touched = touched_entries(header.config, field.occupancy);
   for (std::size_t l = 0; l < static_cast<std::size_t>(header.levels_here); ++l)
-    decode_level(part(2 + l), header.exponents[l], levels[l], touched[l], before, field, location);
-  return touched;
+    decode_level(part(2 + l), header.exponents[l], levels[l], before, field, location);
 }
 
 // Versions 3 and 4: occupancy and parameters as Zstandard frames.
@@ -152,9 +148,10 @@ void decode_zstd_parts(std::span<const std::byte> payload, const FieldHeader& he
   const std::span<const std::byte> stored_parameters = payload.last(header.part_bytes[1]);
   const std::span<const std::byte> stored_occupancy = payload.subspan(header.bytes, header.part_bytes[0]);
   std::vector<std::uint64_t>& words = field.occupancy.words();
-  const Bytes occupancy = decompress(stored_occupancy, words.size() * 8, location);
-  for (std::size_t w = 0; w < words.size(); ++w) words[w] = get<std::uint64_t>(occupancy, 8 * w);
-
+  {
+    const Bytes occupancy = decompress(stored_occupancy, words.size() * 8, location);
+    for (std::size_t w = 0; w < words.size(); ++w) words[w] = get<std::uint64_t>(occupancy, 8 * w);
+  }
   const std::vector<std::vector<std::uint32_t>> touched = touched_entries(header.config, field.occupancy);
   std::size_t plane_bytes = 0;
   for (const std::vector<std::uint32_t>& level : touched) plane_bytes += level.size() * kFeatures;
@@ -216,7 +213,9 @@ CodedField code(const Field& field, const Field* base, const FieldRounding& roun
   std::vector<Bytes> parts;
   parts.push_back(coded([&](RangeEncoder& encoder) {
     fields::Occupancy coded_cells(field.config.occupancy_resolution);
-    code_occupancy(encoder, changed_cells(field.occupancy, base), coded_cells);
+    fields::Occupancy changed = field.occupancy;
+    change_cells(changed, base);
+    code_occupancy(encoder, changed, coded_cells);
   }));
   parts.push_back(coded([&](RangeEncoder& encoder) {
     for (std::size_t m = 0; m < kMatrices; ++m) {
@@ -310,7 +309,7 @@ void FieldDecoder::take(std::span<const std::byte> payload, const std::string& l
   const int exponent = checked_exponent(get<std::int8_t>(payload, 2), location);
   const auto level = static_cast<std::size_t>(levels_);
   decode_level(payload.subspan(kFinerLevelHeaderBytes), exponent, fields::grid_levels(field_->config)[level],
-               touched_[level], BaseIntegers(nullptr), *field_, location);
+               BaseIntegers(nullptr), *field_, location);
   ++levels_;
 }
 
@@ -325,7 +324,7 @@ void FieldDecoder::begin(std::span<const std::byte> payload, const std::string& 
   budget.take(decoding_memory(header.config), location);
   Field field(header.config);
   field.sharpness = header.sharpness;
-  touched_ = decode_parts(payload, header, nullptr, field, location);
+  decode_parts(payload, header, nullptr, field, location);
   field_ = std::move(field);
   levels_ = header.levels_here;
 }

@@ -58,8 +58,7 @@ private:
   void begin(std::span<const std::byte> payload, const std::string& location, AllocationBudget& budget);
 
   std::optional<fields::Field> field_;
-  std::vector<std::vector<std::uint32_t>> touched_; // entries of each level
-  int levels_ = 0;                                  // that have come
+  int levels_ = 0; // that have come
 };
 
 /// The same as differences to the integers of `base`, a field of the same configuration, as it was decoded: small if

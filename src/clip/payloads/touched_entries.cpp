@@ -35,11 +35,12 @@ template <class Visit> void for_each_occupied(const fields::Occupancy& occupancy
   }
 }
 
-std::vector<std::uint32_t> touched_in_level(const fields::GridLevel& level, const fields::Occupancy& occupancy,
-                                            std::uint64_t occupied) {
+} // namespace
+
+std::vector<std::uint32_t> touched_entries(const fields::GridLevel& level, const fields::Occupancy& occupancy) {
   std::vector<std::uint32_t> touched;
   const auto widest = static_cast<std::uint64_t>(level.resolution / occupancy.resolution()) + 3;
-  if (occupied > kMaxVisits / (widest * widest * widest)) {
+  if (occupancy.count() > kMaxVisits / (widest * widest * widest)) {
     touched.resize(level.size);
     std::iota(touched.begin(), touched.end(), 0U);
     return touched;
@@ -61,14 +62,11 @@ std::vector<std::uint32_t> touched_in_level(const fields::GridLevel& level, cons
   return touched;
 }
 
-} // namespace
-
 std::vector<std::vector<std::uint32_t>> touched_entries(const fields::FieldConfig& config,
                                                         const fields::Occupancy& occupancy) {
   std::vector<std::vector<std::uint32_t>> touched;
-  const std::uint64_t occupied = occupancy.count();
   for (const fields::GridLevel& level : fields::grid_levels(config)) {
-    touched.push_back(touched_in_level(level, occupancy, occupied));
+    touched.push_back(touched_entries(level, occupancy));
   }
   return touched;
 }

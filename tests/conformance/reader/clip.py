@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import matroska
+from budget import MEBIBYTE, Budget
 from checks import Payload, open_attachment, open_envelope, open_private
 from confidence import read_confidence
 from deformation import Deformations, Frame, Graph, read_graph
@@ -15,7 +16,7 @@ from poses import Pose, read_pose
 from radiance_field import Field, read_field
 from zstandard_frame import decompress
 
-MEBIBYTE = 1 << 20
+BYTES_OF_A_NODE = 64  # in each frame
 DEEPEST = 64
 TRACKS_OF_A_LAYER = ("field_track", "motion_track", "confidence_track", "joints_track")
 
@@ -40,6 +41,7 @@ class Clip:
     metadata: dict[str, Any]
     camera: list[Pose | None]
     layers: list[Layer]
+    memory: int  # bytes that it asked for
 
 
 @dataclasses.dataclass
@@ -153,8 +155,8 @@ def _check_calibration(calibration: dict[str, Any]) -> None:
 class _Reading:
     """The tracks of a clip. Of what is missing or damaged, whole parts are given if they are all that is asked for."""
 
-    def __init__(self, tracks: dict[int, Track], times: list[int], whole_parts: bool) -> None:
-        self.tracks, self.times, self.whole_parts = tracks, times, whole_parts
+    def __init__(self, tracks: dict[int, Track], times: list[int], budget: Budget, whole_parts: bool) -> None:
+        self.tracks, self.times, self.budget, self.whole_parts = tracks, times, budget, whole_parts
 
     def track(self, identifier: int, codec: str) -> Track:
         track = self.tracks.get(identifier)
@@ -177,6 +179,7 @@ class _Reading:
                 for payload in self.frames(track, times, "poses")]
 
     def deformations(self, track: Track, graph: Graph) -> list[Frame | None]:
+        self.budget.take(BYTES_OF_A_NODE * len(graph.nodes) * len(self.times))
         reader = Deformations(graph)
         frames: list[Frame | None] = []
         for payload in self.frames(track, self.times, "deformations"):
@@ -192,7 +195,7 @@ class _Reading:
             return None
         _require(bool(payloads) and all(payload.time == self.times[0] for payload in payloads), "time of a field")
         _require([payload.key for payload in payloads] == [True] + [False] * (len(payloads) - 1), "key flags of a field")
-        read = read_field([payload.data for payload in payloads], self.whole_parts)
+        read = read_field([payload.data for payload in payloads], self.budget, self.whole_parts)
         _require(self.whole_parts or read.whole(), "a field lacks a level")
         return read
 
@@ -216,10 +219,10 @@ class _Reading:
         if "confidence_track" in description:
             payload = self.only(self.track(description["confidence_track"], "CONFIDENCE"))
             if payload is not None and layer.field is not None:
-                layer.confidence = read_confidence(payload, layer.field.occupancy)
+                layer.confidence = read_confidence(payload, layer.field.occupancy, self.budget)
         if "joints_track" in description:
             payload = self.only(self.track(description["joints_track"], "JOINTS"))
-            layer.joints = None if payload is None else read_joints(payload, len(self.times))
+            layer.joints = None if payload is None else read_joints(payload, len(self.times), self.budget)
         return layer
 
 
@@ -240,9 +243,10 @@ def read_clip(data: bytes, whole_parts: bool = False) -> Clip:
     if "metadata.json.zst" in attachments:
         metadata = decompress(attachments["metadata.json.zst"], 16 * MEBIBYTE)
     times = description["times_ns"]
-    reading = _Reading(_tracks(file, whole_parts), times, whole_parts)
+    budget = Budget(len(data))
+    reading = _Reading(_tracks(file, whole_parts), times, budget, whole_parts)
     camera = description["camera"]
     poses = reading.poses(reading.track(camera["track"], "CAMERA"), times if camera["moves"] else times[:1], True)
     _require(any(pose is not None for pose in poses), "no pose of the camera")
-    return Clip(times, calibration, _json(metadata, "metadata.json"), poses,
-                [reading.layer(layer) for layer in description["layers"]])
+    layers = [reading.layer(layer) for layer in description["layers"]]
+    return Clip(times, calibration, _json(metadata, "metadata.json"), poses, layers, budget.taken)

@@ -5,6 +5,7 @@ import re
 from typing import NamedTuple
 
 from arithmetic import Decoder, IntegerModels
+from budget import Budget
 from matroska import Damaged
 
 LIMIT = 1 << 23
@@ -16,7 +17,7 @@ class Joints(NamedTuple):
     frames: list[list[Place]]  # in units of 2⁻⁹ m
 
 
-def read_joints(payload: bytes, frames: int) -> Joints:
+def read_joints(payload: bytes, frames: int, budget: Budget) -> Joints:
     if len(payload) < 2 or payload[0] != 1 or not 1 <= payload[1] <= 64:
         raise Damaged("version or number of joints")
     names, at = [], 2
@@ -28,6 +29,7 @@ def read_joints(payload: bytes, frames: int) -> Joints:
             raise Damaged("name of a joint")
         names.append(name.decode())
         at += 1 + len(name)
+    budget.take(24 * frames * (len(names) + 1))
     decoder = Decoder(payload[at:])
     models = [IntegerModels() for _ in range(3)]
     read: list[list[Place]] = []

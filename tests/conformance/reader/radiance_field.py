@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from arithmetic import Decoder, IntegerModels, size_class
+from budget import Budget
 from grid import entries_of_level, read_occupancy, touched_entries, unpack_occupancy
 from matroska import Damaged
 from zstandard_frame import decompress
@@ -171,10 +172,12 @@ def _read_versions_5_and_7(result: Field, side: int, payload: bytes) -> None:
         _read_coded_level(result, level, parts[2 + level])
 
 
-def read_field(payloads: list[bytes], whole_parts: bool = False) -> Field:
+def read_field(payloads: list[bytes], budget: Budget, whole_parts: bool = False) -> Field:
     """The field of a track's payloads. Levels that have not come are None; of whole parts, all behind one that is missing."""
     first = payloads[0]
     result, side = _read_header(first)
+    entries = sum(entries_of_level(n, result.log2_entries) for n in result.resolutions)
+    budget.take(2 * 4 * FEATURES * entries + side**3 // 4)
     (_read_versions_3_and_4 if result.version < 5 else _read_versions_5_and_7)(result, side, first)
     held = sum(level is not None for level in result.levels)
     if len(payloads) > 1 and result.version != 7:
