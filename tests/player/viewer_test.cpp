@@ -153,7 +153,8 @@ TEST_F(ViewerTest, WindowsOf8KAndOfOnePixelAreDrawn) {
       return picture && (w == 1 ? picture->width() == 1 : picture->width() >= w / 8);
     };
     while (!drawn()) std::this_thread::yield();
-    EXPECT_NEAR(viewer.picture()->height(), viewer.picture()->width() * height / width, 1);
+    const auto picture = viewer.picture();
+    EXPECT_NEAR(picture->height(), static_cast<double>(picture->width()) * height / width, 1);
   }
 }
 
