@@ -12,8 +12,8 @@
  * Threads. Every function may be called for one player by several threads at once, but for kinora_player_close(), which
  * must be the last. Renderings of one player run side by side. Callbacks come in the thread that made the call.
  *
- * Memory. A clip is read whole when it is opened: a player holds its parameters, what is derived from them to draw, and
- * its motion, and grows no further. Buffers of pictures are the caller's. A clip that is not trusted may make the
+ * Memory. A clip is read whole: a player holds its parameters, what is derived from them to draw, and its motion, and
+ * grows no further. Buffers of pictures are the caller's. A clip that is not trusted may make the
  * player take 64 times its size and a quarter of a gigabyte at most, or is refused.
  *
  * Versions. Structs begin with their own size: fill `struct_size` with sizeof; they grow only at their ends.
@@ -50,7 +50,8 @@ KinoraPlayerStatus kinora_player_open_file(const char* path, KinoraPlayer** play
 /* The bytes are used during the call alone. `name` is said in errors. */
 KinoraPlayerStatus kinora_player_open_memory(const void* bytes, size_t size, const char* name, KinoraPlayer** player);
 
-/* Bytes that the caller fetches: from an archive, a network, a sandbox. Used during the call that opens alone. */
+/* Bytes that the caller fetches: from an archive, a network, a sandbox. kinora_player_open_source() uses it during
+ * the call alone. */
 typedef struct KinoraPlayerSource {
   uint32_t struct_size;
   const char* name; /* said in errors */
@@ -59,9 +60,32 @@ typedef struct KinoraPlayerSource {
   /* Fills `out` with `count` bytes from `offset`, which lie inside; at most 1 MiB a call. Returns 1, or 0 if it cannot.
    */
   int (*read)(void* context, uint64_t offset, void* out, size_t count);
+  /* For kinora_player_follow_source(): how many bytes there are by now, no fewer than before. NULL, or a struct that
+   * ends before: they do not become more. */
+  uint64_t (*new_size)(void* context);
 } KinoraPlayerSource;
 
 KinoraPlayerStatus kinora_player_open_source(const KinoraPlayerSource* source, KinoraPlayer** player);
+
+/* Clips that are damaged or cut short, still being written, or slow to come: what is whole is shown. They return as
+ * soon as there is something to show, or with an error if there never will be; the rest is read by a thread of the
+ * player's own, which calls the source's functions, one at a time, until the player is closed: closing waits for the
+ * call that is under way. A read() that returns 0 ends the reading; what has come stays. Files up to 1 GiB, which are
+ * kept in memory until they have come. */
+KinoraPlayerStatus kinora_player_follow_file(const char* path, KinoraPlayer** player);
+KinoraPlayerStatus kinora_player_follow_source(const KinoraPlayerSource* source, KinoraPlayer** player);
+
+typedef struct KinoraPlayerArrival {
+  uint32_t struct_size;
+  int32_t more;        /* 1: there is more than before this call: layers or frames. Ask for infos again */
+  int32_t complete;    /* 1: nothing more will come */
+  const char* message; /* what is awaited, missing or wrong; "": nothing. Valid until this thread's next update */
+} KinoraPlayerArrival;
+
+/* Takes what has come; nothing changes but by this call. Layers may be numbered anew, and `visible` of a request must
+ * be of as many as there are now: let no rendering begin meanwhile. The clock goes on, and waits at the end of what has
+ * come. */
+KinoraPlayerStatus kinora_player_update(KinoraPlayer* player, KinoraPlayerArrival* arrival);
 
 /* NULL is allowed. */
 void kinora_player_close(KinoraPlayer* player);

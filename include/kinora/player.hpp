@@ -27,7 +27,7 @@ private:
   KinoraPlayerStatus status_;
 };
 
-/// Bytes that the caller fetches; used while a clip is opened.
+/// Bytes that the caller fetches; used while a clip is opened, or until a player that follows it is gone.
 class ClipSource {
 public:
   virtual ~ClipSource() = default;
@@ -35,6 +35,15 @@ public:
   virtual std::uint64_t size() const = 0;
   /// Fills `out` from `offset`; false if it cannot. Must not throw.
   virtual bool read(std::uint64_t offset, std::span<std::byte> out) noexcept = 0;
+  /// Whether a player that follows it asks for its size again, which then must not throw.
+  virtual bool grows() const noexcept { return false; }
+};
+
+/// What ClipPlayer::update() has found.
+struct ClipArrival {
+  bool more = false;     ///< layers or frames
+  bool complete = false; ///< nothing more will come
+  std::string message;   ///< what is awaited, missing or wrong; empty: nothing
 };
 
 /// A picture and its buffer.
@@ -57,11 +66,26 @@ public:
   }
   static ClipPlayer open(ClipSource& source) {
     const std::string name = source.name();
-    const auto read = [](void* context, std::uint64_t offset, void* out, std::size_t count) {
-      return static_cast<ClipSource*>(context)->read(offset, {static_cast<std::byte*>(out), count}) ? 1 : 0;
-    };
-    const KinoraPlayerSource plain{sizeof(KinoraPlayerSource), name.c_str(), &source, source.size(), read};
+    const KinoraPlayerSource plain = plain_source(source, name);
     return make([&](KinoraPlayer** player) { return kinora_player_open_source(&plain, player); });
+  }
+
+  /// Of a clip that may be damaged, cut short or still on its way, as soon as there is something to show.
+  static ClipPlayer follow(const std::string& path) {
+    return make([&](KinoraPlayer** player) { return kinora_player_follow_file(path.c_str(), player); });
+  }
+  /// `source` is read in another thread, and must outlive the player.
+  static ClipPlayer follow(ClipSource& source) {
+    const std::string name = source.name();
+    const KinoraPlayerSource plain = plain_source(source, name);
+    return make([&](KinoraPlayer** player) { return kinora_player_follow_source(&plain, player); });
+  }
+  /// Takes what has come since; layers may be numbered anew.
+  ClipArrival update() {
+    KinoraPlayerArrival arrival{};
+    arrival.struct_size = sizeof arrival;
+    check(kinora_player_update(get(), &arrival));
+    return {arrival.more != 0, arrival.complete != 0, arrival.message};
   }
 
   KinoraPlayerInfo info() const {
@@ -146,6 +170,18 @@ public:
   KinoraPlayer* get() const { return player_.get(); }
 
 private:
+  static KinoraPlayerSource plain_source(ClipSource& source, const std::string& name) {
+    KinoraPlayerSource plain{};
+    plain.struct_size = sizeof plain;
+    plain.name = name.c_str();
+    plain.context = &source;
+    plain.size = source.size();
+    plain.read = [](void* context, std::uint64_t offset, void* out, std::size_t count) {
+      return static_cast<ClipSource*>(context)->read(offset, {static_cast<std::byte*>(out), count}) ? 1 : 0;
+    };
+    if (source.grows()) plain.new_size = [](void* context) { return static_cast<ClipSource*>(context)->size(); };
+    return plain;
+  }
   struct Close {
     void operator()(KinoraPlayer* player) const { kinora_player_close(player); }
   };

@@ -11,12 +11,12 @@ namespace kinora::cli {
 namespace window = player::window;
 namespace {
 
-std::unique_ptr<window::ClipFeed> open(const std::string& clip) {
+std::unique_ptr<player::ClipFeed> open(const std::string& clip) {
   if (player::is_address(clip)) {
-    return std::make_unique<window::ClipFeed>(player::http_functions().open_address(clip, interrupted));
+    return std::make_unique<player::ClipFeed>(player::http_functions().open_address(clip, interrupted));
   }
   require_clip(clip);
-  return std::make_unique<window::ClipFeed>(std::make_unique<container::FileSource>(clip));
+  return std::make_unique<player::ClipFeed>(std::make_unique<container::FileSource>(clip));
 }
 
 } // namespace

@@ -19,6 +19,8 @@ public:
   virtual std::uint64_t size() const = 0;      ///< as of opening, or of the last refresh()
   /// Fills `out` from `offset`; offset + out.size() ≤ size(). Throws Error(kCorruptInput) if the system cannot read.
   virtual void read(std::uint64_t offset, std::span<std::byte> out) = 0;
+  /// Whether refresh() may find more.
+  virtual bool may_grow() const { return false; }
   /// Takes note of what was written since. Throws Error(kCorruptInput) if the file has become shorter.
   virtual void refresh() {}
 };
@@ -35,6 +37,7 @@ public:
   const std::string& name() const override { return name_; }
   std::uint64_t size() const override { return size_; }
   void read(std::uint64_t offset, std::span<std::byte> out) override;
+  bool may_grow() const override { return true; }
   void refresh() override;
 
 private:

@@ -5,14 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <mutex>
-#include <new>
 
 #include <fmt/format.h>
 
 #include "clip/clip_io.h"
-#include "core/error.h"
+#include "player/api_errors.h"
+#include "player/callback_source.h"
 #include "player/picture_view.h"
 #include "player/player_handle.h"
 #include "player/subject.h"
@@ -22,89 +21,23 @@ namespace {
 
 thread_local std::string last_error; // NOLINT: C functions say what went wrong through it
 
-[[noreturn]] void misused(const std::string& sentence) { throw Error(ErrorCode::kUsage, sentence); }
+} // namespace
 
-template <typename Body> KinoraPlayerStatus guarded(const Body& body) noexcept {
-  const auto failed = [](int status, const char* sentence) noexcept {
-    try {
-      last_error = sentence;
-    } catch (...) {
-      last_error.clear();
-    }
-    return static_cast<KinoraPlayerStatus>(status);
-  };
+KinoraPlayerStatus failed(int status, const char* sentence) noexcept {
   try {
-    body();
-    return KINORA_PLAYER_OK;
-  } catch (const Error& error) {
-    return failed(error.exit_code(), error.what());
-  } catch (const std::bad_alloc&) {
-    return failed(KINORA_PLAYER_FAILURE, "out of memory; ask for a smaller picture");
-  } catch (const std::exception& error) {
-    return failed(KINORA_PLAYER_FAILURE, error.what());
+    last_error = sentence;
   } catch (...) {
-    return failed(KINORA_PLAYER_FAILURE, "an error of unknown kind");
+    last_error.clear();
   }
+  return static_cast<KinoraPlayerStatus>(status);
 }
 
-/// `smallest`: the size that the struct had in the first version.
-template <typename Struct>
-void require_size(const Struct* given, const char* name, std::size_t smallest = sizeof(Struct)) {
-  if (given == nullptr) misused(fmt::format("{} is NULL", name));
-  if (given->struct_size < smallest) {
-    misused(fmt::format("{}.struct_size is {} and not sizeof {}, {}", name, given->struct_size, name, sizeof(Struct)));
-  }
-}
-
-void require(const void* pointer, const char* name) {
-  if (pointer == nullptr) misused(fmt::format("{} is NULL", name));
-}
-
-/// Bytes through the caller's function, which small reads of the container should not pay for one by one.
-class CallbackSource final : public container::ByteSource {
-public:
-  explicit CallbackSource(const KinoraPlayerSource& source)
-      : source_(source), name_(source.name != nullptr ? source.name : "the clip") {}
-
-  const std::string& name() const override { return name_; }
-  std::uint64_t size() const override { return source_.size; }
-  void read(std::uint64_t offset, std::span<std::byte> out) override {
-    while (!out.empty()) {
-      if (offset < start_ || offset >= start_ + filled_) fetch(offset);
-      const auto from = static_cast<std::size_t>(offset - start_);
-      const std::size_t count = std::min(out.size(), filled_ - from);
-      std::memcpy(out.data(), buffer_.data() + from, count);
-      out = out.subspan(count);
-      offset += count;
-    }
-  }
-
-private:
-  static constexpr std::size_t kBlock = 1 << 18;
-
-  void fetch(std::uint64_t offset) {
-    filled_ = 0;
-    if (offset >= source_.size) misused(fmt::format("{}: byte {} lies behind its end", name_, offset));
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, source_.size - offset));
-    buffer_.resize(kBlock);
-    if (source_.read(source_.context, offset, buffer_.data(), count) == 0) {
-      throw Error(ErrorCode::kFailure,
-                  fmt::format("{}: bytes {} to {} cannot be fetched", name_, offset, offset + count));
-    }
-    start_ = offset;
-    filled_ = count;
-  }
-
-  KinoraPlayerSource source_;
-  std::string name_;
-  std::vector<std::byte> buffer_;
-  std::uint64_t start_ = 0;
-  std::size_t filled_ = 0;
-};
+namespace {
 
 KinoraPlayer* opened(std::unique_ptr<container::ByteSource> source) {
   const std::uint64_t bytes = source->size();
-  return std::make_unique<KinoraPlayer>(clip::read_clip(std::move(source)), bytes).release();
+  auto player = std::make_shared<const Player>(clip::read_clip(std::move(source)));
+  return std::make_unique<KinoraPlayer>(ClipSoFar{std::move(player), true, "", bytes}).release();
 }
 
 void to_plain(const Camera& camera, KinoraPlayerCamera& plain) {
@@ -153,35 +86,35 @@ void put(const Image<T>& image, int channels, int width, int height, T* out, std
 class Rendering {
 public:
   Rendering(const KinoraPlayer& owner, const KinoraPlayerRequest& request, const KinoraPlayerPicture& picture)
-      : owner_(owner), request_(request), picture_(picture), camera_(from_plain(request.camera)),
-        view_(view_of(picture.view)), options_(draw_options_for(view_)), started_(owner.cancellations),
-        preview_(request.struct_size >= sizeof request && request.preview != 0) {
+      : owner_(owner), player_(owner.player()), request_(request), picture_(picture),
+        camera_(from_plain(request.camera)), view_(view_of(picture.view)), options_(draw_options_for(view_)),
+        started_(owner.cancellations), preview_(request.struct_size >= sizeof request && request.preview != 0) {
     if (!std::isfinite(request.seconds)) misused("the time is no number");
     row_bytes_ = picture.color_row_bytes != 0 ? picture.color_row_bytes : 4 * width();
     if (row_bytes_ < 4 * width()) misused("color_row_bytes is less than a row of the picture has");
     options_.normals |= picture.normal != nullptr;
     options_.confidence |= picture.confidence != nullptr;
-    for (std::size_t i = 0; i < owner.player.clip().layers.size(); ++i) {
+    for (std::size_t i = 0; i < player_->clip().layers.size(); ++i) {
       if (request.visible == nullptr || request.visible[i] != 0) layers_.push_back(i);
     }
   }
 
   void run() const {
     constexpr std::array<int, 3> kCoarse{8, 4, 2};
-    const double frame = owner_.player.clip().frame_at(request_.seconds);
-    const auto health = owner_.player.drawn_health(frame, layers_);
+    const double frame = player_->clip().frame_at(request_.seconds);
+    const auto health = player_->drawn_health(frame, layers_);
     if (request_.refined != nullptr) {
       for (const int reduction : kCoarse) {
         Camera coarse = camera_;
         coarse.intrinsics = camera_.intrinsics.resized((camera_.intrinsics.width + reduction - 1) / reduction,
                                                        (camera_.intrinsics.height + reduction - 1) / reduction);
         check();
-        tell(owner_.player.preview(coarse, frame, layers_, options_), health, false);
+        tell(player_->preview(coarse, frame, layers_, options_), health, false);
       }
     }
     check();
-    tell(preview_ ? owner_.player.preview(camera_, frame, layers_, options_)
-                  : owner_.player.draw(camera_, frame, layers_, options_),
+    tell(preview_ ? player_->preview(camera_, frame, layers_, options_)
+                  : player_->draw(camera_, frame, layers_, options_),
          health, true);
   }
 
@@ -203,6 +136,7 @@ private:
   }
 
   const KinoraPlayer& owner_;
+  std::shared_ptr<const Player> player_;
   const KinoraPlayerRequest& request_;
   const KinoraPlayerPicture& picture_;
   Camera camera_;
@@ -215,14 +149,15 @@ private:
 };
 
 void fill_info(const KinoraPlayer& player, KinoraPlayerInfo& info) {
-  const clip::Clip& clip = player.player.clip();
+  const ClipSoFar now = player.now();
+  const clip::Clip& clip = now.player->clip();
   const Intrinsics& k = clip.intrinsics;
   const double duration = clip.times.back() - clip.times.front();
   const double rate = duration > 0 ? static_cast<double>(clip.times.size() - 1) / duration : 30;
   info = {info.struct_size,
           static_cast<std::uint32_t>(clip.layers.size()),
           clip.times.size(),
-          player.bytes,
+          now.bytes,
           duration,
           rate,
           k.width,
@@ -274,9 +209,7 @@ KinoraPlayerStatus kinora_player_open_source(const KinoraPlayerSource* source, K
   return guarded([&] {
     require(player, "player");
     *player = nullptr;
-    require_size(source, "KinoraPlayerSource");
-    if (source->read == nullptr) misused("KinoraPlayerSource.read is NULL");
-    *player = opened(std::make_unique<CallbackSource>(*source));
+    *player = opened(callback_source(source));
   });
 }
 
@@ -294,11 +227,12 @@ KinoraPlayerStatus kinora_player_layer(const KinoraPlayer* player, uint32_t laye
   return guarded([&] {
     require(player, "player");
     require_size(about, "KinoraPlayerLayer");
-    const auto& layers = player->player.clip().layers;
+    const auto now = player->player();
+    const auto& layers = now->clip().layers;
     if (layer >= layers.size()) misused(fmt::format("there is no layer {}; the clip has {}", layer, layers.size()));
     const kinora::clip::Layer& known = layers[layer];
-    *about = {about->struct_size, known.label, known.name.c_str(), kinora::motion::name_of(known.motion.kind()).data(),
-              known.confidence ? 1 : 0};
+    *about = {about->struct_size, known.label, player->kept(known.name),
+              kinora::motion::name_of(known.motion.kind()).data(), known.confidence ? 1 : 0};
   });
 }
 
@@ -306,7 +240,8 @@ KinoraPlayerStatus kinora_player_frame_time(const KinoraPlayer* player, uint64_t
   return guarded([&] {
     require(player, "player");
     require(seconds, "seconds");
-    const auto& times = player->player.clip().times;
+    const auto now = player->player();
+    const auto& times = now->clip().times;
     if (frame >= times.size()) misused(fmt::format("there is no frame {}; the clip has {}", frame, times.size()));
     *seconds = times[frame];
   });
@@ -317,8 +252,9 @@ KinoraPlayerStatus kinora_player_subject(const KinoraPlayer* player, double seco
     require(player, "player");
     require(position, "position");
     if (!std::isfinite(seconds)) misused("the time is no number");
-    const auto frame = static_cast<int>(std::lround(player->player.clip().frame_at(seconds)));
-    Eigen::Map<Eigen::Vector3d>{position} = subject_of(player->player, frame);
+    const auto now = player->player();
+    const auto frame = static_cast<int>(std::lround(now->clip().frame_at(seconds)));
+    Eigen::Map<Eigen::Vector3d>{position} = subject_of(*now, frame);
   });
 }
 
@@ -328,7 +264,8 @@ KinoraPlayerStatus kinora_player_capture_camera(const KinoraPlayer* player, doub
     require(player, "player");
     require_size(camera, "KinoraPlayerCamera");
     if (!std::isfinite(seconds)) misused("the time is no number");
-    const kinora::clip::Clip& clip = player->player.clip();
+    const auto now = player->player();
+    const kinora::clip::Clip& clip = now->clip();
     to_plain(clip.capture_camera(clip.frame_at(seconds)), *camera);
   });
 }

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Plays a clip from servers that give ranges, give none, break off, or answer wrongly: `kinora play http://…` on a display
-of its own (Xvfb).
+"""Plays a clip from servers that give ranges, give them slowly or not at all, break off, or answer wrongly:
+`kinora play http://…` on a display of its own (Xvfb).
 
 usage: address_check.py KINORA SAMPLE    SAMPLE: a capture of which a small clip is made
 """
+import contextlib
 import http.server
 import os
 import pathlib
@@ -12,10 +13,12 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 
 from window_check import Player, Screen, expect, pixels
 
 FRAMES = 4
+PIECE = 25000  # bytes that a slow server gives in 20 ms, which is 10 Mbit/s
 
 
 class Faulty(http.server.BaseHTTPRequestHandler):
@@ -42,20 +45,25 @@ class Faulty(http.server.BaseHTTPRequestHandler):
             self.answer(206, body, first + 1)
         elif mode == "changing":
             self.answer(206, body, first, tag=str(count))
+        elif mode == "slow":
+            self.answer(206, body, first, pause=0.02)
         elif mode == "breaking" and len(body) > 20000:
             self.answer(206, body[:20000], first, length=len(body))
             self.close_connection = True
         else:
             self.answer(206, body, first)
 
-    def answer(self, status, body, first=0, length=None, tag="one"):
+    def answer(self, status, body, first=0, length=None, tag="one", pause=0.0):
         self.send_response(status)
         self.send_header("Content-Length", str(len(body) if length is None else length))
         self.send_header("ETag", tag)
         if status == 206:
             self.send_header("Content-Range", f"bytes {first}-{first + len(body) - 1}/{len(self.clip)}")
         self.end_headers()
-        self.wfile.write(body)
+        with contextlib.suppress(ConnectionError):  # a player that refuses the answer hangs up
+            for start in range(0, len(body), PIECE):
+                self.wfile.write(body[start:start + PIECE])
+                time.sleep(pause)
 
 
 def played(kinora, clip, screen, folder, wanted=None):
@@ -91,7 +99,7 @@ def main():
         threading.Thread(target=server.serve_forever, daemon=True).start()
         address = f"http://127.0.0.1:{server.server_port}"
         wanted = played(kinora, clip, screen, folder / "file")
-        for mode in ("good", "whole", "recovering", "breaking"):
+        for mode in ("good", "slow", "whole", "recovering", "breaking"):
             expect(played(kinora, f"{address}/{mode}/clip.mkv", screen, folder / mode, wanted) == wanted,
                    f"from the server that is {mode} the picture is another")
         environment = {**os.environ, "DISPLAY": screen.name}

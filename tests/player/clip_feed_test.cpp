@@ -1,4 +1,4 @@
-#include "player/window/clip_feed.h"
+#include "player/clip_feed.h"
 
 #include <condition_variable>
 #include <cstring>
@@ -11,7 +11,7 @@
 #include "clip/sample_clip.h"
 #include "core/error.h"
 
-namespace kinora::player::window {
+namespace kinora::player {
 namespace {
 
 /// Bytes that come when the test lets them.
@@ -37,6 +37,7 @@ public:
     std::memcpy(out.data(), shared_->bytes.data() + offset, out.size());
     shared_->now += 1; // each piece has been waited for
   }
+  bool may_grow() const override { return true; }
   void refresh() override {
     const std::lock_guard lock(shared_->mutex);
     size_ = shared_->size;
@@ -180,4 +181,4 @@ TEST_F(ClipFeedTest, EndsAtOnceWhileItWaits) {
 }
 
 } // namespace
-} // namespace kinora::player::window
+} // namespace kinora::player

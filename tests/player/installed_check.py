@@ -54,6 +54,12 @@ def check_examples(prefix, folder, clip):
     said = run(examples / "02_stream", clip)
     expect(said.count("picture") == 4 and said.rstrip().endswith("full"), f"02_stream said: {said}")
     expect("the last of frame 2" in run(examples / "03_from_c", clip), "03_from_c did not play to the end")
+    said = run(examples / "04_follow", clip)
+    expect("3 layers, 3 frames" in said and said.endswith("complete\n"), f"04_follow said: {said}")
+    cut = folder / "cut.mkv"
+    cut.write_bytes(clip.read_bytes()[:clip.stat().st_size * 7 // 8])
+    said = run(examples / "04_follow", cut)
+    expect("complete: " in said and "missing" in said, f"04_follow said of a clip that is cut short: {said}")
     missing = subprocess.run([examples / "03_from_c", folder / "none.mkv"], capture_output=True, text=True, check=False)
     expect(missing.returncode == 1 and "none.mkv does not exist" in missing.stderr, missing.stderr)
 

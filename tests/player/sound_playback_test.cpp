@@ -123,6 +123,16 @@ TEST_F(SoundPlaybackTest, IsHeardWithItsPictures) {
   EXPECT_NEAR(clock_->position(), 2.6, kTogether); // at its own pace
 }
 
+TEST_F(SoundPlaybackTest, HasNoGapWhenTheWindowIsKeptWaitingForNearlyHalfASecond) {
+  clock_->play();
+  pass(0.3);
+  for (int i = 0; i < 40; ++i) { // in which nobody asks for more
+    device_.pass(1.0 / 90);
+    EXPECT_NEAR(4 * device_.heard(), clock_->position(), kTogether);
+  }
+  expect_together(0.5);
+}
+
 TEST_F(SoundPlaybackTest, FollowsSeeksAndLoops) {
   clock_->set_loop(true);
   clock_->play();

@@ -1,6 +1,9 @@
 #include "player/window/viewer.h"
 
+#include <algorithm>
 #include <fstream>
+#include <random>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -125,6 +128,34 @@ TEST_F(ViewerTest, PlaysStepsAndSeeks) {
   EXPECT_FALSE(viewer.ended());
   viewer.act({kQuit});
   EXPECT_TRUE(viewer.ended());
+}
+
+TEST_F(ViewerTest, TwoHundredRandomSeeksLeadToTheirFrames) {
+  Viewer viewer = this->viewer();
+  viewer.act({kPlayPause});
+  const std::vector<double> times = clip::testing::sample_clip(1, 4, true).times;
+  std::mt19937 random(3); // NOLINT: the same seeks each time
+  std::uniform_real_distribution<double> seconds(times.front(), times.back());
+  for (int i = 0; i < 200; ++i) {
+    const double wanted = seconds(random);
+    viewer.act({kSeek, wanted});
+    const auto after = std::upper_bound(times.begin(), times.end(), wanted);
+    EXPECT_EQ(viewer.panel(32, 24).frame, static_cast<std::size_t>(after - times.begin()) - 1) << wanted;
+  }
+}
+
+TEST_F(ViewerTest, WindowsOf8KAndOfOnePixelAreDrawn) {
+  Viewer viewer = this->viewer();
+  for (const auto& [width, height] : {std::pair{7680, 4320}, {1, 1}}) {
+    viewer.panel(width, height);
+    const auto drawn = [&, w = width] {
+      const auto picture = viewer.picture();
+      return picture && (w == 1 ? picture->width() == 1 : picture->width() >= w / 8);
+    };
+    while (!drawn()) std::this_thread::yield();
+    const auto picture = viewer.picture();
+    EXPECT_NEAR(picture->height(), static_cast<double>(picture->width()) * height / width, 1);
+  }
 }
 
 TEST_F(ViewerTest, KeepsTheClipIfAnotherCannotBeOpened) {

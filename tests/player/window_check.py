@@ -159,6 +159,22 @@ def check_sound(player):
     expect(abs(heard - TONE) < 10, f"a tone of {heard:.0f} Hz was heard, not of {TONE}")
 
 
+def check_display_that_vanishes(kinora, clip, folder):
+    """The player ends, says why in a few words, and leaves nothing half-written."""
+    with Screen() as screen:
+        player = Player([kinora, "play", clip], screen, folder)
+        try:
+            screen.server.kill()
+            screen.server.wait()
+            status = player.process.wait(timeout=WAIT)
+            said = player.process.stderr.read()
+            expect(0 < status < 128, f"without its display it ended with {status}: {said}")
+            expect("display" in said.lower() or "server" in said.lower() or "X connection" in said, f"it does not say why it ended: {said}")
+            expect(not list(folder.glob("*.part")), "something was left half-written")
+        finally:
+            player.process.kill()
+
+
 def check_growing_clip(kinora, sample, screen, folder):
     """A capture that is encoded live is seen while it grows; the window stays, and may be closed."""
     clip = folder.parent / "growing.mkv"
@@ -199,6 +215,7 @@ def main():
             finally:
                 player.process.kill()
             check_growing_clip(kinora, sample, screen, folder)
+        check_display_that_vanishes(kinora, clip, folder)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,8 @@ GlRenderer* module_gl_open() {
 int module_gl_draw(GlRenderer* renderer, KinoraPlayer* player, double seconds, const double* camera,
                    const std::uint8_t* visible, std::uint8_t* color) {
   return guarded([&] {
-    const kinora::clip::Clip& clip = player->player.clip();
+    const auto now = player->player();
+    const kinora::clip::Clip& clip = now->clip();
     kinora::player::LayerChoice layers;
     for (std::size_t i = 0; i < clip.layers.size(); ++i) {
       if (visible[i] != 0) layers.push_back(i);
@@ -67,7 +68,7 @@ int module_gl_draw(GlRenderer* renderer, KinoraPlayer* player, double seconds, c
     kinora::Camera wanted{
         {static_cast<int>(camera[0]), static_cast<int>(camera[1]), camera[2], camera[3], camera[4], camera[5]}};
     wanted.camera_to_world.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(camera + 6);
-    const auto posed = player->player.posed_layers(clip.frame_at(seconds), layers);
+    const auto posed = now->posed_layers(clip.frame_at(seconds), layers);
     renderer->draw(posed, wanted);
     const kinora::ColorImage picture = renderer->read();
     std::memcpy(color, picture.data(), picture.values().size());

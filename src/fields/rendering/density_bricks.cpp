@@ -72,17 +72,15 @@ public:
     for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
     at_.clear();
     bytes_.fill(0);
+    const std::array<AxisSamples, 3> axes{samples_along(coordinates[0]), samples_along(coordinates[1]),
+                                          samples_along(coordinates[2])};
+    find_reached(axes);
     for (std::size_t i = 0; i < kSamples; ++i) {
-      const int number = static_cast<int>(i);
-      const std::array<int, 3> local{number % kLevels, number / kLevels % kLevels, number / (kLevels * kLevels)};
-      std::array<float, 3> position{};
-      for (std::size_t a = 0; a < 3; ++a) {
-        position[a] = static_cast<float>(coordinates[a] * kSide + local[a]) / static_cast<float>(resolution_);
-      }
-      if (!is_reached(position)) continue;
-      x_.push_back(position[0]);
-      y_.push_back(position[1]);
-      z_.push_back(position[2]);
+      const std::size_t x = i % kLevels, row = i / kLevels;
+      if ((reached_[row] >> x & 1U) == 0) continue;
+      x_.push_back(axes[0].position[x]);
+      y_.push_back(axes[1].position[row % kLevels]);
+      z_.push_back(axes[2].position[row / kLevels]);
       at_.push_back(i);
     }
     evaluate_points(field_, levels_, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
@@ -107,25 +105,68 @@ public:
   }
 
 private:
-  // Whether there is occupied space within half a lattice step.
-  bool is_reached(const std::array<float, 3>& position) const {
-    const Occupancy& occupancy = field_.occupancy;
-    const auto cells = static_cast<float>(occupancy.resolution());
+  using Reached = std::uint16_t; // a bit for each sample along x
+  static_assert(kLevels <= 16);
+
+  /// The samples of a brick along one axis, and the cells of the occupancy within half a lattice step of each.
+  struct AxisSamples {
+    std::array<float, kLevels> position{}; // relative to the field's box
+    std::array<int, kLevels> low{}, high{};
+
+    int first() const { return low.front(); }
+    int count() const { return std::max(high.back() - low.front() + 1, 0); }
+  };
+  AxisSamples samples_along(int brick) const {
+    const auto cells = static_cast<float>(field_.occupancy.resolution());
     const float reach = 0.5F / static_cast<float>(resolution_);
-    std::array<int, 3> low{};
-    std::array<int, 3> high{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::max(static_cast<int>(std::floor((position[a] - reach) * cells)), 0);
-      high[a] = std::min(static_cast<int>(std::floor((position[a] + reach) * cells)), occupancy.resolution() - 1);
+    AxisSamples samples;
+    for (int i = 0; i < kLevels; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const float position = static_cast<float>(brick * kSide + i) / static_cast<float>(resolution_);
+      samples.position[at] = position;
+      samples.low[at] = std::max(static_cast<int>(std::floor((position - reach) * cells)), 0);
+      samples.high[at] =
+          std::min(static_cast<int>(std::floor((position + reach) * cells)), field_.occupancy.resolution() - 1);
     }
-    for (int z = low[2]; z <= high[2]; ++z) {
-      for (int y = low[1]; y <= high[1]; ++y) {
-        for (int x = low[0]; x <= high[0]; ++x) {
-          if (occupancy.at(x, y, z)) return true;
+    return samples;
+  }
+
+  // Which samples have occupied space within half a lattice step: one axis after the other, all along x at once.
+  void find_reached(const std::array<AxisSamples, 3>& axes) {
+    const auto& [x, y, z] = axes;
+    const auto rows = static_cast<std::size_t>(y.count());
+    const auto layers = static_cast<std::size_t>(z.count());
+    of_cells_.assign(layers * rows, 0);
+    for (std::size_t k = 0; k < layers; ++k) {
+      for (std::size_t j = 0; j < rows; ++j) {
+        of_cells_[k * rows + j] = reached_along(x, y.first() + static_cast<int>(j), z.first() + static_cast<int>(k));
+      }
+    }
+    of_rows_.assign(layers * kLevels, 0);
+    for (std::size_t k = 0; k < layers; ++k) {
+      for (std::size_t j = 0; j < kLevels; ++j) {
+        for (int cell = y.low[j]; cell <= y.high[j]; ++cell) {
+          of_rows_[k * kLevels + j] |= of_cells_[k * rows + static_cast<std::size_t>(cell - y.first())];
         }
       }
     }
-    return false;
+    reached_.fill(0);
+    for (std::size_t k = 0; k < kLevels; ++k) {
+      for (int cell = z.low[k]; cell <= z.high[k]; ++cell) {
+        const std::size_t layer = static_cast<std::size_t>(cell - z.first()) * kLevels;
+        for (std::size_t j = 0; j < kLevels; ++j) reached_[k * kLevels + j] |= of_rows_[layer + j];
+      }
+    }
+  }
+  // Of one row of cells along x: a bit for each sample.
+  Reached reached_along(const AxisSamples& x, int row, int layer) const {
+    unsigned reached = 0;
+    for (std::size_t i = 0; i < kLevels; ++i) {
+      for (int cell = x.low[i]; cell <= x.high[i]; ++cell) {
+        if (field_.occupancy.at(cell, row, layer)) reached |= 1U << i;
+      }
+    }
+    return static_cast<Reached>(reached);
   }
 
   const Field& field_;
@@ -135,6 +176,8 @@ private:
   std::vector<std::size_t> at_; // the sample that each point is
   PointBatch points_;
   std::array<std::uint8_t, kSamples> bytes_{};
+  std::array<Reached, std::size_t{kLevels} * kLevels> reached_{}; // by z, then y
+  std::vector<Reached> of_cells_, of_rows_;                       // reached from rows of cells; by cell along z
 };
 
 } // namespace

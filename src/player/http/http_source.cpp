@@ -74,6 +74,7 @@ public:
     }
   }
 
+  bool may_grow() const override { return true; }
   void refresh() override {
     if (!whole_.empty()) return; // all of it again, for nothing in most cases
     std::byte first{};

@@ -14,9 +14,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kWantedMilliseconds = 30; // of a picture while something moves
-constexpr double kSmallest = 1.0 / 8, kLargest = 1;
-
 ColorImage drawn(const PictureRequest& request) {
   const fields::DrawOptions options = draw_options_for(request.view);
   return painted(request.moving ? request.player->preview(request.camera, request.frame, request.layers, options)
@@ -89,16 +86,14 @@ void PictureWorker::draw(const PictureRequest& request) {
   PictureRequest smaller = request;
   const Intrinsics& full = request.camera.intrinsics;
   if (request.moving) {
-    smaller.camera.intrinsics = full.resized(std::max(1, static_cast<int>(std::lrint(scale_ * full.width))),
-                                             std::max(1, static_cast<int>(std::lrint(scale_ * full.height))));
+    const double scale = resolution_.scale();
+    smaller.camera.intrinsics = full.resized(std::max(1, static_cast<int>(std::lrint(scale * full.width))),
+                                             std::max(1, static_cast<int>(std::lrint(scale * full.height))));
   }
   const auto start = Clock::now();
   auto image = std::make_shared<const ColorImage>(window::drawn(smaller));
   const double milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  if (request.moving) { // towards the size that takes as long as is wanted, half of the way
-    const double fitting = scale_ * std::sqrt(kWantedMilliseconds / std::max(milliseconds, 1.0));
-    scale_ = std::clamp(std::sqrt(scale_ * fitting), kSmallest, kLargest);
-  }
+  if (request.moving) resolution_.took(milliseconds);
   const std::lock_guard lock(mutex_);
   newest_ = {std::move(image), milliseconds, !request.moving};
   ++drawn_;

@@ -10,6 +10,7 @@
 
 #include "player/picture_view.h"
 #include "player/player.h"
+#include "player/window/moving_resolution.h"
 
 namespace kinora::player::window {
 
@@ -63,7 +64,7 @@ private:
   DrawnPicture newest_;
   std::size_t drawn_ = 0;
   std::string message_;
-  double scale_ = 0.5; ///< of pictures while something moves; the worker's own
+  MovingResolution resolution_; // the worker's own
   std::jthread thread_;
 };
 

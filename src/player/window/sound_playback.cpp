@@ -9,7 +9,7 @@ namespace kinora::player::window {
 namespace {
 
 constexpr double kRate = sound::kPlayedRate;
-constexpr double kAhead = 0.25; // seconds that the loudspeaker has in hand
+constexpr double kAhead = 0.5;  // seconds that the loudspeaker has in hand: a busy machine may keep the window waiting
 constexpr double kPiece = 0.02; // of silence
 constexpr double kRunIn = 0.1;  // that a decoder needs before what it gives is right
 constexpr double kGap = 0.05;   // between packets, from which on it is one

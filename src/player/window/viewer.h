@@ -3,9 +3,9 @@
 
 #include <functional>
 
+#include "player/clip_feed.h"
 #include "player/playback_clock.h"
 #include "player/window/camera_recording.h"
-#include "player/window/clip_feed.h"
 #include "player/window/orbit_camera.h"
 #include "player/window/picture_worker.h"
 #include "player/window/sound_playback.h"

@@ -1,4 +1,4 @@
-#include "player/window/clip_feed.h"
+#include "player/clip_feed.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "container/reader.h"
 #include "core/error.h"
 
-namespace kinora::player::window {
+namespace kinora::player {
 namespace {
 
 constexpr std::size_t kPieceBytes = 1 << 17;
@@ -58,7 +58,7 @@ ClipSoFar ClipFeed::first(const std::function<bool()>& stopped) const {
 
 void ClipFeed::follow(const std::stop_token& stop) {
   read_to_end(stop);
-  while (!stop.stop_requested() && !finished()) {
+  while (!stop.stop_requested() && source_->may_grow() && !finished()) {
     if (bytes_.size() != ready_bytes_) make_ready();
     tell(false, "this is all so far; waiting for more");
     rest(stop);
@@ -107,6 +107,7 @@ void ClipFeed::make_ready() {
     auto player = std::make_shared<const Player>(clip::read_whole_parts(std::move(bytes), missing));
     const std::lock_guard lock(mutex_);
     newest_.player = std::move(player);
+    newest_.bytes = source_->size();
   } catch (const Error&) {
     if (bytes_.size() == source_->size() && finished()) throw;
   }
@@ -118,7 +119,8 @@ void ClipFeed::make_ready() {
 void ClipFeed::tell(bool complete, std::string message) {
   const std::lock_guard lock(mutex_);
   newest_.complete = complete;
+  newest_.bytes = source_->size();
   newest_.message = std::move(message);
 }
 
-} // namespace kinora::player::window
+} // namespace kinora::player

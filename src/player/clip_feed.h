@@ -11,20 +11,14 @@
 #include <vector>
 
 #include "container/byte_source.h"
+#include "player/clip_so_far.h"
 #include "player/playback_clock.h"
-#include "player/player.h"
 
-namespace kinora::player::window {
-
-/// What there is of a clip so far.
-struct ClipSoFar {
-  std::shared_ptr<const Player> player; ///< null while nothing can be shown
-  bool complete = false;                ///< nothing more will come
-  std::string message;                  ///< what is waited for, missing or wrong; empty: there is nothing to say
-};
+namespace kinora::player {
 
 /// Reads a clip from its first byte on, in a thread of its own, and makes ready what is whole: layers as their fields
-/// come, frames as their motion comes. A file that its writer has not finished is followed. Thread-safe.
+/// come, frames as their motion comes. What is damaged or cut
+/// is left out, and said. A file that its writer has not finished is followed. Thread-safe.
 class ClipFeed {
 public:
   /// Bytes that it takes: a file is held in memory until all of it has come.
@@ -60,4 +54,4 @@ private:
   std::jthread thread_;      // last: it ends first
 };
 
-} // namespace kinora::player::window
+} // namespace kinora::player
