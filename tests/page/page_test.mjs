@@ -5,6 +5,7 @@ import { mkdir, readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 import { claim, launch, missing, root, runClaims, serve, serveByNginx, serveFaults } from "./browser.mjs";
 import { closed, keep, opened, psnr, rests, shown } from "./pages.mjs";
+import "./decoding_claims.mjs";
 import "./sound_claims.mjs";
 import "./streaming_claims.mjs";
 
