@@ -1,5 +1,6 @@
 // Processor time of opening and drawing a clip by the module that web/build made, in Node.js: of its first BYTES, and
 // all of it. usage: node measure.mjs CLIP.mkv [BYTES...]
+import { readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 
 const built = new URL("../build/wasm/bin/", import.meta.url);
@@ -14,7 +15,14 @@ function lap(what) {
 }
 
 const clip = await readFile(process.argv[2]);
-const m = await createModule({ wasmBinary: await readFile(new URL("kinora_module.wasm", built)) });
+const m = await createModule({
+  instantiateWasm(imports, received) {
+    const code = new WebAssembly.Module(readFileSync(new URL("kinora_module.wasm", built)));
+    const instance = new WebAssembly.Instance(code, imports);
+    received(instance);
+    return instance.exports;
+  },
+});
 lap("compiling the module");
 const [bytes, name, out] = [m._malloc(clip.length), m._malloc(1), m._malloc(8)];
 m.HEAPU8.set(clip, bytes);

@@ -1,11 +1,13 @@
 // A clip as it comes: opened by another worker whenever more of it has come, while the one before draws.
 import type { Camera, Vector } from "./camera.js";
+import { playerCode } from "./code.js";
 import { Drawer } from "./drawer.js";
 import type { ClipInfo, DrawnBy } from "./messages.js";
 import type { ClipSource } from "./source.js";
 
 const patience = 250; // milliseconds between two that are opened
 const worthwhile = 1.25; // times the bytes of the one before
+const firstBytes = 48 << 10; // that are tried first; then twice as many, until there is something to be seen
 const betweenLooks = 500; // milliseconds; at a file that grows
 
 /** What has come of the clip. */
@@ -23,6 +25,8 @@ export class ArrivingClip {
   #openedAll = false;
   #openedAt = -Infinity;
   #complete = false;
+  #tried = firstBytes;
+  #shows = false;
 
   constructor(
     private readonly source: ClipSource,
@@ -31,6 +35,7 @@ export class ArrivingClip {
     private readonly signal: AbortSignal,
   ) {
     this.#prepare();
+    playerCode().catch(() => undefined); // it is asked for again
   }
 
   /** The next that is more than the one before; null: there will be none. Rejects with a Fault: that is all there is. */
@@ -39,15 +44,21 @@ export class ArrivingClip {
       const drawer = this.#prepare();
       await this.#worthwhile();
       this.signal.throwIfAborted();
-      const { bytes, all, fault } = this.source;
+      const code = await playerCode();
+      const { fault } = this.source;
+      // What is small is ready soon.
+      const whole = this.#shows || this.source.bytes <= this.#tried;
+      const [bytes, all] = whole ? [this.source.bytes, this.source.all] : [this.#tried, false];
+      this.#tried *= 2;
       if (fault && bytes <= Math.max(this.#opened, 0)) throw fault;
       this.#openedAt = performance.now();
       this.#opened = bytes;
       this.#openedAll = all;
-      const opened = await drawer.ask({ kind: "open", clip: this.source.blob(), name: this.name, by: this.by, all });
+      const opened = await drawer.ask({ ...this.#call(code), clip: this.source.blob().slice(0, bytes), all });
       this.#complete = opened.finished;
       if (opened.content) {
         this.#drawer = null;
+        this.#shows = true;
         return { drawer, ...opened.content, complete: opened.finished };
       }
     }
@@ -58,8 +69,12 @@ export class ArrivingClip {
   async another(): Promise<Drawer> {
     const drawer = this.#prepare();
     this.#drawer = null;
-    await drawer.ask({ kind: "open", clip: this.source.blob(), name: this.name, by: this.by, all: true });
+    await drawer.ask({ ...this.#call(await playerCode()), clip: this.source.blob(), all: true });
     return drawer;
+  }
+
+  #call(code: WebAssembly.Module) {
+    return { kind: "open", code, name: this.name, by: this.by } as const;
   }
 
   #prepare(): Drawer {
@@ -75,10 +90,9 @@ export class ArrivingClip {
       await rest(betweenLooks);
       await source.lookAgain();
     }
-    if (this.#opened > 0) await rest(this.#openedAt + patience - performance.now());
-    await source.beyond(Math.max(headBytes, worthwhile * this.#opened));
+    if (this.#shows) await rest(this.#openedAt + patience - performance.now());
+    await source.beyond(this.#shows ? worthwhile * this.#opened : Math.max(this.#opened, this.#tried - 1));
   }
 }
 
-const headBytes = 4096; // in which a file says what it is
 const rest = (milliseconds: number) => new Promise((resolve) => setTimeout(resolve, milliseconds));

@@ -53,5 +53,8 @@ declare module "kinora-module" {
       depth: number,
     ): number;
   }
-  export default function createModule(options: { wasmBinary: ArrayBuffer }): Promise<KinoraModule>;
+  type Received = (instance: WebAssembly.Instance) => void;
+  export default function createModule(options: {
+    instantiateWasm(imports: WebAssembly.Imports, received: Received): object;
+  }): Promise<KinoraModule>;
 }

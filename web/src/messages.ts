@@ -62,7 +62,7 @@ export interface Picture {
 export type DrawnBy = "auto" | "cpu" | "webgl";
 
 export type Call =
-  | { kind: "open"; clip: Blob; name: string; by: DrawnBy; all: boolean } // all: nothing follows now
+  | { kind: "open"; code: WebAssembly.Module; clip: Blob; name: string; by: DrawnBy; all: boolean } // all: nothing follows now
   | { kind: "captureCamera"; time: number }
   | { kind: "sound" }
   | { kind: "draw"; request: DrawRequest };

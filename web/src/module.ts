@@ -21,8 +21,14 @@ export class ClipPlayer {
   ) {}
 
   /** What has come of a clip; `all`: nothing follows now. Throws a Fault if the bytes are no clip. */
-  static async open(wasm: ArrayBuffer, bytes: ArrayBuffer, name: string, by: DrawnBy, all: boolean): Promise<Arrived> {
-    const module = await createModule({ wasmBinary: wasm });
+  static async open(code: WebAssembly.Module, bytes: ArrayBuffer, name: string, by: DrawnBy, all: boolean): Promise<Arrived> {
+    const module = await createModule({
+      instantiateWasm(imports, received) {
+        const instance = new WebAssembly.Instance(code, imports);
+        received(instance);
+        return instance.exports;
+      },
+    });
     const out = module._malloc(8);
     const text = module._malloc(4 * name.length + 1);
     module.stringToUTF8(name, text, 4 * name.length + 1);

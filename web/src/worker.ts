@@ -4,16 +4,7 @@ import { ClipPlayer } from "./module.js";
 import type { Answer, Call, Opened, Picture, Question, Results } from "./messages.js";
 
 let player: ClipPlayer | null = null;
-// Comes while the clip does.
-const address = new URL("kinora-player.wasm", import.meta.url);
-const wasm = fetch(address).then(
-  (answer) => (answer.ok ? answer.arrayBuffer() : null),
-  () => null,
-);
-
-async function open({ clip, name, by, all }: Extract<Call, { kind: "open" }>): Promise<Opened> {
-  const code = await wasm;
-  if (!code) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
+async function open({ code, clip, name, by, all }: Extract<Call, { kind: "open" }>): Promise<Opened> {
   const opened = await ClipPlayer.open(code, await clip.arrayBuffer(), name, by, all);
   player = opened.player;
   return { finished: opened.finished, content: player && player.content(opened.missing) };
