@@ -185,7 +185,11 @@ claim("WebGL draws the picture of the CPU", async (world) => {
   const [by, similarity] = await page.evaluate(async (src) => {
     const first = document.querySelector("kinora-player");
     const second = Object.assign(document.createElement("kinora-player"), { src, drawnBy: "webgl" });
-    const ready = new Promise((resolve) => second.addEventListener("loadedmetadata", resolve));
+    const ready = new Promise((resolve) => {
+      for (const event of ["loadedmetadata", "durationchange"]) {
+        second.addEventListener(event, () => second.stage.complete && resolve());
+      }
+    });
     second.hidden = true; // a program that draws in the GPU's place takes long: one small picture is enough
     document.body.append(second);
     await ready;
