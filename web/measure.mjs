@@ -1,5 +1,6 @@
-// Processor time of opening and drawing a clip by the module that web/build made, in Node.js.
-// usage: node measure.mjs CLIP.mkv
+// Processor time of opening and drawing a clip by the module that web/build made, in Node.js: of its first BYTES, and
+// all of it. usage: node measure.mjs CLIP.mkv [BYTES...]
+import { readFileSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 
 const built = new URL("../build/wasm/bin/", import.meta.url);
@@ -14,13 +15,30 @@ function lap(what) {
 }
 
 const clip = await readFile(process.argv[2]);
-const m = await createModule({ wasmBinary: await readFile(new URL("kinora_module.wasm", built)) });
+const m = await createModule({
+  instantiateWasm(imports, received) {
+    const code = new WebAssembly.Module(readFileSync(new URL("kinora_module.wasm", built)));
+    const instance = new WebAssembly.Instance(code, imports);
+    received(instance);
+    return instance.exports;
+  },
+});
 lap("compiling the module");
-const [bytes, name, out] = [m._malloc(clip.length), m._malloc(1), m._malloc(4)];
+const [bytes, name, out] = [m._malloc(clip.length), m._malloc(1), m._malloc(8)];
 m.HEAPU8.set(clip, bytes);
 m.HEAPU8[name] = 0;
-if (m._kinora_player_open_memory(bytes, clip.length, name, out) !== 0) throw new Error(m.UTF8ToString(m._kinora_player_error()));
-const player = m.HEAPU32[out >> 2];
+function open(size) {
+  const status = m._module_open_arrived(bytes, size, name, Number(size === clip.length), out, out + 4);
+  const sentence = m.UTF8ToString(m._module_arrived_sentence());
+  if (status !== 0) throw new Error(sentence);
+  return [m.HEAPU32[out >> 2], sentence];
+}
+for (const size of process.argv.slice(3).map(Number)) {
+  const [part, missing] = open(size);
+  lap(`opening the first ${size} bytes (${part ? missing : "nothing can be shown"})`);
+  if (part) m._kinora_player_close(part);
+}
+const [player] = open(clip.length);
 lap("opening the clip");
 
 const [camera, visible] = [m._malloc(8 * 22), m._malloc(64)];

@@ -6,10 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "clip/clip_io.h"
-#include "clip/missing_parts.h"
-#include "container/reader.h"
 #include "core/error.h"
+#include "player/arrived_clip.h"
 
 namespace kinora::player {
 namespace {
@@ -92,27 +90,18 @@ void ClipFeed::read_head_again() {
   source_->read(0, std::span(bytes_).first(std::min(bytes_.size(), kHeadBytes)));
 }
 
-bool ClipFeed::finished() const {
-  try {
-    return container::Reader(std::make_unique<container::MemorySource>(bytes_, source_->name())).finished();
-  } catch (const Error&) {
-    return true; // damaged, or no file of ours: nothing will come of it
-  }
-}
+bool ClipFeed::finished() const { return state_of(bytes_, source_->name()) == FileState::kFinished; }
 
 void ClipFeed::make_ready() {
-  std::vector<std::string> missing;
-  try {
-    auto bytes = std::make_unique<container::MemorySource>(bytes_, source_->name());
-    auto player = std::make_shared<const Player>(clip::read_whole_parts(std::move(bytes), missing));
+  ArrivedClip arrived = read_arrived(bytes_, source_->name(), bytes_.size() == source_->size() && finished());
+  if (arrived.clip) {
+    auto player = std::make_shared<const Player>(std::move(*arrived.clip));
     const std::lock_guard lock(mutex_);
     newest_.player = std::move(player);
     newest_.bytes = source_->size();
-  } catch (const Error&) {
-    if (bytes_.size() == source_->size() && finished()) throw;
   }
   ready_bytes_ = bytes_.size();
-  missing_ = missing.empty() ? "" : clip::missing_sentence(source_->name(), missing);
+  missing_ = std::move(arrived.missing);
   looked_at_ = seconds_();
 }
 

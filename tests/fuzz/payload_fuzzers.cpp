@@ -98,6 +98,8 @@ std::vector<Bytes> graphs() {
 void read_graph(Span input) {
   expect_refusal_or_success([&] {
     const auto graph = clip::decode_graph(input, kWhere);
+    constexpr std::size_t kQuick = 2000; // nodes: writing looks at each pair of them
+    if (graph->nodes().size() > kQuick) return;
     const Bytes again = clip::encode_graph(*graph);
     require(clip::encode_graph(*clip::decode_graph(again, kWhere)) == again, "a graph stays as it was read");
   });

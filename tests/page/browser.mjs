@@ -2,7 +2,9 @@
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import http from "node:http";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -37,17 +39,32 @@ export async function serve(kinora, folder) {
 /** A server that keeps what it says only in part. `bytes`: of a clip. */
 export async function serveFaults(bytes) {
   const open = { "Access-Control-Allow-Origin": "*" };
+  const held = { bytes: 0, letGo: null }; // of /head.mkv: what comes at once, and how the rest comes
   const answers = {
     "/cut_off.mkv": (response) => {
       response.writeHead(200, { ...open, "Content-Length": bytes.length });
       response.write(bytes.subarray(0, bytes.length / 2), () => response.destroy());
     },
     "/not_shared.mkv": (response) => response.writeHead(200).end(bytes),
+    "/head.mkv": (response) => {
+      response.writeHead(200, { ...open, "Content-Length": bytes.length });
+      response.write(bytes.subarray(0, held.bytes));
+      held.letGo = () => response.end(bytes.subarray(held.bytes));
+    },
+    "/breaks.mkv": (response, range) => {
+      const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(range ?? "bytes=0-");
+      const end = Math.min(Number(first) + (last ? Infinity : 200000), bytes.length);
+      const rest = { "Content-Length": bytes.length - first, "Content-Range": `bytes ${first}-${bytes.length - 1}/${bytes.length}` };
+      response.writeHead(range ? 206 : 200, { ...open, "Access-Control-Expose-Headers": "Content-Range", ...rest });
+      response.write(bytes.subarray(Number(first), end), () => (end < bytes.length ? response.destroy() : response.end()));
+    },
+    "/plain.mkv": (response) => response.writeHead(200, { ...open, "Transfer-Encoding": "chunked" }).end(bytes),
     "/slow.mkv": (response) => response.writeHead(200, open).write(bytes.subarray(0, 1000)),
   };
   const server = http.createServer((request, response) => {
     const answer = answers[request.url];
-    if (answer) answer(response);
+    if (request.method === "OPTIONS") response.writeHead(204, { ...open, "Access-Control-Allow-Headers": "Range" }).end();
+    else if (answer) answer(response, request.headers.range);
     else response.writeHead(404, open).end();
   });
   await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
@@ -55,7 +72,44 @@ export async function serveFaults(bytes) {
     server.close();
     server.closeAllConnections();
   };
-  return { address: `http://127.0.0.1:${server.address().port}`, stop };
+  return { address: `http://127.0.0.1:${server.address().port}`, stop, held };
+}
+
+/** The folder and, at page/, the page by nginx; null if there is none. */
+export async function serveByNginx(folder) {
+  const program = ["/usr/sbin/nginx", "/usr/bin/nginx"].find(existsSync);
+  if (!program) return null;
+  const own = await mkdtemp(path.join(tmpdir(), "kinora-nginx-"));
+  const port = await freePort();
+  const temporary = ["client_body", "proxy", "fastcgi", "uwsgi", "scgi"].map((name) => `${name}_temp_path ${own}/${name};`);
+  const user = process.getuid() === 0 ? "user root;" : ""; // who may read the folder
+  const settings = `${user} daemon off; pid ${own}/pid; error_log ${own}/error.log;
+    events {}
+    http {
+      include /etc/nginx/mime.types; access_log off; ${temporary.join(" ")}
+      server { listen 127.0.0.1:${port}; root ${path.resolve(folder)}; location /page/ { alias ${root}/build/page/; gzip_static on; } }
+    }`;
+  await writeFile(path.join(own, "nginx.conf"), settings);
+  const server = spawn(program, ["-e", `${own}/error.log`, "-c", `${own}/nginx.conf`], { stdio: "inherit" });
+  const address = `http://127.0.0.1:${port}/`;
+  for (;;) {
+    if (server.exitCode !== null) throw new Error("nginx ended");
+    if (await fetch(address).then(() => true, () => false)) break;
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+  const stop = async () => {
+    server.kill();
+    await rm(own, { recursive: true, force: true });
+  };
+  return { address, stop };
+}
+
+async function freePort() {
+  const probe = http.createServer();
+  await new Promise((resolve) => probe.listen(0, "127.0.0.1", resolve));
+  const { port } = probe.address();
+  await new Promise((resolve) => probe.close(resolve));
+  return port;
 }
 
 const claims = [];

@@ -3,7 +3,11 @@
 import assert from "node:assert/strict";
 import { mkdir, readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { claim, launch, missing, root, runClaims, serve, serveFaults } from "./browser.mjs";
+import { claim, launch, missing, root, runClaims, serve, serveByNginx, serveFaults } from "./browser.mjs";
+import { closed, keep, opened, psnr, rests, shown } from "./pages.mjs";
+import "./decoding_claims.mjs";
+import "./sound_claims.mjs";
+import "./streaming_claims.mjs";
 
 const reason = missing();
 if (reason) {
@@ -12,43 +16,6 @@ if (reason) {
 }
 const [kinora, folder, words] = process.argv.slice(2);
 
-/** A page with a clip in it, that fails its test for whatever it says on its console. */
-async function opened({ browser, served }, clip = "carry_box.mkv", options = {}, hash = "") {
-  const page = await browser.newPage({ viewport: { width: 640, height: 480 }, ...options });
-  page.setDefaultTimeout(90000); // what is slow is not wrong
-  page.said = [];
-  page.on("pageerror", (error) => page.said.push(String(error)));
-  await page.goto(`${served.address}.kinora/index.html?clip=${encodeURIComponent(new URL(clip, served.address))}${hash}`);
-  page.player = (body, argument) =>
-    page.locator("kinora-player").evaluate((player, [text, given]) => new Function("player", "given", text)(player, given), [body, argument]);
-  return page;
-}
-const shown = (page) => page.waitForFunction(() => document.querySelector("kinora-player").readyState === 4);
-/** The full picture at rest is shown. */
-async function rests(page) {
-  await page.player("player.pause()");
-  await page.waitForFunction(() => document.querySelector("kinora-player").stage.settled, null, { polling: 100 });
-}
-/** Remembers the picture that is shown, in the page, under a name. */
-const keep = (page, name) =>
-  page.player(`const c = player.shadowRoot.querySelector("canvas");
-    (globalThis.kept ??= {})[given] = c.getContext("2d").getImageData(0, 0, c.width, c.height).data`, name);
-/** dB between two pictures on black that were kept. */
-const psnr = (page, ...names) =>
-  page.evaluate((given) => {
-    const [a, b] = given.map((name) => globalThis.kept[name]);
-    if (a.length !== b.length) return 0;
-    let sum = 0;
-    for (let i = 0; i < a.length; i += 4) {
-      for (let c = 0; c < 3; ++c) sum += ((a[i + c] * a[i + 3] - b[i + c] * b[i + 3]) / 255) ** 2;
-    }
-    return Math.min(99, 10 * Math.log10(255 ** 2 / (sum / (0.75 * a.length))));
-  }, names);
-const closed = async (page) => {
-  const { said } = page;
-  await page.close();
-  assert.deepEqual(said, []);
-};
 claim("the list of clips leads to one that plays", async ({ browser, served, seen }) => {
   const page = await browser.newPage({ viewport: { width: 640, height: 480 } });
   page.setDefaultTimeout(90000);
@@ -218,7 +185,11 @@ claim("WebGL draws the picture of the CPU", async (world) => {
   const [by, similarity] = await page.evaluate(async (src) => {
     const first = document.querySelector("kinora-player");
     const second = Object.assign(document.createElement("kinora-player"), { src, drawnBy: "webgl" });
-    const ready = new Promise((resolve) => second.addEventListener("loadedmetadata", resolve));
+    const ready = new Promise((resolve) => {
+      for (const event of ["loadedmetadata", "durationchange"]) {
+        second.addEventListener(event, () => second.stage.complete && resolve());
+      }
+    });
     second.hidden = true; // a program that draws in the GPU's place takes long: one small picture is enough
     document.body.append(second);
     await ready;
@@ -295,10 +266,12 @@ await mkdir(seen, { recursive: true });
 const served = await serve(kinora, folder);
 const source = await serve(kinora, root);
 const faults = await serveFaults(clip);
+const nginx = await serveByNginx(folder);
 const browser = await launch();
-const wrong = await runClaims({ browser, served, source, faults, seen }, words);
+const wrong = await runClaims({ browser, served, source, faults, nginx, folder, seen }, words);
 await browser.close();
 served.stop();
 source.stop();
 faults.stop();
+nginx?.stop();
 process.exit(wrong === 0 ? 0 : 1);

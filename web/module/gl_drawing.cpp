@@ -55,6 +55,9 @@ GlRenderer* module_gl_open() {
   return renderer;
 }
 
+/// Also of a context that was lost: what was drawn with is freed.
+void module_gl_close(GlRenderer* renderer) { delete renderer; } // NOLINT: it was owned by JavaScript
+
 /// 0, or 1: it is of no more use.
 int module_gl_draw(GlRenderer* renderer, KinoraPlayer* player, double seconds, const double* camera,
                    const std::uint8_t* visible, std::uint8_t* color) {

@@ -7,12 +7,38 @@ export class PlaybackClock {
   #time = 0; // at #since
   #since = 0;
 
+  #end: number;
+  #awaitsMore = false;
+
   constructor(
     readonly start: number,
-    readonly end: number,
-    private readonly now: () => number = () => performance.now() / 1000,
+    end: number,
+    private now: () => number = steadySeconds,
   ) {
     this.#time = start;
+    this.#end = end;
+  }
+
+  get end(): number {
+    return this.#end;
+  }
+  /** Another end, as more has come. With `awaitsMore` it waits there, playing, and repeats nothing. */
+  setEnd(end: number, awaitsMore: boolean): void {
+    this.#time = this.time;
+    this.#since = this.now();
+    this.#end = Math.max(end, this.start);
+    this.#awaitsMore = awaitsMore;
+    if (!awaitsMore) this.#time = Math.min(this.#time, this.#end);
+  }
+  /** What has not come yet is waited for. */
+  get starved(): boolean {
+    return this.#awaitsMore && this.time >= this.#end;
+  }
+  /** Whose seconds go by while it plays: those of the sound that is heard, or of the system's steady clock. */
+  setMaster(now: () => number): void {
+    this.#time = this.time;
+    this.now = now;
+    this.#since = now();
   }
 
   get playing(): boolean {
@@ -26,16 +52,17 @@ export class PlaybackClock {
     this.seek(this.time);
     this.#rate = Math.min(Math.max(rate, 1 / 16), 16);
   }
-  /** Stands at the end, if it does not loop. */
+  /** Stands at the end, if it does not loop; at what was sought, if that has not come yet. */
   get time(): number {
     if (!this.#playing) return this.#time;
     const time = this.#time + (this.now() - this.#since) * this.#rate;
+    if (this.#awaitsMore) return Math.min(time, Math.max(this.#time, this.end));
     const span = this.end - this.start;
     if (time <= this.end || span <= 0) return Math.min(time, this.end);
     return this.loop ? this.start + ((time - this.start) % span) : this.end;
   }
   get ended(): boolean {
-    return this.time >= this.end && !(this.loop && this.#playing);
+    return this.time >= this.end && !this.#awaitsMore && !(this.loop && this.#playing);
   }
 
   play(): void {
@@ -48,10 +75,12 @@ export class PlaybackClock {
     this.#playing = false;
   }
   seek(time: number): void {
-    this.#time = Math.min(Math.max(time, this.start), this.end);
+    this.#time = Math.min(Math.max(time, this.start), this.#awaitsMore ? Infinity : this.end);
     this.#since = this.now();
   }
 }
+
+export const steadySeconds = (): number => performance.now() / 1000;
 
 /** Number of the last frame whose time has come. */
 export function frameAt(times: Float64Array, time: number): number {

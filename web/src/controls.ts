@@ -5,6 +5,7 @@ export interface ControlActions {
   togglePlay(): void;
   seek(time: number): void;
   fillMenu(menu: HTMLElement): void;
+  toggleMuted(): void;
   toggleFullScreen(): void;
 }
 
@@ -16,14 +17,17 @@ export class Controls {
   #time = make("span", { class: "time" });
   #more = make("button", { type: "button", "aria-label": "Settings", "aria-expanded": "false", "aria-controls": "menu" });
 
+  #sound = make("button", { type: "button", "aria-label": "Mute", hidden: "" }, icon("sound"));
+
   constructor(private readonly actions: ControlActions) {
     this.#more.append(icon("menu"));
     const full = make("button", { type: "button", "aria-label": "Full screen" }, icon("full"));
     this.bar = make("div", { class: "bar", role: "group", "aria-label": "Controls" });
-    this.bar.append(this.#play, this.#slider, this.#time, this.#more, full);
+    this.bar.append(this.#play, this.#slider, this.#time, this.#sound, this.#more, full);
     this.#play.addEventListener("click", () => actions.togglePlay());
     this.#slider.addEventListener("input", () => actions.seek(Number(this.#slider.value)));
     this.#more.addEventListener("click", () => this.openMenu(this.menu.hidden !== false));
+    this.#sound.addEventListener("click", () => actions.toggleMuted());
     full.addEventListener("click", () => actions.toggleFullScreen());
     this.menu.addEventListener("keydown", (event) => {
       if (event.key !== "Escape") return;
@@ -39,9 +43,20 @@ export class Controls {
     if (open) this.menu.querySelector("input")?.focus();
   }
 
+  /** What it offers has changed. */
+  refillMenu(): void {
+    if (!this.menu.hidden && !this.menu.matches(":focus-within")) this.actions.fillMenu(this.menu);
+  }
+
   setPlaying(playing: boolean): void {
     this.#play.setAttribute("aria-label", playing ? "Pause" : "Play");
     this.#play.replaceChildren(icon(playing ? "pause" : "play"));
+  }
+
+  setSound(there: boolean, muted: boolean): void {
+    this.#sound.hidden = !there;
+    this.#sound.setAttribute("aria-label", muted ? "Unmute" : "Mute");
+    this.#sound.replaceChildren(icon(muted ? "muted" : "sound"));
   }
 
   setTime(time: number, start: number, end: number): void {

@@ -8,6 +8,7 @@ export class Drawer {
   #worker: Worker;
   #waiting = new Map<number, Waiting>();
   #next = 0;
+  #retired = false;
 
   constructor() {
     this.#worker = startWorker(new URL("kinora-worker.js", import.meta.url));
@@ -16,6 +17,7 @@ export class Drawer {
       this.#waiting.delete(data.id);
       if ("result" in data) waiting?.resolve(data.result as never);
       else waiting?.reject(new Fault(data.fault.code as FaultCode, data.fault.message));
+      if (this.#retired && !this.busy) this.close();
     };
     this.#worker.onerror = (event) => {
       event.preventDefault();
@@ -33,6 +35,12 @@ export class Drawer {
       this.#waiting.set(id, { resolve, reject });
       this.#worker.postMessage({ id, call } satisfies Question);
     });
+  }
+
+  /** When all that was asked has been answered. */
+  retire(): void {
+    this.#retired = true;
+    if (!this.busy) this.close();
   }
 
   close(): void {

@@ -7,14 +7,15 @@ import { formatPlace, type Place } from "./link.js";
 import { MediaAttributes } from "./media.js";
 import { makeMenu } from "./menu.js";
 import type { DrawnBy, Layer, Picture, ViewName } from "./messages.js";
-import { fetchClip } from "./source.js";
+import { ArrivingClip } from "./arriving.js";
+import { ClipSource } from "./source.js";
 import { Stage } from "./stage.js";
 import { stateOfArrival, Surface } from "./surface.js";
 
 const quarterSecond = 250; // between two timeupdate events, at least
 
 export class KinoraPlayerElement extends MediaAttributes {
-  static readonly observedAttributes = ["src", "poster", "loop", "controls"];
+  static readonly observedAttributes = ["src", "poster", "loop", "controls", "muted"];
 
   #surface: Surface;
   #controls: Controls;
@@ -25,6 +26,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   #file: File | null = null;
   #place: Place = {}; // where the next clip starts
   #rate = 1;
+  #volume = 1;
   #loading = false;
   #seeking = false;
   #toldAt = 0;
@@ -38,6 +40,7 @@ export class KinoraPlayerElement extends MediaAttributes {
       togglePlay: () => this.#togglePlay(),
       seek: (time) => (this.currentTime = time),
       fillMenu: (menu) => this.#fillMenu(menu),
+      toggleMuted: () => (this.muted = !this.muted),
       toggleFullScreen: () => this.#toggleFullScreen(),
     });
     root.append(this.#controls.menu, this.#controls.bar);
@@ -66,6 +69,10 @@ export class KinoraPlayerElement extends MediaAttributes {
     if (name === "poster") this.#surface.setPoster(this.#picture ? "" : this.poster);
     if (name === "controls") this.#controls.bar.hidden = !this.controls;
     if (name === "loop" && this.#stage) this.#stage.clock.loop = this.loop;
+    if (name === "muted" && before !== now) {
+      this.#showSound();
+      this.#tell("volumechange");
+    }
     if (name === "src" && before !== now && this.isConnected) {
       this.#file = null;
       this.load();
@@ -78,7 +85,8 @@ export class KinoraPlayerElement extends MediaAttributes {
   load(): void {
     this.#close();
     this.#surface.setEmpty(!this.#file && !this.src);
-    if (this.#file) void this.#open(Promise.resolve(this.#file), this.#file.name);
+    const { signal } = this.#opening;
+    if (this.#file) void this.#open(ClipSource.ofFile(this.#file, signal), this.#file.name);
     else if (this.src) void this.#open(this.#fetched(), this.src);
   }
 
@@ -128,7 +136,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     this.#stage.clock.seek(time);
     this.#tell("seeking");
   }
-  /** Of the last frame, seconds; NaN: not known yet. */
+  /** Of the last frame that has come, seconds; NaN: not known yet. */
   get duration(): number {
     return this.#stage ? this.#stage.clock.end : NaN;
   }
@@ -142,9 +150,19 @@ export class KinoraPlayerElement extends MediaAttributes {
     if (this.#stage) this.#stage.clock.rate = rate;
     this.#tell("ratechange");
   }
-  /** As of HTMLMediaElement: 0 nothing, 1 metadata, 4 enough. */
+  get volume(): number {
+    return this.#volume;
+  }
+  /** 0 to 1. */
+  set volume(volume: number) {
+    if (!(volume >= 0 && volume <= 1)) throw new DOMException("volume goes from 0 to 1", "IndexSizeError");
+    this.#volume = volume;
+    if (this.#stage) this.#stage.sound.volume = volume;
+    this.#tell("volumechange");
+  }
+  /** As of HTMLMediaElement: 0 nothing, 1 metadata, 3 a part, 4 all has come. */
   get readyState(): number {
-    return this.#picture ? 4 : this.#stage ? 1 : 0;
+    return this.#picture ? (this.#stage!.complete ? 4 : 3) : this.#stage ? 1 : 0;
   }
   /** What is wrong: a code of MediaError's, and a sentence. */
   get error(): { code: number; message: string } | null {
@@ -167,7 +185,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     return this.#stage?.info.layers ?? [];
   }
   setLayerVisible(layer: number, visible: boolean): void {
-    if (this.#stage && layer in this.#stage.visible) this.#stage.visible[layer] = visible;
+    this.#stage?.setVisible(layer, visible);
   }
   get shows(): ViewName {
     return this.#stage?.shows ?? "color";
@@ -198,27 +216,30 @@ export class KinoraPlayerElement extends MediaAttributes {
 
   // ---- opening
 
-  #fetched(): Promise<Blob> {
-    return fetchClip(new URL(this.src, document.baseURI).href, this.#opening.signal, (bytes, size) => {
-      this.#surface.setState(stateOfArrival(bytes, size));
+  #fetched(): ClipSource {
+    const source = ClipSource.fetched(new URL(this.src, document.baseURI).href, this.#opening.signal, () => {
+      if (!this.#stage) this.#surface.setState(stateOfArrival(source.bytes, source.size));
       this.#tell("progress");
     });
+    return source;
   }
 
-  async #open(arriving: Promise<Blob>, name: string): Promise<void> {
+  async #open(source: ClipSource, name: string): Promise<void> {
     const { signal } = this.#opening;
     this.#loading = true;
     this.#surface.setState("Loading");
     this.#tell("loadstart");
     try {
       const events = {
-        opening: () => this.#surface.setState("Opening"),
+        changed: () => this.#changed(),
         shown: (picture: Picture) => this.#shown(picture),
-        waiting: (late: boolean) => this.#waiting(late),
+        waiting: (late: boolean, starved: boolean) => this.#waiting(late, starved),
+        lacks: (fault: Fault) => this.#say(fault),
         ended: () => this.#ended(),
         failed: (fault: Fault) => this.#fail(fault),
       };
-      const stage = await Stage.open(arriving, name, this.drawnBy, this.#surface.canvas, signal, events);
+      const clip = new ArrivingClip(source, name, this.drawnBy, signal);
+      const stage = await Stage.open(clip, this.#surface.canvas, signal, events);
       if (signal.aborted) return stage.close();
       this.#start(stage);
     } catch (thrown) {
@@ -231,6 +252,8 @@ export class KinoraPlayerElement extends MediaAttributes {
     this.#loading = false;
     stage.clock.loop = this.loop;
     stage.clock.rate = this.#rate;
+    stage.sound.volume = this.#volume;
+    this.#showSound();
     if (this.#place.time !== undefined) stage.clock.seek(this.#place.time);
     if (this.#place.view) stage.view = this.#place.view;
     this.#place = {};
@@ -262,12 +285,26 @@ export class KinoraPlayerElement extends MediaAttributes {
 
   #fail(fault: Fault): void {
     this.#close();
+    this.#say(fault);
+  }
+
+  /** What is shown stays. */
+  #say(fault: Fault): void {
     this.#fault = fault;
-    this.#surface.setFault(fault.message);
+    this.#surface.setFault(fault.message, this.#picture !== null);
     this.dispatchEvent(new ErrorEvent("error", { message: fault.message, error: fault }));
   }
 
   // ---- while it is open
+
+  /** More of the clip has come. */
+  #changed(): void {
+    this.#showTime();
+    this.#showSound();
+    this.#controls.refillMenu();
+    this.#tell("durationchange");
+    if (this.#stage!.complete && this.#picture) this.#tell("canplaythrough");
+  }
 
   #shown(picture: Picture): void {
     const first = this.#picture === null;
@@ -275,12 +312,13 @@ export class KinoraPlayerElement extends MediaAttributes {
     if (first) {
       this.#surface.setPoster("");
       this.#surface.setState(null);
+      if (this.#fault) this.#surface.setFault(this.#fault.message, true);
       this.#tell("loadeddata");
       this.#tell("canplay");
-      this.#tell("canplaythrough");
+      if (this.#stage!.complete) this.#tell("canplaythrough");
     }
     this.#showTime();
-    if (this.#seeking) {
+    if (this.#seeking && !this.#stage!.clock.starved) {
       this.#seeking = false;
       this.#toldAt = 0;
       this.#tell("seeked");
@@ -292,8 +330,8 @@ export class KinoraPlayerElement extends MediaAttributes {
     }
   }
 
-  #waiting(late: boolean): void {
-    this.#surface.setState(late ? "Drawing" : null);
+  #waiting(late: boolean, starved: boolean): void {
+    this.#surface.setState(late ? (starved ? "Loading" : "Drawing") : null);
     this.#tell(late ? "waiting" : "playing");
   }
 
@@ -307,6 +345,12 @@ export class KinoraPlayerElement extends MediaAttributes {
   #showTime(): void {
     const clock = this.#stage?.clock;
     if (clock) this.#controls.setTime(clock.time, clock.start, clock.end);
+  }
+
+  #showSound(): void {
+    const sound = this.#stage?.sound;
+    if (sound) sound.muted = this.muted;
+    this.#controls.setSound(sound?.there ?? false, this.muted);
   }
 
   #showPlaying(): void {
@@ -350,6 +394,7 @@ export class KinoraPlayerElement extends MediaAttributes {
       ".": () => this.#step(1),
       "0": () => (this.camera = null),
       Home: () => (this.camera = null),
+      m: () => (this.muted = !this.muted),
       l: () => (this.loop = !this.loop),
       f: () => this.#toggleFullScreen(),
     };

@@ -14,7 +14,7 @@ export class GpuDrawing {
     this.#open();
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault(); // so that it is restored
-      this.#renderer = 0;
+      this.#close();
     });
     canvas.addEventListener("webglcontextrestored", () => this.#open());
   }
@@ -37,8 +37,13 @@ export class GpuDrawing {
     if (this.#renderer === 0) return false;
     if (this.module._module_gl_draw(this.#renderer, player, time, camera, visible, color) === 0) return true;
     console.warn(`Kinora draws without the GPU: ${this.module.UTF8ToString(this.module._module_gl_error())}`);
-    this.#renderer = 0;
+    this.#close();
     return false;
+  }
+
+  #close(): void {
+    if (this.#renderer !== 0) this.module._module_gl_close(this.#renderer);
+    this.#renderer = 0;
   }
 
   #open(): void {

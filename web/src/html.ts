@@ -15,6 +15,8 @@ const paths = {
   play: "M8 5v14l11-7z",
   pause: "M6 5h4v14H6zm8 0h4v14h-4z",
   menu: "M12 8a2 2 0 100-4 2 2 0 000 4zm0 6a2 2 0 100-4 2 2 0 000 4zm0 6a2 2 0 100-4 2 2 0 000 4z",
+  sound: "M4 9v6h4l5 4V5L8 9zm12-1.500v9a5 5 0 000-9z",
+  muted: "M4 9v6h4l5 4V5L8 9zm11 1l4 4m0-4l-4 4m0-4.500 4.500 4.500-1 1-4.500-4.500zm4 0 1 1-4.500 4.500-1-1z",
   full: "M5 5h6v2H7v4H5zm8 0h6v6h-2V7h-4zM5 13h2v4h4v2H5zm12 0h2v6h-6v-2h4z",
 };
 

@@ -12,6 +12,7 @@ declare module "kinora-module" {
       makeContextCurrent(handle: number): boolean;
     };
     _module_gl_open(): number;
+    _module_gl_close(renderer: number): void;
     _module_gl_error(): number;
     _module_gl_draw(
       renderer: number,
@@ -23,7 +24,17 @@ declare module "kinora-module" {
     ): number;
     _malloc(bytes: number): number;
     _free(address: number): void;
-    _kinora_player_open_memory(bytes: number, size: number, name: number, player: number): number;
+    _module_open_arrived(
+      bytes: number,
+      size: number,
+      name: number,
+      all: number,
+      player: number,
+      finished: number,
+    ): number;
+    _module_arrived_sentence(): number;
+    _module_sound(player: number, codec: number, setup: number, setupBytes: number, numbers: number): number;
+    _module_sound_packet(player: number, packet: number, data: number, seconds: number): number;
     _kinora_player_close(player: number): void;
     _kinora_player_error(): number;
     _kinora_player_subject(player: number, seconds: number, out: number): number;
@@ -42,5 +53,8 @@ declare module "kinora-module" {
       depth: number,
     ): number;
   }
-  export default function createModule(options: { wasmBinary: ArrayBuffer }): Promise<KinoraModule>;
+  type Received = (instance: WebAssembly.Instance) => void;
+  export default function createModule(options: {
+    instantiateWasm(imports: WebAssembly.Imports, received: Received): object;
+  }): Promise<KinoraModule>;
 }

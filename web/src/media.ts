@@ -31,7 +31,6 @@ export class MediaAttributes extends HTMLElement {
   set loop(on: boolean) {
     this.toggleAttribute("loop", on);
   }
-  /** Kept for pages that were written for <video>: sound is not played yet. */
   get muted(): boolean {
     return this.hasAttribute("muted");
   }

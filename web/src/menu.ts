@@ -12,7 +12,7 @@ export interface MenuActions {
   chooseFile(): void;
 }
 
-const titles: Record<ViewName, string> = { color: "Colour", depth: "Depth", normal: "Normals", confidence: "Confidence" };
+const titles: Record<ViewName, string> = { color: "Colour", depth: "Depth", normal: "Normals", confidence: "Confidence", health: "Tracking" };
 
 export interface MenuState {
   layers: readonly boolean[];

@@ -12,9 +12,26 @@ export interface ClipInfo {
   framesPerSecond: number;
   layers: Layer[];
   hasConfidence: boolean;
+  missing: string; // a sentence; empty: nothing is
 }
 
-export const views = ["color", "depth", "normal", "confidence"] as const;
+/** A clip's sound as its file has it. */
+export interface Sound {
+  codec: string; // Matroska's name
+  setup: Uint8Array; // the codec's private data
+  delay: number; // seconds that its decoder delays
+  times: Float64Array; // of the packets, as those of frames
+  ends: Uint32Array; // of the packets in `bytes`
+  bytes: Uint8Array;
+}
+
+/** What opening gives. */
+export interface Opened {
+  content: { info: ClipInfo; capture: Camera; subject: Vector } | null; // null: more has to come
+  finished: boolean; // nothing will come
+}
+
+export const views = ["color", "depth", "normal", "confidence", "health"] as const; // as KinoraPlayerView
 export type ViewName = (typeof views)[number];
 
 export interface WantedCamera {
@@ -45,15 +62,15 @@ export interface Picture {
 export type DrawnBy = "auto" | "cpu" | "webgl";
 
 export type Call =
-  | { kind: "open"; clip: Blob; name: string; by: DrawnBy }
-  | { kind: "subject"; time: number }
+  | { kind: "open"; code: WebAssembly.Module; clip: Blob; name: string; by: DrawnBy; all: boolean } // all: nothing follows now
   | { kind: "captureCamera"; time: number }
+  | { kind: "sound" }
   | { kind: "draw"; request: DrawRequest };
 
 export interface Results {
-  open: ClipInfo;
-  subject: Vector;
+  open: Opened;
   captureCamera: Camera;
+  sound: Sound | null;
   draw: Picture;
 }
 

@@ -3,9 +3,15 @@ import createModule, { type KinoraModule } from "kinora-module";
 import { fitted, type Camera, type Vector } from "./camera.js";
 import { faultOfStatus } from "./faults.js";
 import { GpuDrawing } from "./gpu.js";
-import { views, type ClipInfo, type DrawnBy, type DrawRequest, type Layer, type Picture } from "./messages.js";
+import { views, type ClipInfo, type DrawnBy, type DrawRequest, type Layer, type Opened, type Picture, type Sound } from "./messages.js";
 
 const cameraNumbers = 22;
+
+export interface Arrived {
+  player: ClipPlayer | null; // null: more has to come
+  finished: boolean; // nothing will come
+  missing: string; // a sentence; empty: nothing is
+}
 
 export class ClipPlayer {
   private constructor(
@@ -14,22 +20,36 @@ export class ClipPlayer {
     private readonly gpu: GpuDrawing | null,
   ) {}
 
-  /** Throws a Fault if the bytes are no clip. */
-  static async open(wasm: ArrayBuffer, bytes: ArrayBuffer, name: string, by: DrawnBy): Promise<ClipPlayer> {
-    const module = await createModule({ wasmBinary: wasm });
-    const out = module._malloc(4);
+  /** What has come of a clip; `all`: nothing follows now. Throws a Fault if the bytes are no clip. */
+  static async open(code: WebAssembly.Module, bytes: ArrayBuffer, name: string, by: DrawnBy, all: boolean): Promise<Arrived> {
+    const module = await createModule({
+      instantiateWasm(imports, received) {
+        const instance = new WebAssembly.Instance(code, imports);
+        received(instance);
+        return instance.exports;
+      },
+    });
+    const out = module._malloc(8);
     const text = module._malloc(4 * name.length + 1);
     module.stringToUTF8(name, text, 4 * name.length + 1);
     const clip = module._malloc(Math.max(bytes.byteLength, 1));
     module.HEAPU8.set(new Uint8Array(bytes), clip);
-    const status = module._kinora_player_open_memory(clip, bytes.byteLength, text, out);
-    const player = module.HEAPU32[out >> 2]!;
+    const status = module._module_open_arrived(clip, bytes.byteLength, text, Number(all), out, out + 4);
+    const [player, finished] = [module.HEAPU32[out >> 2]!, module.HEAPU32[(out >> 2) + 1] === 1];
     for (const p of [clip, text, out]) module._free(p);
-    if (status !== 0) throw faultOfStatus(status, module.UTF8ToString(module._kinora_player_error()));
-    return new ClipPlayer(module, player, by === "cpu" ? null : GpuDrawing.open(module, by === "webgl"));
+    const sentence = module.UTF8ToString(module._module_arrived_sentence());
+    if (status !== 0) throw faultOfStatus(status, sentence);
+    if (player === 0) return { player: null, finished, missing: sentence };
+    const gpu = by === "cpu" ? null : GpuDrawing.open(module, by === "webgl");
+    return { player: new ClipPlayer(module, player, gpu), finished, missing: sentence };
   }
 
-  info(): ClipInfo {
+  content(missing: string): Opened["content"] {
+    const info = { ...this.info(), missing };
+    return { info, capture: this.captureCamera(info.times[0]!), subject: this.subject(info.times[0]!) };
+  }
+
+  private info(): Omit<ClipInfo, "missing"> {
     const [frames, , framesPerSecond, layers] = this.doubles(4, (out) => this.module._module_info(this.player, out));
     const times = this.doubles(frames!, (out) => this.module._module_frame_times(this.player, frames!, out));
     const list = Array.from({ length: layers! }, (_, i) => this.layer(i));
@@ -42,7 +62,7 @@ export class ClipPlayer {
     return { width, height, fx, fy, cx, cy, cameraToWorld: [...n.slice(6)] };
   }
 
-  subject(time: number): Vector {
+  private subject(time: number): Vector {
     const n = this.doubles(3, (out) => this.module._kinora_player_subject(this.player, time, out));
     return [n[0]!, n[1]!, n[2]!];
   }
@@ -79,6 +99,38 @@ export class ClipPlayer {
       };
     } finally {
       for (const p of [color, depth, visible, numbers]) m._free(p);
+    }
+  }
+
+  /** null: it has none. */
+  sound(): Sound | null {
+    const m = this.module;
+    const out = m._malloc(8 * 5);
+    try {
+      const [codec, setup, setupBytes] = [24, 28, 32].map((at) => out + at) as [number, number, number];
+      const count = m._module_sound(this.player, codec, setup, setupBytes, out);
+      if (count === 0) return null;
+      const word = (at: number) => m.HEAPU32[at >> 2]!;
+      const copy = (at: number, size: number) => m.HEAPU8.slice(at, at + size);
+      const about = {
+        codec: m.UTF8ToString(word(codec)),
+        setup: copy(word(setup), word(setupBytes)),
+        delay: m.HEAPF64[(out >> 3) + 2]!,
+      };
+      const [times, ends] = [new Float64Array(count), new Uint32Array(count)];
+      const packets: Uint8Array<ArrayBuffer>[] = [];
+      let end = 0;
+      for (let i = 0; i < count; ++i) {
+        const size = m._module_sound_packet(this.player, i, codec, out);
+        packets.push(copy(word(codec), size));
+        times[i] = m.HEAPF64[out >> 3]!;
+        ends[i] = end += size;
+      }
+      const bytes = new Uint8Array(end);
+      packets.forEach((packet, i) => bytes.set(packet, ends[i]! - packet.length));
+      return { ...about, times, ends, bytes };
+    } finally {
+      m._free(out);
     }
   }
 

@@ -1,9 +1,11 @@
 // An open clip on a canvas: asks its drawers for the picture that is wanted now, and shows what they bring.
+import type { ArrivingClip, OpenClip } from "./arriving.js";
 import { poseOf, type Camera, type Vector, type View } from "./camera.js";
 import { frameAt, PlaybackClock } from "./clock.js";
-import { Drawer } from "./drawer.js";
-import { FaultCode, type Fault } from "./faults.js";
-import type { ClipInfo, DrawnBy, DrawRequest, Picture, ViewName } from "./messages.js";
+import type { Drawer } from "./drawer.js";
+import { asFault, Fault, FaultCode } from "./faults.js";
+import type { ClipInfo, DrawRequest, Picture, ViewName } from "./messages.js";
+import { SoundPlayback } from "./sound.js";
 import { Resolution, withPixels, type Size } from "./resolution.js";
 
 const mostDrawers = 2;
@@ -12,9 +14,10 @@ const restsAfter = 100; // milliseconds without a new camera
 const lateAfter = 500; // milliseconds
 
 export interface StageEvents {
-  opening(): void; // all bytes are there
+  changed(): void; // more of the clip has come
   shown(picture: Picture): void;
-  waiting(late: boolean): void;
+  waiting(late: boolean, starved: boolean): void;
+  lacks(fault: Fault): void; // something of the clip will not come
   ended(): void;
   failed(fault: Fault): void;
 }
@@ -31,8 +34,11 @@ const subjectOf = (r: DrawRequest) => JSON.stringify([r.time, r.camera.pose, r.v
 
 export class Stage {
   readonly clock: PlaybackClock;
-  readonly visible: boolean[];
+  readonly sound: SoundPlayback;
   shows: ViewName = "color";
+  #open: OpenClip;
+  #version = 0; // of what has come
+  #hidden = new Set<string>(); // names of layers
   #view: View | null = null;
   #drawers: Drawer[];
   #resolution: Resolution;
@@ -47,16 +53,17 @@ export class Stage {
   #ended = false;
 
   private constructor(
-    readonly info: ClipInfo,
-    readonly capture: Camera,
-    readonly subject: Vector,
-    first: Drawer,
+    first: OpenClip,
     private readonly canvas: HTMLCanvasElement,
     private readonly events: StageEvents,
   ) {
-    this.clock = new PlaybackClock(info.times[0]!, info.times[info.times.length - 1]!);
-    this.visible = info.layers.map(() => true);
-    this.#drawers = [first];
+    this.#open = first;
+    const { times } = first.info;
+    this.clock = new PlaybackClock(times[0]!, times[times.length - 1]!);
+    this.clock.setEnd(this.clock.end, !first.complete);
+    this.sound = new SoundPlayback((why) => console.warn(`Kinora: ${why}`));
+    void this.#takeSound();
+    this.#drawers = [first.drawer];
     this.#resolution = new Resolution((0.9 * 1000 * Stage.drawers) / framesPerSecond);
   }
 
@@ -66,30 +73,40 @@ export class Stage {
 
   /** Rejects with a Fault. */
   static async open(
-    arriving: Promise<Blob>,
-    name: string,
-    by: DrawnBy,
+    clip: ArrivingClip,
     canvas: HTMLCanvasElement,
     signal: AbortSignal,
     events: StageEvents,
   ): Promise<Stage> {
-    const first = new Drawer(); // loads what it needs meanwhile
-    signal.addEventListener("abort", () => first.close());
-    try {
-      const clip = await arriving;
-      signal.throwIfAborted();
-      events.opening();
-      const info = await first.ask({ kind: "open", clip, name, by });
-      const capture = await first.ask({ kind: "captureCamera", time: info.times[0]! });
-      const subject = await first.ask({ kind: "subject", time: info.times[0]! });
-      const stage = new Stage(info, capture, subject, first, canvas, events);
-      stage.#animate();
-      void stage.#addDrawers(clip, name, by, signal);
-      return stage;
-    } catch (thrown) {
-      first.close();
-      throw thrown;
-    }
+    const first = await clip.next();
+    signal.throwIfAborted();
+    const stage = new Stage(first!, canvas, events); // the first is there, or it rejects
+    stage.#animate();
+    void stage.#follow(clip, signal);
+    return stage;
+  }
+
+  get info(): ClipInfo {
+    return this.#open.info;
+  }
+  get capture(): Camera {
+    return this.#open.capture;
+  }
+  get subject(): Vector {
+    return this.#open.subject;
+  }
+  /** All of the clip has come. */
+  get complete(): boolean {
+    return this.#open.complete;
+  }
+  get visible(): boolean[] {
+    return this.info.layers.map(({ name }) => !this.#hidden.has(name));
+  }
+  setVisible(layer: number, visible: boolean): void {
+    const name = this.info.layers[layer]?.name;
+    if (name === undefined) return;
+    if (visible) this.#hidden.delete(name);
+    else this.#hidden.add(name);
   }
 
   get view(): View | null {
@@ -109,13 +126,13 @@ export class Stage {
   /** What is to be shown now. */
   get wanted(): Pick<DrawRequest, "time" | "visible" | "view"> {
     const time = this.info.times[frameAt(this.info.times, this.clock.time)]!;
-    return { time, visible: [...this.visible], view: this.shows };
+    return { time, visible: this.visible, view: this.shows };
   }
 
   /** The full picture of what is wanted now is shown. */
   get settled(): boolean {
     const rests = !this.#moves(performance.now());
-    return rests && this.#shown.full && this.#shown.subject === this.#restingSubject(this.#fullSize());
+    return rests && this.complete && this.#shown.full && this.#shown.subject === this.#restingSubject(this.#fullSize());
   }
 
   /** A picture for somebody else's canvas. */
@@ -125,23 +142,54 @@ export class Stage {
 
   close(): void {
     cancelAnimationFrame(this.#animation);
+    this.sound.close();
     for (const drawer of this.#drawers) drawer.close();
   }
 
-  /** Each has the clip for itself: threads that share memory need pages that are isolated, which few are. */
-  async #addDrawers(clip: Blob, name: string, by: DrawnBy, signal: AbortSignal): Promise<void> {
-    while (this.#drawers.length < Stage.drawers && !signal.aborted) {
-      while (this.#shown.number === 0 && !signal.aborted) await new Promise((resolve) => setTimeout(resolve, 50));
-      if (this.#byGpu) return; // there is one, and it is fast enough
-      const drawer = new Drawer();
-      signal.addEventListener("abort", () => drawer.close());
-      try {
-        await drawer.ask({ kind: "open", clip, name, by });
-      } catch {
-        drawer.close(); // one less: slower, and no fault
-        return;
+  /** Takes more of the clip as it comes. */
+  async #follow(clip: ArrivingClip, signal: AbortSignal): Promise<void> {
+    try {
+      for (let more = await clip.next(); more; more = await clip.next()) {
+        if (signal.aborted) return;
+        this.#take(more);
       }
-      if (!signal.aborted) this.#drawers.push(drawer);
+      if (this.info.missing) this.events.lacks(new Fault(FaultCode.decode, this.info.missing));
+      await this.#addDrawers(clip, signal);
+    } catch (thrown) {
+      if (signal.aborted) return;
+      this.#take({ ...this.#open, complete: true }); // there is no more to be waited for
+      this.events.lacks(asFault(thrown));
+    }
+  }
+
+  async #takeSound(): Promise<void> {
+    const sound = await this.#open.drawer.ask({ kind: "sound" }).catch(() => null); // it was closed
+    if (!sound) return;
+    this.sound.setSound(sound);
+    this.events.changed();
+  }
+
+  #take(more: OpenClip): void {
+    const before = this.#drawers;
+    this.#open = more;
+    const { times } = more.info;
+    this.clock.setEnd(times[times.length - 1]!, !more.complete);
+    if (!before.includes(more.drawer)) {
+      this.#version += 1;
+      this.#drawers = [more.drawer];
+      for (const drawer of before) drawer.retire();
+      void this.#takeSound();
+    }
+    this.events.changed();
+  }
+
+  /** Each has the clip for itself: threads that share memory need pages that are isolated, which few are. */
+  async #addDrawers(clip: ArrivingClip, signal: AbortSignal): Promise<void> {
+    while (this.#shown.number === 0 && !signal.aborted) await new Promise((resolve) => setTimeout(resolve, 50));
+    while (this.#drawers.length < Stage.drawers && !this.#byGpu && !signal.aborted) {
+      const drawer = await clip.another().catch(() => null); // one less: slower, and no fault
+      if (!drawer || signal.aborted) return drawer?.close();
+      this.#drawers.push(drawer);
     }
   }
 
@@ -151,6 +199,7 @@ export class Stage {
 
   #animate(): void {
     this.#animation = requestAnimationFrame(() => this.#animate());
+    this.sound.follow(this.clock);
     const now = performance.now();
     const full = this.#fullSize();
     if (full.width < 1 || full.height < 1) return; // not to be seen
@@ -168,7 +217,7 @@ export class Stage {
     const idle = this.#drawers.filter((drawer) => !drawer.busy);
     const size = moves ? this.#resolution.moving(full) : full;
     const request = this.#request(size, moves);
-    const subject = moves ? subjectOf(request) : this.#restingSubject(full);
+    const subject = moves ? subjectOf(request) + this.#version : this.#restingSubject(full);
     if (subject === this.#asked.subject) return;
     // Several drawers take turns: their pictures should come evenly.
     const pause = moves && this.#drawers.length > 1 ? (0.8 * this.#lastMilliseconds) / this.#drawers.length : 0;
@@ -188,7 +237,7 @@ export class Stage {
   }
 
   #restingSubject(full: Size): string {
-    return subjectOf(this.#request(full, false)) + JSON.stringify(full);
+    return subjectOf(this.#request(full, false)) + JSON.stringify([full, this.#version]);
   }
 
   #request({ width, height }: Size, preview: boolean): DrawRequest {
@@ -212,9 +261,11 @@ export class Stage {
   }
 
   #tellLate(now: number): void {
-    if (!this.clock.playing || this.#shown.number >= this.#asked.number) this.#lateSince = now;
+    const { starved, playing } = this.clock;
+    const drawn = this.#shown.number >= this.#asked.number;
+    if (!starved && (!playing || drawn)) this.#lateSince = now;
     const late = now - this.#lateSince > lateAfter;
-    if (late !== this.#late) this.events.waiting(late);
+    if (late !== this.#late) this.events.waiting(late, starved);
     this.#late = late;
   }
 

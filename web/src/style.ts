@@ -16,6 +16,7 @@ export const style = `
 @keyframes turn { to { transform: rotate(1turn); } }
 .fault { position: absolute; inset: 0; display: grid; place-content: center; padding: 24px; text-align: center;
   overflow-wrap: anywhere; background: #1a1a1a; }
+.fault.beside { inset: 0 0 auto 0; padding: 8px 14px; background: #000b; pointer-events: none; }
 .empty { position: absolute; inset: 0; margin: auto; width: max-content; padding: 0 20px; border: 1px dashed #888; }
 .bar { position: absolute; inset: auto 0 0 0; display: flex; align-items: center; gap: 4px; padding: 24px 8px 6px;
   background: linear-gradient(#0000, #000c); transition: opacity .2s; }

@@ -31,9 +31,10 @@ export class Surface {
     this.#text.textContent = text;
   }
 
-  /** null: nothing is wrong. */
-  setFault(message: string | null): void {
+  /** null: nothing is wrong. With `beside` the picture stays to be seen. */
+  setFault(message: string | null, beside = false): void {
     this.#fault.hidden = message === null;
+    this.#fault.classList.toggle("beside", beside);
     this.#fault.textContent = message;
   }
 

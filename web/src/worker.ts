@@ -1,33 +1,25 @@
 // The worker: one clip, decoded and drawn beside the page's own thread.
 import { asFault, Fault, FaultCode } from "./faults.js";
 import { ClipPlayer } from "./module.js";
-import type { Answer, Call, ClipInfo, DrawnBy, Picture, Question, Results } from "./messages.js";
+import type { Answer, Call, Opened, Picture, Question, Results } from "./messages.js";
 
 let player: ClipPlayer | null = null;
-// Comes while the clip does.
-const address = new URL("kinora-player.wasm", import.meta.url);
-const wasm = fetch(address).then(
-  (answer) => (answer.ok ? answer.arrayBuffer() : null),
-  () => null,
-);
-
-async function open(clip: Blob, name: string, by: DrawnBy): Promise<ClipInfo> {
-  const code = await wasm;
-  if (!code) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
-  player = await ClipPlayer.open(code, await clip.arrayBuffer(), name, by);
-  return player.info();
+async function open({ code, clip, name, by, all }: Extract<Call, { kind: "open" }>): Promise<Opened> {
+  const opened = await ClipPlayer.open(code, await clip.arrayBuffer(), name, by, all);
+  player = opened.player;
+  return { finished: opened.finished, content: player && player.content(opened.missing) };
 }
 
 async function answerTo(call: Call): Promise<Results[keyof Results]> {
-  if (call.kind === "open") return open(call.clip, call.name, call.by);
+  if (call.kind === "open") return open(call);
   if (!player) throw new Fault(FaultCode.aborted, "no clip is open");
-  if (call.kind === "subject") return player.subject(call.time);
   if (call.kind === "captureCamera") return player.captureCamera(call.time);
+  if (call.kind === "sound") return player.sound();
   return player.draw(call.request);
 }
 
 function send(answer: Answer): void {
-  const picture = "result" in answer ? (answer.result as Partial<Picture>) : {};
+  const picture = ("result" in answer && (answer.result as Partial<Picture> | null)) || {};
   const moved = [picture.color?.buffer, picture.depth?.buffer].filter((b): b is ArrayBuffer => b !== undefined);
   self.postMessage(answer, { transfer: moved });
 }

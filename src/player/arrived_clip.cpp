@@ -1,0 +1,45 @@
+#include "player/arrived_clip.h"
+
+#include <memory>
+#include <vector>
+
+#include "clip/clip_io.h"
+#include "clip/missing_parts.h"
+#include "container/reader.h"
+#include "core/error.h"
+
+namespace kinora::player {
+namespace {
+
+constexpr std::size_t kHeadBytes = 4096; // in which a file says what it is
+
+std::unique_ptr<container::ByteSource> source_of(std::span<const std::byte> bytes, const std::string& name) {
+  return std::make_unique<container::MemorySource>(bytes, name);
+}
+
+} // namespace
+
+ArrivedClip read_arrived(std::span<const std::byte> bytes, const std::string& name, bool last) {
+  ArrivedClip arrived;
+  std::vector<std::string> missing;
+  try {
+    arrived.clip = clip::read_whole_parts(source_of(bytes, name), missing);
+  } catch (const Error& error) {
+    const bool known = error.code() == ErrorCode::kNotRecognised && bytes.size() >= kHeadBytes;
+    if (known || last) throw;
+  }
+  if (!missing.empty()) arrived.missing = clip::missing_sentence(name, missing);
+  return arrived;
+}
+
+FileState state_of(std::span<const std::byte> bytes, const std::string& name) {
+  try {
+    const container::Reader reader(source_of(bytes, name));
+    if (reader.finished()) return FileState::kFinished;
+    return reader.truncated() ? FileState::kCut : FileState::kGrowing;
+  } catch (const Error&) {
+    return FileState::kFinished;
+  }
+}
+
+} // namespace kinora::player

@@ -1,0 +1,105 @@
+// A clip that is seen while it comes.
+import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { claim } from "./browser.mjs";
+import { closed, keep, opened, psnr, rests, shown } from "./pages.mjs";
+
+/** A page without a clip: what comes is watched from the first byte on. */
+async function empty({ browser, served }) {
+  const page = await opened({ browser, served }, "nowhere.mkv");
+  await page.getByRole("alert").waitFor();
+  return page;
+}
+
+claim("a picture is shown from the head of the file, and becomes sharper as more comes", async (world) => {
+  const page = await empty(world);
+  world.faults.held.bytes = 130000; // the coarse levels of all three layers
+  await page.player("player.loop = false; player.src = given", `${world.faults.address}/head.mkv`);
+  await page.waitForFunction(() => {
+    const player = document.querySelector("kinora-player");
+    return player.readyState === 3 && player.layers.length === 3;
+  });
+  await page.player("player.pause()");
+  await keep(page, "coarse");
+  assert.equal(await page.getByRole("alert").count(), 0);
+  await page.screenshot({ path: path.join(world.seen, "head.png") });
+  // What has not come yet is waited for.
+  await page.player(`globalThis.waits = new Promise((resolve) => player.addEventListener("waiting", resolve, { once: true }));
+    globalThis.sought = new Promise((resolve) => player.addEventListener("seeked", resolve, { once: true }));
+    player.currentTime = 0.2; return globalThis.waits.then(() => undefined)`);
+  assert.equal(await page.player("return player.seeking"), true);
+  world.faults.held.letGo();
+  await shown(page);
+  await page.evaluate(() => globalThis.sought.then(() => undefined));
+  assert.ok(Math.abs((await page.player("return player.currentTime")) - 0.2) < 1e-6);
+  await page.player("player.currentTime = 0");
+  await rests(page);
+  await keep(page, "whole");
+  await page.screenshot({ path: path.join(world.seen, "whole.png") });
+  assert.ok((await psnr(page, "coarse", "whole")) < 40, "the coarse picture is no coarse one");
+  await closed(page);
+});
+
+claim("a connection that breaks again and again is taken up where it broke", async (world) => {
+  const page = await empty(world);
+  await page.player("player.src = given", `${world.faults.address}/breaks.mkv`);
+  await shown(page);
+  assert.equal(await page.player("return player.error"), null);
+  await closed(page);
+});
+
+claim("what is cut or damaged is shown as far as it goes, with a message beside it", async (world) => {
+  const clip = await readFile(path.join(world.folder, "carry_box.mkv"));
+  const middle = Math.floor(0.6 * clip.length);
+  clip.fill(0x55, middle, middle + 1000);
+  await writeFile(path.join(world.folder, "damaged.mkv"), clip);
+  for (const name of ["cut.mkv", "damaged.mkv"]) {
+    const page = await opened(world, name);
+    await shown(page);
+    await page.getByRole("alert").waitFor();
+    assert.match(await page.getByRole("alert").textContent(), /is damaged; missing: /);
+    assert.equal(await page.player("return player.error.code"), 3);
+    await page.screenshot({ path: path.join(world.seen, `${name}.png`) });
+    await closed(page);
+  }
+});
+
+claim("a file of a newer version is refused with what helps", async (world) => {
+  const clip = await readFile(path.join(world.folder, "carry_box.mkv"));
+  const tag = clip.indexOf("KINORA_VERSION");
+  const value = clip.indexOf("1", tag + "KINORA_VERSION".length, "latin1");
+  clip[value] = "9".charCodeAt(0);
+  await writeFile(path.join(world.folder, "newer.mkv"), clip);
+  const page = await opened(world, "newer.mkv");
+  await page.getByRole("alert").waitFor();
+  assert.match(await page.getByRole("alert").textContent(), /use a newer Kinora/);
+  assert.equal(await page.player("return player.error.code"), 4);
+  await closed(page);
+});
+
+claim("nginx serves the page and its clips", async (world) => {
+  if (!world.nginx) return console.log("  not tested: there is no nginx; run scripts/setup");
+  const page = await world.browser.newPage({ viewport: { width: 640, height: 480 } });
+  page.setDefaultTimeout(90000);
+  await page.goto(`${world.nginx.address}page/index.html?clip=../carry_box.mkv`);
+  await shown(page);
+  await page.close();
+});
+
+claim("a tab that was hidden plays on when it is seen again", async (world) => {
+  const page = await opened(world);
+  await shown(page);
+  const session = await page.context().newCDPSession(page);
+  await session.send("Page.setWebLifecycleState", { state: "frozen" });
+  await session.send("Page.setWebLifecycleState", { state: "active" });
+  await page.player(`return new Promise((resolve) => player.addEventListener("timeupdate", () => resolve(), { once: true }))`);
+  await closed(page);
+});
+
+claim("an answer without ranges, or with a size that is not said, plays as well", async (world) => {
+  const page = await empty(world);
+  await page.player("player.src = given", `${world.faults.address}/plain.mkv`);
+  await shown(page);
+  await closed(page);
+});
