@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "encode/live/live_settings.h"
+#include "encode/live_settings.h"
 #include "encode/motion_refinement.h"
 #include "encode/setting_list.h"
 #include "fields/training/trainer.h"

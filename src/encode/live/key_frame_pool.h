@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "encode/live/layer_looks.h"
-#include "encode/live/live_settings.h"
 #include "encode/live/live_snapshot.h"
 #include "encode/live/paper_distance.h"
+#include "encode/live_settings.h"
 
 namespace kinora::encode {
 

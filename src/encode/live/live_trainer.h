@@ -8,8 +8,8 @@
 
 #include "encode/layer_training.h"
 #include "encode/live/key_frame_pool.h"
-#include "encode/live/live_settings.h"
 #include "encode/live/live_snapshot.h"
+#include "encode/live_settings.h"
 
 namespace kinora::encode {
 
