@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -34,7 +35,12 @@ int module_open_arrived(const std::byte* bytes, std::size_t size, const char* na
     kinora::player::ArrivedClip arrived = kinora::player::read_arrived(there, name, last);
     *finished = last ? 1 : 0;
     sentence = std::move(arrived.missing);
-    if (arrived.clip) *player = new KinoraPlayer(std::move(*arrived.clip), size); // NOLINT: owned by JavaScript
+    if (arrived.clip) {
+      auto now = std::make_shared<const kinora::player::Player>(std::move(*arrived.clip));
+      // complete as far as this player goes: what comes later gets another
+      *player =
+          new KinoraPlayer(kinora::player::ClipSoFar{std::move(now), true, {}, size}); // NOLINT: owned by JavaScript
+    }
     return 0;
   } catch (const kinora::Error& error) {
     sentence = error.what();

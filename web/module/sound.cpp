@@ -10,7 +10,8 @@ extern "C" {
 /// samples a second, channels, seconds that its decoder delays.
 std::size_t module_sound(const KinoraPlayer* player, const char** codec, const std::byte** setup,
                          std::size_t* setup_bytes, double numbers[3]) {
-  const auto& sound = player->player.clip().sound;
+  const auto now = player->player(); // the handle keeps it
+  const auto& sound = now->clip().sound;
   if (!sound || !sound->track.media) return 0;
   *codec = sound->track.codec.c_str();
   *setup = sound->track.private_data.data();
@@ -24,7 +25,8 @@ std::size_t module_sound(const KinoraPlayer* player, const char** codec, const s
 /// Its size; `data` its bytes, `seconds` its time as that of frames.
 std::size_t module_sound_packet(const KinoraPlayer* player, std::size_t packet, const std::byte** data,
                                 double* seconds) {
-  const auto& stored = player->player.clip().sound->packets[packet];
+  const auto now = player->player();
+  const auto& stored = now->clip().sound->packets[packet];
   *data = stored.bytes.data();
   *seconds = 1e-9 * static_cast<double>(stored.time_ns);
   return stored.bytes.size();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
 #include <vector>
 
 #include <fmt/format.h>
@@ -33,7 +32,7 @@ struct SmallestThree {
   int omitted = 0;
   std::array<std::int32_t, 3> others{};
 
-  auto operator<=>(const SmallestThree&) const = default; // NOLINT(modernize-use-nullptr): what it makes of <=> here
+  bool operator==(const SmallestThree&) const = default;
 };
 
 SmallestThree pack(const Eigen::Quaterniond& rotation, double scale) {
@@ -75,8 +74,12 @@ SmallestThree pack_stable(const SE3& pose, double scale) {
   while (steps.size() < kMaxSteps) {
     const Eigen::Quaterniond unpacked(unpack(steps.back(), scale).toRotationMatrix());
     const SmallestThree next = pack(unpacked.normalized(), scale);
-    const auto circle = std::ranges::find(steps, next);
-    if (circle != steps.end()) return *std::min_element(circle, steps.end());
+    const auto circle = std::find(steps.begin(), steps.end(), next);
+    if (circle != steps.end()) {
+      return *std::min_element(circle, steps.end(), [](const SmallestThree& a, const SmallestThree& b) {
+        return a.omitted != b.omitted ? a.omitted < b.omitted : a.others < b.others;
+      });
+    }
     steps.push_back(next);
   }
   return steps.back();
