@@ -66,8 +66,10 @@ std::int32_t coordinate(std::size_t node, Random& random) {
 motion::Motion tumbling() {
   Random random(2);
   std::vector<Eigen::Vector3d> nodes; // on a lattice: many are equally near
-  for (std::size_t i = 0; i < kNodes; ++i)
-    nodes.emplace_back(0.0625 * static_cast<double>(i % 3), 0.0625 * static_cast<double>(i / 3), 1);
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    const std::size_t row = i / 3;
+    nodes.emplace_back(0.0625 * static_cast<double>(i % 3), 0.0625 * static_cast<double>(row), 1);
+  }
   const std::vector<clip::RestPosition> rest = clip::quantise_rest(nodes);
   std::vector<motion::Motion::Deformation> deformations(kFrames);
   for (motion::Motion::Deformation& deformation : deformations) {

@@ -140,6 +140,7 @@ TEST(KeyFramePool, HasNoMoreThanItsRoomInOrderWithTheNewest) {
   std::mt19937 generator(5);
   std::uniform_real_distribution<double> angle(0, 360);
   std::vector<double> degrees;
+  degrees.reserve(40);
   for (int i = 0; i < 40; ++i) degrees.push_back(angle(generator));
   const TurningBox box(degrees);
   for (const KeyFrameRule rule : kRules) {
@@ -183,6 +184,7 @@ TEST(KeyFramePool, OfTheViewsOfAStillSceneKeepsSomeOfAllTimes) {
 
 TEST(KeyFramePool, TakesForAViewTheFramesThatShowThatSideAndTheNewest) {
   std::vector<double> degrees;
+  degrees.reserve(40);
   for (int i = 0; i < 36; ++i) degrees.push_back(10.0 * i); // once around
   degrees.insert(degrees.end(), 4, 0.0);
   const TurningBox box(degrees);
