@@ -1,5 +1,7 @@
 #include "ingest/segmentation/frame_labelling.h"
 
+#include <fmt/format.h>
+
 #include "core/parallel.h"
 #include "ingest/images/grab_cut.h"
 #include "ingest/images/optical_flow.h"
@@ -126,9 +128,31 @@ bool is_at_rest(const HandledObject& object, const ReducedView& view, int u, int
 
 } // namespace
 
-FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples)
-    : background_(std::move(background)), objects_(std::move(objects)), samples_(samples),
+LabelInfo background_label() { return {"background", "still", "what keeps still, and planes that it lies on"}; }
+
+FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples,
+                               LabellingEffort effort)
+    : background_(std::move(background)), objects_(std::move(objects)), samples_(samples), effort_(effort),
       lost_(objects_.objects.size(), true) {}
+
+std::map<int, LabelInfo> FrameLabelling::labels() const {
+  std::map<int, LabelInfo> labels = {
+      {0, background_label()},
+      {kPerson, {"person", "deforming", "what moves before the background, without the things it handles"}}};
+  int label = kPerson;
+  for (const HandledObject& object : objects_.objects) {
+    ++label;
+    const std::string name = label == 2 ? "object" : fmt::format("object{}", label - 1);
+    if (object.flat)
+      labels[label] = {name, "rigid", "flat faces, of other colours than the one who holds it, are seen all along"};
+    else if (object.is_flexible)
+      labels[label] = {name, "deforming",
+                       "it lay alone, was touched or moved, and has no flat faces that would keep their shape"};
+    else
+      labels[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
+  }
+  return labels;
+}
 
 void FrameLabelling::label(Frame& frame) {
   const int factor = reduction_factor(frame.depth.width());
@@ -144,7 +168,7 @@ void FrameLabelling::label(Frame& frame) {
   last_color_ = view.color;
   fill_unmeasured(view, background, labels);
   frame.labels = at_full_size(frame, factor, view, background, labels);
-  sharpen_borders(frame.color, kSharpened, frame.labels);
+  if (effort_ == LabellingEffort::kFull) sharpen_borders(frame.color, kSharpened, frame.labels);
 }
 
 void FrameLabelling::mark_foreground(Frame& frame) const {
@@ -161,7 +185,7 @@ void FrameLabelling::mark_foreground(Frame& frame) const {
 
 /// What is known of the last frame moves with the picture.
 void FrameLabelling::warp_last_labels(const ReducedView& view) {
-  if (last_labels_.empty() || objects_.objects.empty()) return;
+  if (last_labels_.empty() || objects_.objects.empty() || effort_ != LabellingEffort::kFull) return;
   const Image<float> flow = optical_flow(view.color, last_color_);
   last_labels_ = warped(last_labels_, flow);
   last_depth_ = warped(last_depth_, flow);
