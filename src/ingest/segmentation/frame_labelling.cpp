@@ -42,6 +42,19 @@ template <class Body> void for_rows(int height, const Body& body) {
   });
 }
 
+/// 1 where a pixel or one beside it is labelled: elsewhere there is nothing to decide.
+Mask near_labels(const LabelImage& labels) {
+  Mask near(labels.width(), labels.height());
+  for (int v = 0; v < labels.height(); ++v) {
+    for (int u = 0; u < labels.width(); ++u) {
+      if (labels.at(u, v) == 0) continue;
+      for (int y = std::max(0, v - 1); y <= std::min(labels.height() - 1, v + 1); ++y)
+        for (int x = std::max(0, u - 1); x <= std::min(labels.width() - 1, u + 1); ++x) near.at(x, y) = 1;
+    }
+  }
+  return near;
+}
+
 /// The label that most of the labelled neighbours within `radius` have; 0 if fewer than a third are labelled.
 std::uint8_t label_around(const LabelImage& labels, int u, int v, int radius) {
   int counts[256] = {};
@@ -312,9 +325,10 @@ void FrameLabelling::label_persons(const ReducedView& view, const Mask& foregrou
 void FrameLabelling::fill_unmeasured(const ReducedView& view, const LocalBackground& background, LabelImage& labels) {
   for (int round = 0; round < 3; ++round) {
     const LabelImage before = labels;
+    const Mask near = near_labels(before);
     for_rows(labels.height(), [&](int v) {
       for (int u = 0; u < labels.width(); ++u) {
-        if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
+        if (near.at(u, v) == 0 || view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
         const auto change = background.color_difference(u, v, view.color.pixel(u, v));
         if (!change || *change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
       }
@@ -327,10 +341,12 @@ LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const Re
   if (factor == 1) return small;
   const Intrinsics& intrinsics = frame.camera.intrinsics;
   LabelImage labels(intrinsics.width, intrinsics.height);
+  const Mask near = near_labels(small);
   for_rows(labels.height(), [&](int v) {
     for (int u = 0; u < labels.width(); ++u) {
       const int x = std::min(u / factor, small.width() - 1);
       const int y = std::min(v / factor, small.height() - 1);
+      if (near.at(x, y) == 0) continue;
       const float z = frame.depth.at(u, v);
       if (z <= 0) {
         const auto change = background.color_difference(x, y, frame.color.pixel(u, v));
