@@ -3,6 +3,8 @@
 
 #include <thread>
 
+#include <sys/resource.h>
+
 #include <gtest/gtest.h>
 
 #include "core/error.h"
@@ -201,6 +203,54 @@ TEST(LiveEncoder, ATrainerThatGetsHardlyAnyTimeGivesAllFramesAndLayers) {
   const EncodeResult result = encode_live(capture, quick_request(), options, quiet);
   expect_whole(result, kFrames);
   EXPECT_EQ(result.clip.layers.size(), 2U);
+}
+
+/// A box that goes forth and back, for as long as is wanted.
+class LongCapture final : public ingest::Capture {
+public:
+  explicit LongCapture(int frames) : frames_(frames) {}
+  const ingest::CaptureInfo& info() const override { return first_.info(); }
+  const std::vector<ingest::SkippedFrame>& skipped() const override { return first_.skipped(); }
+  std::optional<ingest::Frame> next() override {
+    if (next_ == frames_) return std::nullopt;
+    ingest::Frame frame =
+        shown_[static_cast<std::size_t>(next_ / kFrames % 2 == 0 ? next_ % kFrames : kFrames - 1 - next_ % kFrames)];
+    frame.index = next_;
+    frame.time = next_ / 30.0;
+    ++next_;
+    return frame;
+  }
+
+private:
+  static std::vector<ingest::Frame> small_frames() {
+    tracking::testing::SceneOptions scene;
+    scene.width = 64;
+    scene.height = 48;
+    scene.focal = 64;
+    std::vector<ingest::Frame> frames;
+    for (int i = 0; i < kFrames; ++i) {
+      const SE3 pose = tracking::testing::pose_at({-0.06 + 0.01 * i, 0, 1}, 20, 30);
+      frames.push_back(tracking::testing::render_frame({}, pose, SE3::Identity(), i, scene));
+    }
+    return frames;
+  }
+  std::vector<ingest::Frame> shown_ = small_frames();
+  ingest::testing::FramesCapture first_{{shown_.front()},
+                                        {{2, {"box", "rigid", ""}}}}; // else the past is remembered, in 200 MB
+  int frames_;
+  int next_ = 0;
+};
+
+TEST(LiveEncoder, OfALongCaptureOnlyTheMotionIsRemembered) {
+  std::vector<std::size_t> kilobytes; // at most, in either run
+  for (const int frames : {500, 3000}) {
+    LongCapture capture(frames);
+    expect_whole(encode(capture, quick_request()), static_cast<std::size_t>(frames));
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    kilobytes.push_back(static_cast<std::size_t>(usage.ru_maxrss));
+  }
+  EXPECT_LT(kilobytes[1], kilobytes[0] + 5 * 2500); // a frame has 37 kB
 }
 
 TEST(LiveEncoder, WithoutMasksWhatWasWatchedTellsWhatMoves) {
