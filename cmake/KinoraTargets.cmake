@@ -87,27 +87,35 @@ function(kinora_module name)
   install(TARGETS ${target} LIBRARY DESTINATION lib/kinora)
 endfunction()
 
-# What `./check` builds under sanitizers: the tests labelled `parse` (they read input that is not trusted) and `threads`.
+# What `./check` builds under sanitizers: the tests labelled `parse` (they read input that is not trusted), and programs
+# with THREADS.
 add_custom_target(sanitized_tests)
 add_custom_target(threaded_tests)
 
-# kinora_test(name SOURCES a.cpp … [LINK lib …] [LABELS l …] [TIMEOUT s] [FIXTURE f]): GoogleTest program, one CTest entry
-# per test; FIXTURE names what another test has to set up before (CTest's FIXTURES_SETUP).
+# kinora_test(name SOURCES a.cpp … [LINK lib …] [LABEL l] [THREADS filter] [TIMEOUT s] [FIXTURE f]): GoogleTest program,
+# one CTest entry per test. THREADS: those of its tests, as GoogleTest filters them, that say something about threads; the
+# thread sanitizer's build has no others. FIXTURE names what another test has to set up before (CTest's FIXTURES_SETUP).
 function(kinora_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;FIXTURE" "SOURCES;LINK;LABELS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;THREADS;TIMEOUT;FIXTURE" "SOURCES;LINK")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "${name}: ${arg_UNPARSED_ARGUMENTS}")
+  endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE kinora_flags ${arg_LINK} kinora_test_support Eigen3::Eigen fmt::fmt GTest::gtest_main)
   kinora_use_pch(${name})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  if("parse" IN_LIST arg_LABELS)
+  if(arg_LABEL STREQUAL parse)
     add_dependencies(sanitized_tests ${name})
   endif()
-  if("threads" IN_LIST arg_LABELS)
+  if(arg_THREADS)
     add_dependencies(threaded_tests ${name})
+    if(KINORA_SANITIZE STREQUAL "thread")
+      set(arg_LABEL threads)
+      set(filter TEST_FILTER ${arg_THREADS})
+    endif()
   endif()
-  string(REPLACE ";" "\\;" labels "${arg_LABELS}") # one value through gtest_discover_tests, a list again in CTest
   if(arg_FIXTURE)
     set(fixture FIXTURES_REQUIRED ${arg_FIXTURE})
   endif()
@@ -116,5 +124,6 @@ function(kinora_test name)
     ${name}
     TEST_PREFIX ${name}.
     DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} ${fixture} LABELS "${labels}")
+    ${filter}
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} ${fixture} LABELS "${arg_LABEL}")
 endfunction()

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/analytic_field.h"
@@ -234,17 +235,28 @@ TEST_F(ConvertTest, AFileThatWasWrittenIsACaptureAgain) {
   EXPECT_EQ(names_in(path("capture/rgb")).size(), static_cast<std::size_t>(kFrames));
 }
 
-TEST_F(TrackTest, EveryPointIsInEveryFrameAndFollowsItsLayer) {
-  const Said said = track("points.csv", "0");
+class TrackFrom : public TrackTest, public testing::WithParamInterface<int> {};
+
+INSTANTIATE_TEST_SUITE_P(Track, TrackFrom, testing::Values(0, 2));
+
+TEST_P(TrackFrom, EveryPointIsInEveryFrameAndFollowsItsLayer) {
+  const clip::Clip truth = bake::testing::sample_clip(kFrames);
+  const Eigen::Vector3d start[] = {{0, 0, 0.05}, {0.3, 0.1, 0}, {-0.3, 0.1, 0}}; // in canonical space
+  const char* names[] = {"still", "box", "hand"};
+  const int given = GetParam();
+  std::string points = "id,x,y,z\n";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d there = truth.layers[i].motion.warp(given).to_world(start[i]).value();
+    points += fmt::format("{},{},{},{}\n", names[i], there.x(), there.y(), there.z());
+  }
+  folder_.write("given.csv", points);
+  const Said said = track("given.csv", std::to_string(given));
   ASSERT_EQ(said.code, 0) << said.err;
   EXPECT_NE(said.out.find("1 of background, 1 of object, 1 of person"), std::string::npos) << said.out;
   std::ifstream file(path("tracks.csv"));
   std::string line;
   std::getline(file, line);
   EXPECT_EQ(line, "frame,id,x,y,z");
-  const clip::Clip truth = bake::testing::sample_clip(kFrames);
-  const Eigen::Vector3d start[] = {{0, 0, 0.05}, {0.3, 0.1, 0}, {-0.3, 0.1, 0}};
-  const char* names[] = {"still", "box", "hand"};
   for (int frame = 0; frame < kFrames; ++frame) {
     for (std::size_t i = 0; i < 3; ++i) {
       ASSERT_TRUE(std::getline(file, line));

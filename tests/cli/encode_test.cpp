@@ -6,6 +6,7 @@
 
 #include "cli/run_kinora.h"
 #include "clip/clip_io.h"
+#include "core/image_codec.h"
 #include "end_to_end/box_capture.h"
 #include "ingest/onnx/tiny_network.h"
 #include "support/source_folder.h"
@@ -145,6 +146,25 @@ TEST_F(Encode, AnotherSeedTrainsOtherFields) {
   for (std::size_t i = 0; i < a.layers.size(); ++i) {
     EXPECT_FALSE(std::ranges::equal(a.layers[i].field.table, b.layers[i].field.table)) << a.layers[i].name;
   }
+}
+
+TEST_F(Encode, HeldOutFramesAreUnseenOrOnlyTrackedAsAsked) {
+  const auto encoded = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {path("c.mkv"), "--overwrite"});
+    EXPECT_EQ(encode(words).code, 0);
+    return clip::read_clip(path("c.mkv"));
+  };
+  const auto health = [](const clip::Clip& clip) { return clip.layers.at(2).motion.poses().at(3).health; };
+  const clip::Clip tracked = encoded({"--holdout-tracked", "4"});
+  EXPECT_TRUE(tracked.held_out.at(3));
+  EXPECT_EQ(health(tracked), motion::Health::kTracked);
+  const clip::Clip unseen = encoded({"--holdout", "4"});
+  EXPECT_TRUE(unseen.held_out.at(3));
+  EXPECT_EQ(health(unseen), motion::Health::kHeld);
+  capture_.write("color/000003.png", encode_png(ColorImage(128, 96, 3, 200)));
+  const clip::Clip recoloured = encoded({"--holdout", "4"});
+  for (std::size_t i = 0; i < unseen.layers.size(); ++i)
+    EXPECT_TRUE(std::ranges::equal(unseen.layers[i].field.table, recoloured.layers.at(i).field.table)) << i;
 }
 
 TEST_F(Encode, KeepsHowWellEachSideWasSeen) {
