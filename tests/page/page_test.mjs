@@ -6,6 +6,7 @@ import path from "node:path";
 import { claim, launch, missing, root, runClaims, serve, serveByNginx, serveFaults } from "./browser.mjs";
 import { closed, keep, opened, psnr, rests, shown } from "./pages.mjs";
 import "./decoding_claims.mjs";
+import "./people_claims.mjs";
 import "./sound_claims.mjs";
 import "./streaming_claims.mjs";
 
@@ -129,14 +130,6 @@ claim("what cannot be played is said in the element and by an error event with a
   }
   await page.screenshot({ path: path.join(world.seen, "fault.png") });
   await page.player(`player.src = given`, `${world.served.address}carry_box.mkv`);
-  await shown(page);
-  await closed(page);
-});
-
-claim("a chosen file plays as well", async (world) => {
-  const page = await opened(world, "nowhere.mkv");
-  await page.getByRole("alert").waitFor();
-  await page.locator("kinora-player input[type=file]").setInputFiles(path.join(folder, "carry_box.mkv"));
   await shown(page);
   await closed(page);
 });
