@@ -111,6 +111,7 @@ claim("what cannot be played is said in the element and by an error event with a
   const page = await opened(world);
   const wrong = {
     [`${world.served.address}none.txt`]: [4, /is not a Kinora file/],
+    [`${world.served.address}empty.mkv`]: [4, /is not a Kinora file/],
     [`${world.served.address}cut.mkv`]: [3, /./],
     [`${world.served.address}nowhere.mkv`]: [2, /404/],
     [`${world.faults.address}/cut_off.mkv`]: [2, /connection ended/],
@@ -253,6 +254,7 @@ claim("in a scene of three.js it hides what is behind it and is hidden by what i
 
 const clip = await readFile(path.join(folder, "carry_box.mkv"));
 await writeFile(path.join(folder, "cut.mkv"), clip.subarray(0, clip.length * 0.7));
+await writeFile(path.join(folder, "empty.mkv"), "");
 await writeFile(path.join(folder, "none.txt"), "no clip\n".repeat(100));
 const seen = path.join(folder, "seen");
 await mkdir(seen, { recursive: true });
