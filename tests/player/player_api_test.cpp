@@ -33,15 +33,15 @@ protected:
     path() = fs::path(::testing::TempDir()) / fmt::format("player_api_{}.mkv", getpid());
     clip::write_clip(two_balls(), path());
   }
-  /// One that stands, and one beside it that moves away.
+  /// One that stands, and one beside it that moves away; small, because every test draws them.
   static clip::Clip two_balls() {
     clip::Clip clip = clip::testing::sample_clip(5, 4, false);
     clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.5))};
     clip.layers[0].field =
-        fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{{-0.2, 0, 0}, 0.2});
+        fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{{-0.2, 0, 0}, 0.1});
     clip.layers[0].confidence = clip::testing::random_confidence(clip.layers[0].field.occupancy, 3);
     clip.layers[1].field =
-        fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{{0.2, 0, 0}, 0.2});
+        fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{{0.2, 0, 0}, 0.1});
     std::vector<motion::Motion::Pose> poses;
     poses.reserve(4);
     for (int i = 0; i < 4; ++i) poses.push_back({SE3(Eigen::Translation3d(0.1 * i, 0, 0))});

@@ -54,6 +54,11 @@ TEST(Confidence, IsHighInFrontNothingBehindAndFallsTowardsTheRim) {
   for (const double behind : {95.0, 120.0, 150.0, 180.0}) EXPECT_LT(at(confidence, rotated(behind)), 0.05F) << behind;
 }
 
+TEST(Confidence, OfWhatWasSeenFromAsideFallsWithTheCosine) {
+  const Confidence confidence = seen(kFrames);
+  EXPECT_NEAR(at(confidence, rotated(50)), std::cos(50 * EIGEN_PI / 180) * at(confidence, rotated(0)), 0.09);
+}
+
 TEST(Confidence, FollowsTheCameraAroundTheBall) {
   for (const double angle : {0.4, 1.2, 2.9}) {
     const Confidence confidence = seen(kFrames, angle);

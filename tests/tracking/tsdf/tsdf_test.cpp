@@ -124,6 +124,17 @@ TEST(TsdfVolume, CarvesWhatIsNoLongerThere) {
   EXPECT_GT(*volume.distance({0, 0, 1}), 0.015);
 }
 
+// A mean over all that was ever seen would follow by a sixth of the way.
+TEST(TsdfVolume, ForgetsWhatItSawLongAgo) {
+  TsdfVolume volume({kConfig.voxel_size, kConfig.truncation, 8}, {0, 0, 1});
+  const Shape plane{ShapeKind::kPlane, {0, 0, 0}, false};
+  const ingest::Frame before = render_frame(plane, pose_at({0, 0, 1}, 0, 0), SE3::Identity(), 0);
+  const ingest::Frame now = render_frame(plane, pose_at({0, 0, 1.01}, 0, 0), SE3::Identity(), 1);
+  for (int i = 0; i < 100; ++i) integrate(volume, before, SE3::Identity());
+  for (int i = 0; i < 20; ++i) integrate(volume, now, SE3::Identity());
+  EXPECT_GT(*volume.distance({0, 0, 1}), 0.005);
+}
+
 TEST(TsdfVolume, IsNotCarvedByPixelsThatMayNotTeach) {
   TsdfVolume volume(kConfig, {0, 0, 1});
   integrate(volume, render_frame(kBox, pose_at({0, 0, 1}, 0, 0), SE3::Identity(), 0), SE3::Identity());
