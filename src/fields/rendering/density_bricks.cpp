@@ -58,7 +58,7 @@ std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolu
 
 std::uint8_t quantised(float raw) {
   const float level = (raw - DensityBricks::kLowest) / DensityBricks::kStep;
-  return static_cast<std::uint8_t>(std::clamp(level, 0.0F, 255.0F) + 0.5F);
+  return static_cast<std::uint8_t>(std::floor(std::clamp(level, 0.0F, 255.0F) + 0.5F));
 }
 
 /// Samples one brick after the other; buffers are kept.

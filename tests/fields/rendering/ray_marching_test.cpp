@@ -159,8 +159,7 @@ TEST(DensityBricks, AreCoarserUntilTheFinerLevelsCome) {
   Field field = patchy_field();
   const std::vector<GridLevel> levels = grid_levels(field.config);
   const DensityBricks whole(field);
-  std::fill(field.table.begin() + static_cast<std::ptrdiff_t>(levels[2].offset * FieldConfig::kFeatures),
-            field.table.end(), 0.0F);
+  std::fill(field.table.begin() + std::ptrdiff_t{levels[2].offset} * FieldConfig::kFeatures, field.table.end(), 0.0F);
   const DensityBricks coarse(field);
   EXPECT_EQ(whole.resolution() % field.config.finest_resolution, 0);
   EXPECT_EQ(coarse.resolution() % levels[1].resolution, 0);
