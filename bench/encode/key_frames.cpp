@@ -10,10 +10,9 @@
 
 #include "encode/live/key_frame_pool.h"
 #include "encode/live/live_trainer.h"
-#include "evaluate/comparison.h"
-#include "evaluate/ground_truth.h"
 #include "host/plugin_table.h"
 #include "ingest/capture/capture.h"
+#include "novel_look.h"
 
 namespace {
 
@@ -54,24 +53,6 @@ Performance perform(ingest::Capture& capture, int count, const encode::EncodeOpt
   return performance;
 }
 
-/// What is seen of a clip's last frame.
-void look(const clip::Clip& clip, const evaluate::NovelCamera& camera, evaluate::NovelView truth,
-          std::map<std::string, evaluate::Means>& means) {
-  const player::Player player(clip);
-  ingest::Frame frame;
-  frame.camera = camera.camera;
-  frame.color = std::move(truth.color);
-  frame.depth = std::move(truth.depth);
-  frame.labels = std::move(truth.mask);
-  std::vector<evaluate::Subject> subjects = evaluate::layer_subjects(player, true);
-  if (auto both = evaluate::foreground_subject(player)) subjects.push_back(std::move(*both));
-  for (const evaluate::Subject& subject : subjects) {
-    const fields::Picture picture =
-        player.draw(camera.camera, static_cast<double>(clip.times.size() - 1), subject.layers);
-    evaluate::compare(picture, frame, subject, means[subject.name]);
-  }
-}
-
 void run(const Performance& performance, const evaluate::GroundTruth& truth, const encode::EncodeOptions& options,
          bool refines, std::map<std::string, evaluate::Means>& means) {
   Progress progress;
@@ -91,7 +72,7 @@ void run(const Performance& performance, const evaluate::GroundTruth& truth, con
     const std::vector<encode::KeyFrame> frames =
         refines ? pool.frames_for(camera.camera.camera_to_world, snapshot) : pool.frames();
     trainer.train(snapshot, frames, config.view_rays, progress);
-    look(trainer.clip(snapshot), camera, truth.novel_view(camera, number), means);
+    bench::look(player::Player(trainer.clip(snapshot)), last, camera, truth.novel_view(camera, number), means);
   }
 }
 
