@@ -2,8 +2,8 @@
 # enough, and zstd from its source. The targets have the names that they have elsewhere.
 
 # 128-bit vectors, and errors that are exceptions.
-add_compile_options(-msimd128 -fexceptions)
-add_link_options(-fexceptions -sALLOW_MEMORY_GROWTH=1)
+add_compile_options(-msimd128 -fwasm-exceptions)
+add_link_options(-fwasm-exceptions -sALLOW_MEMORY_GROWTH=1)
 # Where Debian keeps the modules that em++ needs when it links: a Node.js of another origin does not look there.
 set_property(GLOBAL PROPERTY RULE_LAUNCH_LINK "${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs")
 

@@ -1,7 +1,7 @@
 // What a person waits for in Chromium, by this machine's clock: the first picture at 10 Mbit/s and a cold cache, pictures a
-// second, the full picture at rest, how long the page's thread is blocked, memory; medians.
+// second, the full picture at rest, how long the page's thread is blocked, memory; medians. No other Chromium may run.
 // usage: node measure_page.mjs CLIP.mkv [RUNS [LOOPING_SECONDS]]
-import { readFile } from "node:fs/promises";
+import { readdir, readFile } from "node:fs/promises";
 import http from "node:http";
 import path from "node:path";
 import { launch, root } from "../tests/page/browser.mjs";
@@ -10,13 +10,24 @@ const [clip, runs = 5, looping = 20] = process.argv.slice(2);
 const bytesPerSecond = 10e6 / 8;
 const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
 
+/** Of the browser's process that runs the page and its workers: the largest of its kind. */
+async function residentMegabytes() {
+  const sizes = await Promise.all((await readdir("/proc")).filter(Number).map(async (id) => {
+    const text = (name) => readFile(`/proc/${id}/${name}`, "utf8").catch(() => "");
+    if (!(await text("cmdline")).includes("--type=renderer")) return 0;
+    return Number(/VmRSS:\s*(\d+)/.exec(await text("status"))?.[1] ?? 0) / 1024;
+  }));
+  return Math.max(...sizes);
+}
+
 /** All answers share the line. */
 let free = 0; // milliseconds when the line is
 async function send(response, bytes) {
   const piece = 8192;
+  free = Math.max(free, performance.now());
   for (let at = 0; at < bytes.length; at += piece) {
     const part = bytes.subarray(at, at + piece);
-    free = Math.max(free, performance.now()) + (1000 * part.length) / bytesPerSecond;
+    free += (1000 * part.length) / bytesPerSecond;
     await new Promise((resolve) => setTimeout(resolve, free - performance.now()));
     response.write(part);
   }
@@ -26,8 +37,15 @@ const server = http.createServer(async (request, response) => {
   const name = new URL(request.url, "http://host").pathname;
   if (name === "/clip.mkv") {
     const bytes = await readFile(clip);
-    response.writeHead(200, { "Content-Length": bytes.length });
-    return send(response, bytes);
+    const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(request.headers.range ?? "") ?? [];
+    if (first === undefined) {
+      response.writeHead(200, { "Content-Length": bytes.length });
+      return send(response, bytes);
+    }
+    const part = bytes.subarray(Number(first), last ? Number(last) + 1 : bytes.length);
+    const range = `bytes ${first}-${Number(first) + part.length - 1}/${bytes.length}`;
+    response.writeHead(206, { "Content-Length": part.length, "Content-Range": range });
+    return send(response, part);
   }
   const file = path.join(root, "build/page", path.basename(name));
   response.writeHead(200, { "Content-Type": types[path.extname(file)], "Content-Encoding": "gzip", "Cache-Control": "max-age=99" });
@@ -56,6 +74,13 @@ for (let run = 0; run < runs; ++run) {
   const wait = (text) => page.waitForFunction(text, null, { polling: 50, timeout: 60000 });
   await wait(() => document.querySelector("kinora-player").readyState === 4);
   const times = await page.evaluate(() => globalThis.times);
+  const fetched = await page.evaluate(() => performance.getEntriesByType("resource").map(({ name, startTime, responseEnd }) => ({ name, startTime, responseEnd })));
+  for (const [what, end] of [["the page's script", "kinora-page.js"], ["the player's code", "kinora-player.wasm"], ["the clip's first bytes", "clip.mkv"]]) {
+    const { startTime, responseEnd } = fetched.find(({ name }) => name.endsWith(end));
+    note(`${what}: asked for, ms`, startTime);
+    note(`${what}: there, ms`, responseEnd);
+  }
+  note("first bytes opened, ms", times.loadedmetadata);
   note("first picture, ms", times.loadeddata);
   note("all of it, ms", times.canplaythrough);
   await page.waitForTimeout(2000); // the second worker joins
@@ -94,8 +119,10 @@ for (let run = 0; run < runs; ++run) {
       void player.play();
     });
     note("page's heap, MB", await memory());
+    note("renderer process, MB", await residentMegabytes());
     await page.waitForTimeout(1000 * looping);
     note(`page's heap after ${looping} s of looping at speed 16, MB`, await memory());
+    note(`renderer process after ${looping} s, MB`, await residentMegabytes());
   }
 }
 for (const [what, values] of Object.entries(measured)) console.log(`${what}: ${median(values).toFixed(1)} (of ${values.length})`);

@@ -1,9 +1,10 @@
-// Labels a capture without its masks, or with every Nth of them (N > 0), and prints speed and, where it has masks,
-// their overlap with the labels; every tenth frame, tinted by label, goes into FOLDER:
-//   bench_segmentation CAPTURE [N [FOLDER]]
+// Labels a capture without its masks, with every Nth of them (N > 0), or as it comes, without a look ahead, and prints
+// speed and, where it has masks, their overlap with the labels; every tenth frame, tinted by label, goes into FOLDER:
+//   bench_segmentation CAPTURE [N | live [FOLDER]]
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 
 #include "host/plugin_table.h"
 #include "ingest/segmentation/mask_completion.h"
@@ -16,6 +17,45 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Keeps the masks aside, so that a segmenter does not see them.
+class MasksAside final : public ingest::Capture {
+public:
+  explicit MasksAside(std::unique_ptr<ingest::Capture> capture) : capture_(std::move(capture)) {}
+  const ingest::CaptureInfo& info() const override { return capture_->info(); }
+  const std::vector<ingest::SkippedFrame>& skipped() const override { return capture_->skipped(); }
+  std::optional<ingest::Frame> next() override {
+    auto frame = capture_->next();
+    if (frame) masks_[frame->index] = std::exchange(frame->labels, {});
+    return frame;
+  }
+  const LabelImage& mask(int frame) const { return masks_.at(frame); }
+
+private:
+  std::unique_ptr<ingest::Capture> capture_;
+  std::map<int, LabelImage> masks_;
+};
+
+void run_live(const char* path, const std::filesystem::path& folder) {
+  Progress progress;
+  const host::PluginTable plugins = host::PluginTable::builtin();
+  MasksAside given(ingest::Capture::open(plugins, path, {}, progress));
+  const auto capture = ingest::live_segmented_capture(given, {1, false}, progress);
+  bench::LabelTally tally;
+  std::vector<double> spent;
+  for (Clock::time_point start = Clock::now(); auto frame = capture->next(); start = Clock::now()) {
+    spent.push_back(milliseconds_since(start));
+    if (!folder.empty() && frame->index % 10 == 0) bench::write_tinted(*frame, folder);
+    tally.add(frame->labels, given.mask(frame->index));
+  }
+  for (const auto& [label, found] : capture->info().labels)
+    std::printf("%d %s, %s: %s\n", label, found.name.c_str(), found.kind.c_str(), found.why.c_str());
+  if (spent.empty()) return;
+  std::printf("first frame: %.0f ms\n", spent.front());
+  std::sort(spent.begin(), spent.end());
+  std::printf("reading and labelling: median %.1f ms per frame (%zu frames)\n", spent[spent.size() / 2], spent.size());
+  tally.print();
 }
 
 void run(const char* path, int every, const std::filesystem::path& folder) {
@@ -55,11 +95,14 @@ void run(const char* path, int every, const std::filesystem::path& folder) {
 
 int main(int argc, char** argv) {
   if (argc < 2 || argc > 4) {
-    std::fprintf(stderr, "usage: bench_segmentation CAPTURE [N [FOLDER]]\n");
+    std::fprintf(stderr, "usage: bench_segmentation CAPTURE [N | live [FOLDER]]\n");
     return 2;
   }
   try {
-    run(argv[1], argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? argv[3] : "");
+    if (argc > 2 && std::string_view(argv[2]) == "live")
+      run_live(argv[1], argc > 3 ? argv[3] : "");
+    else
+      run(argv[1], argc > 2 ? std::atoi(argv[2]) : 0, argc > 3 ? argv[3] : "");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_segmentation: %s\n", error.what());
     return 1;

@@ -23,9 +23,11 @@ std::unique_ptr<player::ClipFeed> open(const std::string& clip) {
 
 void require_window() { window::window_functions().require_display(); }
 
-void show_in_window(const std::string& clip, Context& context) {
+void show_in_window(const std::string& clip, Context& context,
+                    const std::function<void(const SE3& camera_to_world)>& seen_from) {
   const window::WindowFunctions& functions = window::window_functions();
   window::Viewer viewer(clip, open, std::filesystem::current_path(), interrupted);
+  viewer.tell_camera(seen_from);
   const auto [width, height] = viewer.wanted_size();
   functions.show_window(viewer, width, height);
   const std::string left = viewer.finish();

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "cli/archive.h"
+#include "cli/asked_view.h"
 #include "cli/clip_input.h"
 #include "cli/clip_window.h"
 #include "cli/commands.h"
@@ -164,9 +165,9 @@ std::optional<container::Sound> sound_of(const Options& options, const clip::Cli
   return small;
 }
 
-/// `published` is called whenever the clip has grown, on another thread.
+/// `published` is called whenever the clip has grown, on another thread. `window`: of who looks at it in a window.
 encode::EncodeResult encode_live(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
-                                 const std::function<void()>& published, Context& context) {
+                                 const std::function<void()>& published, const AskedView& window, Context& context) {
   ingest::CaptureOptions capture_how = capture_options(options);
   capture_how.max_depth = how.settings.ingest.max_depth;
   capture_how.cleaning = how.settings.ingest.cleaning;
@@ -183,6 +184,10 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
     published();
     if (preview) preview->show(clip);
   };
+  request.asked_view = [&] {
+    const std::optional<SE3> asked = window.get();
+    return asked || !preview ? asked : preview->seen_from();
+  };
   encode::EncodeResult result = encode::encode_live(*capture, request, how, context.progress);
   result.clip.sound = sound_of(options, result.clip, context);
   file.finish(result.clip);
@@ -195,18 +200,21 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
 encode::EncodeResult encode_live_in_view(const Options& options, const encode::EncodeOptions& how, OutputFile& out,
                                          Context& context) {
   std::atomic<bool> begun = false;
+  AskedView asked;
   auto encoding = std::async(std::launch::async, [&] {
     return encode_live(
-        options, how, out, [&begun] { begun = true; }, context);
+        options, how, out, [&begun] { begun = true; }, asked, context);
   });
   while (!begun && encoding.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
   }
   std::string message;
   try {
-    if (begun && !interrupted()) show_in_window(options.clip.string(), context);
+    if (begun && !interrupted())
+      show_in_window(options.clip.string(), context, [&](const SE3& pose) { asked.set(pose); });
   } catch (const Error& error) {
     message = error.what();
   }
+  asked.set(std::nullopt);
   encode::EncodeResult result = encoding.get();
   if (!message.empty()) context.progress.warn(message);
   return result;
@@ -216,7 +224,7 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
                                  Context& context) {
   if (options.view) return encode_live_in_view(options, how, out, context);
   return encode_live(
-      options, how, out, [] {}, context);
+      options, how, out, [] {}, {}, context);
 }
 
 /// Of as many bytes as the options say.

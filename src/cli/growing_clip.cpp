@@ -70,6 +70,7 @@ void LivePreview::show(const clip::Clip& clip) {
   last_ = now;
   const player::Player player(clip);
   const player::View view = player::orbit_views(player, {static_cast<int>(clip.times.size()) - 1}, kDegrees).front();
+  seen_from_ = view.camera.camera_to_world;
   const auto output =
       PictureOutput::open({numbered_path(pattern_, count_++), {}, overwrite_, {}, {}}, {view.name}, plugins_);
   output->add({player.draw(view.camera, view.frame, player.all_layers(), {}), view.name, 0, view.camera});

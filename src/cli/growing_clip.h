@@ -9,6 +9,7 @@
 #include "cli/output_file.h"
 #include "clip/live_clip_writer.h"
 #include "core/error.h"
+#include "core/se3.h"
 
 namespace kinora::cli {
 
@@ -40,6 +41,8 @@ public:
   LivePreview(std::filesystem::path pattern, double every, bool overwrite, const host::PluginTable& plugins);
   /// Draws it if it is time. Throws Error(kUnwritableOutput).
   void show(const clip::Clip& clip);
+  /// Where the last picture was seen from, camera to world.
+  const std::optional<SE3>& seen_from() const { return seen_from_; }
 
 private:
   std::filesystem::path pattern_;
@@ -47,6 +50,7 @@ private:
   bool overwrite_;
   const host::PluginTable& plugins_;
   std::size_t count_ = 0;
+  std::optional<SE3> seen_from_;
   std::optional<std::chrono::steady_clock::time_point> last_;
 };
 

@@ -234,7 +234,7 @@ StoredClip load_stored_clip(const std::filesystem::path& path) {
   }
   container::StoredBlock block;
   while (reader.next_block(block)) {
-    if (block.track == preview && !block.laced) {
+    if (block.track == preview && block.lacing == container::Lacing::kNone) {
       clip.preview->packets.push_back({container::kPreviewTrack, block.time_ns, block.key, reader.read_block(block)});
     }
     if (!reader.tracks()[block.track].ours) continue;

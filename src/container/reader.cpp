@@ -315,8 +315,8 @@ void Reader::take_block(const Element& block, const Element& whole, StoredBlock&
   out.offset = whole.start;
   out.stored_bytes = whole.total_size();
   out.key = (std::to_integer<std::uint8_t>(head[2]) & kKeyBit) != 0;
-  out.laced = (std::to_integer<std::uint8_t>(head[2]) & kLacingBits) != 0;
-  if (out.laced && tracks_[out.track].ours) {
+  out.lacing = static_cast<Lacing>((std::to_integer<std::uint8_t>(head[2]) & kLacingBits) >> 1);
+  if (out.lacing != Lacing::kNone && tracks_[out.track].ours) {
     throw_corrupt(*source_, block.start, "payloads that share a block (lacing); remux with mkvmerge --disable-lacing");
   }
 }
@@ -327,6 +327,18 @@ Bytes Reader::read_block(const StoredBlock& block) {
   bytes.resize(prefix + static_cast<std::size_t>(block.data_bytes));
   source_->read(block.data, std::span(bytes).subspan(prefix));
   return bytes;
+}
+
+std::vector<Bytes> Reader::read_frames(const StoredBlock& block) {
+  Bytes data(static_cast<std::size_t>(block.data_bytes));
+  source_->read(block.data, data);
+  const Bytes& prefix = tracks_[block.track].stripped_prefix;
+  std::vector<Bytes> frames;
+  for (const std::span<const std::byte> frame : laced_frames(data, block.lacing)) {
+    Bytes& bytes = frames.emplace_back(prefix);
+    bytes.insert(bytes.end(), frame.begin(), frame.end());
+  }
+  return frames;
 }
 
 Payload Reader::read_payload(const StoredBlock& block) {

@@ -11,6 +11,7 @@
 #include "container/byte_source.h"
 #include "container/damage.h"
 #include "container/ebml.h"
+#include "container/lacing.h"
 #include "container/payload.h"
 
 namespace kinora::container {
@@ -51,7 +52,7 @@ struct StoredBlock {
   std::uint64_t offset = 0;       ///< byte of the file where its element starts
   std::uint64_t stored_bytes = 0; ///< what it takes in the file, with all headers
   bool key = false;               ///< as Matroska says; of a payload of ours its envelope does
-  bool laced = false;
+  Lacing lacing = Lacing::kNone;  ///< of a payload of ours: none
 };
 
 /// Reads the head at once and payloads one after the other; memory holds one payload. No size from the file is believed
@@ -89,6 +90,9 @@ public:
   bool next_block(StoredBlock& block);
   /// The bytes of a block that next_block() gave, with its stripped prefix. There is no check of what they are.
   Bytes read_block(const StoredBlock& block);
+  /// The frames that share it, each with its stripped prefix; of a block without lacing it is all one. Empty if their
+  /// sizes do not fit the block.
+  std::vector<Bytes> read_frames(const StoredBlock& block);
   /// The same of one of our tracks, checked.
   Payload read_payload(const StoredBlock& block);
 

@@ -62,7 +62,7 @@ void copy(Reader& reader, const StoredBlock& block, Writer& writer, Recovery& re
     const Payload payload = reader.read_payload(block);
     writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
     ++recovery.payloads;
-  } else if (!track.encoded_again && !block.laced) {
+  } else if (!track.encoded_again && block.lacing == Lacing::kNone) {
     writer.write(id_of_other(block.track, base), std::max<std::int64_t>(block.time_ns, 0), block.key,
                  reader.read_block(block));
     ++recovery.blocks;

@@ -34,7 +34,8 @@ ArrivedClip read_arrived(std::span<const std::byte> bytes, const std::string& na
 
 FileState state_of(std::span<const std::byte> bytes, const std::string& name) {
   try {
-    const container::Reader reader(source_of(bytes, name));
+    // Not strictly: what is being written ends anywhere.
+    const container::Reader reader(source_of(bytes, name), container::Reading::kSalvage);
     if (reader.finished()) return FileState::kFinished;
     return reader.truncated() ? FileState::kCut : FileState::kGrowing;
   } catch (const Error&) {

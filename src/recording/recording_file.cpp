@@ -80,8 +80,8 @@ void RecordingFile::read_structure() {
       sound_checksums_.insert(sound.begin(), sound.end());
       sound_packets_named_ += sound.size();
     } else if (block.track == sound_track_) {
-      if (!block.laced) sound_blocks_.push_back(block);
-    } else if (!stored.ours && !block.laced) {
+      if (block.lacing == container::Lacing::kNone) sound_blocks_.push_back(block);
+    } else if (!stored.ours && block.lacing == container::Lacing::kNone) {
       blocks_.emplace(Place{block.track, block.time_ns}, block);
     }
   }

@@ -64,6 +64,15 @@ TEST_F(LiveEncode, CanBeReadWhileItGrowsAndEndsAsAClip) {
   EXPECT_EQ(run_kinora(folder_, {"validate", path("clip.mkv")}).code, 0);
 }
 
+TEST_F(LiveEncode, IsRefinedForThePictureThatIsAskedFor) {
+  std::vector<std::string> asked = words(path("clip.mkv"));
+  asked.insert(asked.end(), {"--json", "--preview", path("look.png"), "--every", "0.3"});
+  const Said said = run_kinora(folder_, asked);
+  ASSERT_EQ(said.code, 0) << said.err;
+  EXPECT_GE(nlohmann::json::parse(said.out).at("live").at("views_refined"), 1);
+  EXPECT_TRUE(fs::exists(path("look_0002.png")));
+}
+
 /// One encoder that is to be killed once it has written some updates, and a random while after that.
 struct Victim {
   std::string file;

@@ -19,11 +19,13 @@ protected:
     words.insert(words.begin(), {"render", path("clip.mkv")});
     return run_kinora(folder_, words);
   }
-  // Instead of the clip, one in which the capture camera sees a ball of 0.3 m, 1.2 m before it.
-  void show_ball() const {
+  // Instead of the clip, one of two frames in which the capture camera sees a ball of 0.3 m, 1.2 m before it; in the
+  // second it is so much further to the right.
+  void show_ball(double metres = 0) const {
     clip::Clip clip = clip::testing::sample_clip(1, 2, false);
     clip.layers.resize(1);
     clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
+    if (metres > 0) clip.layers[0].motion = motion::Motion::rigid({{}, {SE3(Eigen::Translation3d(metres, 0, 0))}});
     // As if cameras had stood on the capture camera's side alone.
     clip.layers[0].confidence.emplace(clip.layers[0].field.occupancy);
     for (auto& levels : clip.layers[0].confidence->levels()) {
@@ -115,6 +117,28 @@ TEST_F(Render, FolderHoldsAPictureForEachFrame) {
   ASSERT_EQ(render({path("out"), "--size", "32x24", "--frames", "::2", "--passes", "rgb,depth"}).code, 0);
   EXPECT_EQ(names_in("out"), (std::vector<std::string>{"000000.depth.png", "000000.png", "000002.depth.png",
                                                        "000002.png", "000004.depth.png", "000004.png"}));
+}
+
+TEST_F(Render, EachPictureShowsItsFrame) {
+  show_ball(0.2);
+  ASSERT_EQ(render({path("all"), "--size", "64x48", "--capture-view"}).code, 0);
+  const auto middle_of_ball = [&](const std::string& name) {
+    const ColorImage shown = picture(name);
+    double sum = 0, weight = 0;
+    for (int v = 0; v < shown.height(); ++v) {
+      for (int u = 0; u < shown.width(); ++u) {
+        const double light = shown.at(u, v, 0) + shown.at(u, v, 1) + shown.at(u, v, 2);
+        sum += u * light;
+        weight += light;
+      }
+    }
+    return sum / weight;
+  };
+  const std::vector<std::string> names = names_in("all");
+  ASSERT_EQ(names.size(), 2U);
+  EXPECT_GT(middle_of_ball("all/" + names[1]), middle_of_ball("all/" + names[0]) + 3);
+  ASSERT_EQ(render({path("second.png"), "--size", "64x48", "--capture-view", "--frames", "1"}).code, 0);
+  EXPECT_TRUE(std::ranges::equal(picture("second.png").values(), picture("all/" + names[1]).values()));
 }
 
 TEST_F(Render, CameraFileNamesThePictures) {

@@ -110,6 +110,16 @@ TEST_F(WithSound, AClipHasItAsOpusWhichIsCutAndJoinedWithIt) {
   EXPECT_LT(packets_of(path("a.mkv")).size(), packets.size());
   run_well({"join", path("a.mkv"), path("b.mkv"), path("joined.mkv")});
   EXPECT_EQ(packets_of(path("joined.mkv")), packets);
+
+  if (std::system("command -v mkvmerge > /dev/null 2>&1") != 0) return;
+  // It puts several packets into one block.
+  ASSERT_EQ(std::system(fmt::format("mkvmerge -q -o {} {}", path("remuxed.mkv"), path("plain.mkv")).c_str()), 0);
+  const auto remuxed = packets_of(path("remuxed.mkv"));
+  ASSERT_EQ(remuxed.size(), packets.size());
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    EXPECT_EQ(remuxed[i].second, packets[i].second) << i;
+    EXPECT_NEAR(static_cast<double>(remuxed[i].first), static_cast<double>(packets[i].first), 1.5e6) << i; // ns
+  }
 }
 
 TEST_F(WithSound, AFileThatIsNoSoundIsRefusedBeforeAnythingIsDone) {

@@ -75,7 +75,7 @@ export async function serveFaults(bytes) {
   return { address: `http://127.0.0.1:${server.address().port}`, stop, held };
 }
 
-/** The folder and, at page/, the page by nginx; null if there is none. */
+/** The folder, also at without_ranges/, and, at page/, the page by nginx; null if there is none. */
 export async function serveByNginx(folder) {
   const program = ["/usr/sbin/nginx", "/usr/bin/nginx"].find(existsSync);
   if (!program) return null;
@@ -87,7 +87,8 @@ export async function serveByNginx(folder) {
     events {}
     http {
       include /etc/nginx/mime.types; access_log off; ${temporary.join(" ")}
-      server { listen 127.0.0.1:${port}; root ${path.resolve(folder)}; location /page/ { alias ${root}/build/page/; gzip_static on; } }
+      server { listen 127.0.0.1:${port}; root ${path.resolve(folder)}; location /page/ { alias ${root}/build/page/; gzip_static on; }
+        location /without_ranges/ { alias ${path.resolve(folder)}/; max_ranges 0; } }
     }`;
   await writeFile(path.join(own, "nginx.conf"), settings);
   const server = spawn(program, ["-e", `${own}/error.log`, "-c", `${own}/nginx.conf`], { stdio: "inherit" });

@@ -78,12 +78,18 @@ claim("a file of a newer version is refused with what helps", async (world) => {
   await closed(page);
 });
 
-claim("nginx serves the page and its clips", async (world) => {
+claim("nginx serves the page and its clips, with ranges and without", async (world) => {
   if (!world.nginx) return console.log("  not tested: there is no nginx; run scripts/setup");
   const page = await world.browser.newPage({ viewport: { width: 640, height: 480 } });
   page.setDefaultTimeout(90000);
-  await page.goto(`${world.nginx.address}page/index.html?clip=../carry_box.mkv`);
-  await shown(page);
+  for (const folder of ["..", "../without_ranges"]) {
+    const asked = [];
+    page.on("response", (answer) => new URL(answer.url()).pathname.endsWith(".mkv") && asked.push(answer.status()));
+    await page.goto(`${world.nginx.address}page/index.html?clip=${folder}/carry_box.mkv`);
+    await shown(page);
+    assert.deepEqual(asked, folder === ".." ? [206, 206] : [200]); // the head and the rest, or all at once
+    page.removeAllListeners("response");
+  }
   await page.close();
 });
 

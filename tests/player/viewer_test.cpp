@@ -144,6 +144,18 @@ TEST_F(ViewerTest, TwoHundredRandomSeeksLeadToTheirFrames) {
   }
 }
 
+TEST_F(ViewerTest, TellsWhereItsPicturesAreSeenFrom) {
+  Viewer viewer = this->viewer();
+  std::vector<SE3> told;
+  viewer.tell_camera([&](const SE3& pose) { told.push_back(pose); });
+  viewer.panel(32, 24);
+  ASSERT_EQ(told.size(), 1U);
+  viewer.orbit(0.2, 0);
+  viewer.panel(32, 24);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_GT(rotation_angle(told[0].inverse() * told[1]), 0.5);
+}
+
 TEST_F(ViewerTest, WindowsOf8KAndOfOnePixelAreDrawn) {
   Viewer viewer = this->viewer();
   for (const auto& [width, height] : {std::pair{7680, 4320}, {1, 1}}) {

@@ -178,12 +178,20 @@ def check_display_that_vanishes(kinora, clip, folder):
 def check_growing_clip(kinora, sample, screen, folder):
     """A capture that is encoded live is seen while it grows; the window stays, and may be closed."""
     clip = folder.parent / "growing.mkv"
-    player = Player([kinora, "encode", sample, clip, "--live", "--view", "--quiet"], screen, folder)
+    report = folder.parent / "report.json"
+    script = folder.parent / "script.txt"
+    script.write_text("stall 0.4 5\n")  # the capture is seen for some seconds, however slow the machine
+    player = Player([kinora, "encode", sample, clip, "--live", "--live-script", script, "--view", "--quiet", "--report", report],
+                    screen, folder)
     try:
         picture = pixels(player.screenshot())
         expect(max(picture[3::4]) == 255, "nothing is seen of a growing clip")
+        growing = os.stat(clip).st_ino
+        until(lambda: os.stat(clip).st_ino != growing, "no whole clip takes the growing one's place")
         player.do("key", "q")
         expect(player.process.wait(timeout=WAIT) == 0, "encoding did not end well after its window was closed")
+        live = json.loads(report.read_text())["live"]
+        expect(live["views_refined"] > 0, "the window's camera does not steer the training")
         subprocess.run([kinora, "validate", clip, "--quiet"], check=True, stdout=subprocess.DEVNULL)
     finally:
         player.process.kill()

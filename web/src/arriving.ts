@@ -35,7 +35,6 @@ export class ArrivingClip {
     private readonly signal: AbortSignal,
   ) {
     this.#prepare();
-    playerCode().catch(() => undefined); // it is asked for again
   }
 
   /** The next that is more than the one before; null: there will be none. Rejects with a Fault: that is all there is. */

@@ -15,7 +15,12 @@ export function playerCode(): Promise<WebAssembly.Module> {
 
 async function load(): Promise<WebAssembly.Module> {
   const answer = await fetch(address).catch(() => null);
-  const bytes = answer?.ok ? await answer.arrayBuffer().catch(() => null) : null;
-  if (!bytes) throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
-  return WebAssembly.compile(bytes);
+  if (!answer?.ok) lost();
+  // While it comes, if its server says what it is.
+  if (answer.headers.get("Content-Type") === "application/wasm") return WebAssembly.compileStreaming(answer).catch(lost);
+  return answer.arrayBuffer().then((bytes) => WebAssembly.compile(bytes), lost);
+}
+
+function lost(): never {
+  throw new Fault(FaultCode.network, `${address.href}, which plays clips, cannot be loaded`);
 }

@@ -1,5 +1,6 @@
 // <kinora-player src="clip.mkv">: a custom element with <video>'s attributes, events and methods, and `camera`.
 import { viewOf, type Camera, type View } from "./camera.js";
+import { playerCode } from "./code.js";
 import { Controls } from "./controls.js";
 import { asFault, FaultCode, type Fault } from "./faults.js";
 import { listenToPointers, viewAfterKey } from "./gestures.js";
@@ -217,7 +218,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   // ---- opening
 
   #fetched(): ClipSource {
-    const source = ClipSource.fetched(new URL(this.src, document.baseURI).href, this.#opening.signal, () => {
+    const source = ClipSource.fetched(new URL(this.src, document.baseURI).href, this.#opening.signal, playerCode(), () => {
       if (!this.#stage) this.#surface.setState(stateOfArrival(source.bytes, source.size));
       this.#tell("progress");
     });
@@ -437,7 +438,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
 
   #acceptDrops(): void {
-    const mark = (on: boolean) => this.#surface.stage.classList.toggle("dropping", on);
+    const mark = (on: boolean) => this.classList.toggle("dropping", on);
     this.addEventListener("dragover", (event) => {
       event.preventDefault();
       mark(true);

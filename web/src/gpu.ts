@@ -9,7 +9,7 @@ export class GpuDrawing {
   private constructor(
     private readonly module: KinoraModule,
     canvas: OffscreenCanvas,
-    private readonly context: number,
+    private readonly webgl: WebGL2RenderingContext,
   ) {
     this.#open();
     canvas.addEventListener("webglcontextlost", (event) => {
@@ -28,8 +28,7 @@ export class GpuDrawing {
     const known = webgl.getExtension("WEBGL_debug_renderer_info");
     const name = String(webgl.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : webgl.RENDERER));
     if (!anyway && software.test(name)) return null;
-    const context = module.GL.registerContext(webgl, { majorVersion: 2, minorVersion: 0 });
-    return new GpuDrawing(module, canvas, context);
+    return new GpuDrawing(module, canvas, webgl);
   }
 
   /** False: the CPU has to. */
@@ -47,7 +46,8 @@ export class GpuDrawing {
   }
 
   #open(): void {
-    this.module.GL.makeContextCurrent(this.context);
+    // This asks for its extensions too, which a context that was restored has no more.
+    this.module.GL.makeContextCurrent(this.module.GL.registerContext(this.webgl, { majorVersion: 2, minorVersion: 0 }));
     this.#renderer = this.module._module_gl_open();
     if (this.#renderer === 0) {
       console.warn(`Kinora draws without the GPU: ${this.module.UTF8ToString(this.module._module_gl_error())}`);

@@ -5,6 +5,7 @@ const mostBytes = 256 << 20; // of one clip that are held while it comes
 const tries = 5;
 const firstPause = 200; // milliseconds before another try; then twice as long each time
 const headBytes = 4096; // that a writer changes when it has finished
+const firstBytes = 96 << 10; // that are asked for first: coarse levels, of which a picture can be made
 
 export class ClipSource {
   #come = new Blob();
@@ -14,6 +15,7 @@ export class ClipSource {
   #all = false;
   #fault: Fault | null = null;
   #waiting: (() => void)[] = [];
+  #until = Infinity; // bytes that are asked for
 
   private constructor(
     private readonly url: string | null,
@@ -23,10 +25,12 @@ export class ClipSource {
     signal.addEventListener("abort", () => this.#wake());
   }
 
-  /** `arrived` is called whenever more has come. */
-  static fetched(url: string, signal: AbortSignal, arrived: () => void): ClipSource {
+  /** `arrived` is called whenever more has come. What is behind the first bytes comes after `code`: they share a line. */
+  static fetched(url: string, signal: AbortSignal, code: Promise<unknown>, arrived: () => void): ClipSource {
     const source = new ClipSource(url, signal, arrived);
-    void source.#fetch();
+    // Servers of other addresses may want to be asked about ranges before.
+    if (new URL(url).origin === location.origin) source.#until = firstBytes;
+    void source.#fetch(code.catch(() => undefined)); // who needs it says so
     return source;
   }
 
@@ -73,7 +77,7 @@ export class ClipSource {
   async lookAgain(): Promise<void> {
     if (!this.url || !this.#all) return;
     try {
-      const answer = await fetch(this.url, { signal: this.signal, cache: "no-store", headers: rangeFrom(this.#bytes) });
+      const answer = await fetch(this.url, { signal: this.signal, cache: "no-store", headers: range(this.#bytes) });
       const size = sizeIn(answer);
       if (answer.status === 416 && size !== null && size < this.#bytes) return this.#startAnew(); // another file now
       if (answer.status !== 206) return void answer.body?.cancel(); // nothing new, or all of it again
@@ -92,24 +96,28 @@ export class ClipSource {
     this.#bytes = 0;
     this.#size = null;
     this.#all = false;
-    void this.#fetch();
+    void this.#fetch(Promise.resolve());
   }
 
   async #readHeadAgain(): Promise<void> {
-    const headers = { Range: `bytes=0-${headBytes - 1}` };
-    const answer = await fetch(this.url!, { signal: this.signal, cache: "no-store", headers });
+    const answer = await fetch(this.url!, { signal: this.signal, cache: "no-store", headers: range(0, headBytes) });
     if (answer.status !== 206) return;
     const head = await answer.blob();
     this.#come = new Blob([head, this.blob().slice(head.size)]);
   }
 
   /** Goes on where a connection broke. */
-  async #fetch(): Promise<void> {
+  async #fetch(code: Promise<unknown>): Promise<void> {
     let pause = firstPause;
     for (let left = tries; ; ) {
       const before = this.#bytes;
       try {
         await this.#ask();
+        if (this.#until < Infinity && !this.#all) {
+          this.#until = Infinity;
+          await code;
+          continue;
+        }
         this.#all = true;
       } catch (thrown) {
         if (this.#bytes > before) [left, pause] = [tries, firstPause];
@@ -128,16 +136,19 @@ export class ClipSource {
     const had = this.#bytes;
     let answer: Response;
     try {
-      answer = await fetch(this.url!, { signal: this.signal, headers: had > 0 ? rangeFrom(had) : {} });
+      const headers = had > 0 || this.#until < Infinity ? range(had, this.#until) : {};
+      answer = await fetch(this.url!, { signal: this.signal, headers });
     } catch {
       if (had > 0) throw this.#broken();
       const sentence = `${this.url} cannot be reached, or its server does not let this page read it (CORS)`;
       throw new Fault(FaultCode.network, sentence);
     }
+    if (answer.status === 416) return; // there is nothing, or no more
     if (answer.status >= 500) throw new BrokenConnection(FaultCode.network, `${this.url}: ${said(answer)}`);
     if (!answer.ok || !answer.body) throw new Fault(FaultCode.network, `${this.url} is not there: ${said(answer)}`);
     this.#size = sizeIn(answer);
-    await this.#take(answer, answer.status === 206 ? 0 : had); // a server without ranges gives all of it again
+    if (answer.status !== 206) this.#until = Infinity; // a server without ranges gives all of it, again
+    await this.#take(answer, answer.status === 206 ? 0 : had);
   }
 
   async #take(answer: Response, known: number): Promise<void> {
@@ -159,7 +170,7 @@ export class ClipSource {
     } catch (thrown) {
       throw thrown instanceof Fault ? thrown : this.#broken();
     }
-    if (this.#size !== null && this.#bytes < this.#size) throw this.#broken();
+    if (this.#bytes < Math.min(this.#size ?? 0, this.#until)) throw this.#broken();
   }
 
   #broken(): BrokenConnection {
@@ -178,7 +189,8 @@ export class ClipSource {
 
 class BrokenConnection extends Fault {}
 
-const rangeFrom = (bytes: number) => ({ Range: `bytes=${bytes}-` });
+/** From byte `from`, up to `until`. */
+const range = (from: number, until = Infinity) => ({ Range: `bytes=${from}-${until < Infinity ? until - 1 : ""}` });
 const said = (answer: Response) => `the server answers ${answer.status} ${answer.statusText}`;
 
 /** Of the whole file, if the answer says it. */

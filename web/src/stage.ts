@@ -12,6 +12,7 @@ const mostDrawers = 2;
 const framesPerSecond = 30; // wanted while something moves
 const restsAfter = 100; // milliseconds without a new camera
 const lateAfter = 500; // milliseconds
+const firstAlone = 500; // milliseconds for which nothing else is done while the first picture is drawn
 
 export interface StageEvents {
   changed(): void; // more of the clip has come
@@ -149,6 +150,8 @@ export class Stage {
   /** Takes more of the clip as it comes. */
   async #follow(clip: ArrivingClip, signal: AbortSignal): Promise<void> {
     try {
+      const opened = performance.now();
+      while (this.#shown.number === 0 && performance.now() - opened < firstAlone) await new Promise((resolve) => setTimeout(resolve, 10));
       for (let more = await clip.next(); more; more = await clip.next()) {
         if (signal.aborted) return;
         this.#take(more);
@@ -232,8 +235,9 @@ export class Stage {
     );
   }
 
+  /** The first picture is one that is soon there. */
   #moves(now: number): boolean {
-    return this.clock.playing || now - this.#cameraMoved < restsAfter;
+    return this.#shown.number === 0 || this.clock.playing || now - this.#cameraMoved < restsAfter;
   }
 
   #restingSubject(full: Size): string {

@@ -34,6 +34,6 @@ legend { padding: 0; color: #bbb; font-size: 12px; }
 label { display: flex; align-items: center; gap: 8px; min-height: 28px; }
 select { margin-left: auto; color: inherit; background: #000; border: 1px solid #888; border-radius: 4px; font: inherit; }
 .menu button { width: 100%; height: 32px; place-content: center start; }
-.dropping { outline: 4px dashed #6cf; outline-offset: -12px; }
+:host(.dropping)::after { content: ""; position: absolute; inset: 12px; border: 4px dashed #6cf; pointer-events: none; }
 @media (prefers-reduced-motion: reduce) { .spinner { animation: none; } .bar { transition: none; } }
 `;

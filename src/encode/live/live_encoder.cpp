@@ -12,6 +12,7 @@
 #include "encode/layer_report.h"
 #include "encode/live/live_exchange.h"
 #include "encode/rounding.h"
+#include "ingest/segmentation/segmenter.h"
 
 namespace kinora::encode {
 namespace {
@@ -216,7 +217,7 @@ Json live_json(const ingest::Capture& capture, FrontEndLog log, const TrainerThr
           {"first_clip_s", round4(trainer.publisher().first())}};
 }
 
-Json capture_json(const ingest::Capture& capture, const clip::Clip& clip, std::size_t unlabelled) {
+Json capture_json(const ingest::Capture& capture, bool has_masks, const clip::Clip& clip, std::size_t unlabelled) {
   const ingest::CaptureInfo& info = capture.info();
   Json skipped = Json::array();
   for (const ingest::SkippedFrame& frame : capture.skipped())
@@ -229,15 +230,8 @@ Json capture_json(const ingest::Capture& capture, const clip::Clip& clip, std::s
           {"frames_without_mask", unlabelled},
           {"frames_per_second", info.frames_per_second},
           {"has_poses", info.has_poses},
-          {"has_masks", info.has_masks},
+          {"has_masks", has_masks},
           {"skipped", std::move(skipped)}};
-}
-
-void check_masks(const ingest::CaptureInfo& info) {
-  if (info.has_masks) return;
-  throw Error(ErrorCode::kUsage,
-              "live encoding needs masks, for what moves is told from the room by looking ahead; encode the capture "
-              "without --live, or record it and encode the recording");
 }
 
 /// Every label, with what became of it, for the report.
@@ -269,12 +263,14 @@ void check_clip(const clip::Clip& clip, bool was_stopped) {
 
 } // namespace
 
-EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, const EncodeOptions& options,
+EncodeResult encode_live(ingest::Capture& given, const LiveRequest& request, const EncodeOptions& options,
                          Progress& progress) {
+  const std::unique_ptr<ingest::Capture> labelled =
+      given.info().has_masks ? nullptr : ingest::live_segmented_capture(given, {}, progress);
+  ingest::Capture& capture = labelled ? *labelled : given;
   const ingest::CaptureInfo& info = capture.info();
-  check_masks(info);
   Json config = options.json();
-  config["labels_from"] = "masks";
+  config["labels_from"] = labelled ? "motion" : "masks";
   config["joints_from"] = "";
   const Json settings = settings_json(options.settings);
   StageTimes times;
@@ -296,7 +292,7 @@ EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, c
                  {"version", KINORA_VERSION},
                  {"config", config},
                  {"settings", settings},
-                 {"capture", capture_json(capture, timeline, unlabelled)},
+                 {"capture", capture_json(capture, !labelled, timeline, unlabelled)},
                  {"live", live_json(capture, log, trainer, seconds_since(end))},
                  {"timing", {{"stages", times.json(timeline.times.size())}}}};
   add_layers(labels, trainer.trainer(), report);

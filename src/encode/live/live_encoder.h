@@ -22,12 +22,13 @@ struct LiveRequest {
   std::function<std::optional<SE3>()> asked_view;
 };
 
-/// What becomes of it depends on the speed of the machine. Masks are needed, for everything is done with what is known
-/// by then: nothing looks ahead (Settings::live). The camera is still, or the frames say where it is. The report is
-/// that of encode_capture, with `live`: frames that were followed and lost, seconds from capture to motion, rounds of
+/// What becomes of it depends on the speed of the machine. Everything is done with what is known by then: nothing looks
+/// ahead (Settings::live). Without masks the first second is watched, and no frame of it is followed
+/// (ingest::live_segmented_capture). The camera is still, or the frames say where it is. The report is that of
+/// encode_capture, with `live`: frames that were followed and lost, seconds from capture to motion, rounds of
 /// training, and what became of frames as key frames. The first Ctrl-C ends the capture: that is no error here. Throws
-/// what the capture and `publish` throw, and Error: kUsage without masks, kCorruptInput if no frame is usable, kFailure
-/// if nothing can be modelled.
+/// what the capture and `publish` throw, and Error: kCorruptInput if no frame is usable, kFailure if nothing can be
+/// modelled.
 EncodeResult encode_live(ingest::Capture& capture, const LiveRequest& request, const EncodeOptions& options,
                          Progress& progress);
 

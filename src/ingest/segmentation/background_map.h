@@ -18,6 +18,8 @@ public:
 
   /// As in BackgroundModel, over all places: small if the camera was not where it is said to have been.
   double static_share() const;
+  /// Else hardly anything does, and the map tells nothing.
+  bool keeps_still() const { return static_share() >= 0.35; }
 
 private:
   friend class LocalBackground;

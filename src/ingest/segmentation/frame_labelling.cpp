@@ -1,5 +1,7 @@
 #include "ingest/segmentation/frame_labelling.h"
 
+#include <fmt/format.h>
+
 #include "core/parallel.h"
 #include "ingest/images/grab_cut.h"
 #include "ingest/images/optical_flow.h"
@@ -38,6 +40,19 @@ template <class Body> void for_rows(int height, const Body& body) {
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) body(v);
   });
+}
+
+/// 1 where a pixel or one beside it is labelled: elsewhere there is nothing to decide.
+Mask near_labels(const LabelImage& labels) {
+  Mask near(labels.width(), labels.height());
+  for (int v = 0; v < labels.height(); ++v) {
+    for (int u = 0; u < labels.width(); ++u) {
+      if (labels.at(u, v) == 0) continue;
+      for (int y = std::max(0, v - 1); y <= std::min(labels.height() - 1, v + 1); ++y)
+        for (int x = std::max(0, u - 1); x <= std::min(labels.width() - 1, u + 1); ++x) near.at(x, y) = 1;
+    }
+  }
+  return near;
 }
 
 /// The label that most of the labelled neighbours within `radius` have; 0 if fewer than a third are labelled.
@@ -126,9 +141,31 @@ bool is_at_rest(const HandledObject& object, const ReducedView& view, int u, int
 
 } // namespace
 
-FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples)
-    : background_(std::move(background)), objects_(std::move(objects)), samples_(samples),
+LabelInfo background_label() { return {"background", "still", "what keeps still, and planes that it lies on"}; }
+
+FrameLabelling::FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples,
+                               LabellingEffort effort)
+    : background_(std::move(background)), objects_(std::move(objects)), samples_(samples), effort_(effort),
       lost_(objects_.objects.size(), true) {}
+
+std::map<int, LabelInfo> FrameLabelling::labels() const {
+  std::map<int, LabelInfo> labels = {
+      {0, background_label()},
+      {kPerson, {"person", "deforming", "what moves before the background, without the things it handles"}}};
+  int label = kPerson;
+  for (const HandledObject& object : objects_.objects) {
+    ++label;
+    const std::string name = label == 2 ? "object" : fmt::format("object{}", label - 1);
+    if (object.flat)
+      labels[label] = {name, "rigid", "flat faces, of other colours than the one who holds it, are seen all along"};
+    else if (object.is_flexible)
+      labels[label] = {name, "deforming",
+                       "it lay alone, was touched or moved, and has no flat faces that would keep their shape"};
+    else
+      labels[label] = {name, "rigid", "it lay alone, was touched or moved, and has flat faces"};
+  }
+  return labels;
+}
 
 void FrameLabelling::label(Frame& frame) {
   const int factor = reduction_factor(frame.depth.width());
@@ -144,7 +181,7 @@ void FrameLabelling::label(Frame& frame) {
   last_color_ = view.color;
   fill_unmeasured(view, background, labels);
   frame.labels = at_full_size(frame, factor, view, background, labels);
-  sharpen_borders(frame.color, kSharpened, frame.labels);
+  if (effort_ == LabellingEffort::kFull) sharpen_borders(frame.color, kSharpened, frame.labels);
 }
 
 void FrameLabelling::mark_foreground(Frame& frame) const {
@@ -161,7 +198,7 @@ void FrameLabelling::mark_foreground(Frame& frame) const {
 
 /// What is known of the last frame moves with the picture.
 void FrameLabelling::warp_last_labels(const ReducedView& view) {
-  if (last_labels_.empty() || objects_.objects.empty()) return;
+  if (last_labels_.empty() || objects_.objects.empty() || effort_ != LabellingEffort::kFull) return;
   const Image<float> flow = optical_flow(view.color, last_color_);
   last_labels_ = warped(last_labels_, flow);
   last_depth_ = warped(last_depth_, flow);
@@ -288,9 +325,10 @@ void FrameLabelling::label_persons(const ReducedView& view, const Mask& foregrou
 void FrameLabelling::fill_unmeasured(const ReducedView& view, const LocalBackground& background, LabelImage& labels) {
   for (int round = 0; round < 3; ++round) {
     const LabelImage before = labels;
+    const Mask near = near_labels(before);
     for_rows(labels.height(), [&](int v) {
       for (int u = 0; u < labels.width(); ++u) {
-        if (view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
+        if (near.at(u, v) == 0 || view.depth.at(u, v) > 0 || before.at(u, v) != 0) continue;
         const auto change = background.color_difference(u, v, view.color.pixel(u, v));
         if (!change || *change > kOtherColor) labels.at(u, v) = label_around(before, u, v, 1);
       }
@@ -303,10 +341,12 @@ LabelImage FrameLabelling::at_full_size(const Frame& frame, int factor, const Re
   if (factor == 1) return small;
   const Intrinsics& intrinsics = frame.camera.intrinsics;
   LabelImage labels(intrinsics.width, intrinsics.height);
+  const Mask near = near_labels(small);
   for_rows(labels.height(), [&](int v) {
     for (int u = 0; u < labels.width(); ++u) {
       const int x = std::min(u / factor, small.width() - 1);
       const int y = std::min(v / factor, small.height() - 1);
+      if (near.at(x, y) == 0) continue;
       const float z = frame.depth.at(u, v);
       if (z <= 0) {
         const auto change = background.color_difference(x, y, frame.color.pixel(u, v));

@@ -1,8 +1,10 @@
-// The second pass: labels one frame after another with what the first pass learned.
+// The second pass: labels one frame after another with what was learnt about the scene.
 #pragma once
 
+#include <map>
 #include <memory>
 
+#include "ingest/capture/capture.h"
 #include "ingest/segmentation/handled_objects.h"
 
 namespace kinora::ingest {
@@ -10,11 +12,25 @@ namespace kinora::ingest {
 /// How a pixel lies to the flat faces that look like a thing.
 enum class FaceArea : std::uint8_t;
 
+/// What a frame's labels are worth in time.
+enum class LabellingEffort : std::uint8_t {
+  kFull, ///< the last labels move with the picture, and borders are cut by colour
+  kLive  ///< neither: a fraction of the time
+};
+
+/// Label 0 of a scene in which nothing is told apart.
+LabelInfo background_label();
+
 /// Keeps the labels of the last frame, which are the prior of the next. Not thread-safe.
 class FrameLabelling {
 public:
   /// `samples`: how many frames the background was made from.
-  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples);
+  FrameLabelling(std::unique_ptr<BackgroundMap> background, SceneObjects objects, std::size_t samples,
+                 LabellingEffort effort = LabellingEffort::kFull);
+
+  /// 0 background, 1 person, 2… the things.
+  std::map<int, LabelInfo> labels() const;
+  const SceneObjects& objects() const { return objects_; }
 
   /// Fills in `frame.labels`: 0 background, 1 person, 2… the things in their order.
   void label(Frame& frame);
@@ -38,6 +54,7 @@ private:
   std::unique_ptr<BackgroundMap> background_;
   SceneObjects objects_;
   std::size_t samples_;
+  LabellingEffort effort_;
   std::vector<bool> lost_; ///< by thing: not seen in the last frame
   LabelImage last_labels_;
   DepthImage last_depth_;

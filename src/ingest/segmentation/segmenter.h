@@ -44,4 +44,15 @@ std::unique_ptr<Segmenter> make_plane_segmenter();
 std::unique_ptr<Capture> segmented_capture(const CaptureFactory& open, const FrameRange& range,
                                            std::unique_ptr<Segmenter> segmenter, Progress& progress);
 
+struct LiveLabelling {
+  double watched = 1;        ///< seconds, at least, that are seen before anything is told apart; no frame comes of them
+  bool learns_beside = true; ///< on a thread of its own; else where it is: the same bits each time
+};
+
+/// The capture with labels that are told while it goes on, by the rules of make_motion_segmenter for what was seen
+/// until then. What is seen later is learnt from as well, whenever twice as much was seen: things that are found then
+/// get new labels in info(), others keep theirs. A capture that ends before comes whole, labelled by what there is of
+/// it. Its `capture` must outlive it and not read masks.
+std::unique_ptr<Capture> live_segmented_capture(Capture& capture, const LiveLabelling& how, Progress& progress);
+
 } // namespace kinora::ingest

@@ -211,6 +211,7 @@ const Panel& Viewer::panel(int width, int height) {
 void Viewer::draw_what_changed() {
   const auto now = Clock::now();
   if (changed_) {
+    if (tell_camera_) tell_camera_(camera_->camera(width_, height_).camera_to_world);
     changed_ = false;
     full_wanted_ = true;
     moved_ = now;

@@ -24,6 +24,9 @@ public:
   Viewer(const std::string& clip, Open open, std::filesystem::path folder, std::function<bool()> stopped,
          MasterClock seconds = steady_clock(), SoundPlayback::OpenLoudspeaker loudspeaker = open_loudspeaker);
 
+  /// From now on `told`, if it is not empty, is called with the pose of every picture's camera, camera to world.
+  void tell_camera(std::function<void(const SE3&)> told) { tell_camera_ = std::move(told); }
+
   /// Of the picture of a new window, in pixels.
   std::pair<int, int> wanted_size() const;
 
@@ -56,6 +59,7 @@ private:
   Open open_;
   std::filesystem::path folder_;
   std::function<bool()> stopped_;
+  std::function<void(const SE3&)> tell_camera_;
   MasterClock seconds_;
   std::unique_ptr<ClipFeed> feed_;
   ClipSoFar so_far_;

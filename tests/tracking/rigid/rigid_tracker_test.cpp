@@ -194,6 +194,25 @@ TEST(RigidTracker, HoldsAVanishedObjectThenCallsItLostAndFindsItAgain) {
   EXPECT_LT(errors.degrees, 1.0);
 }
 
+TEST(RigidTracker, FindsALostObjectTurnedAsItWasSeenLongAgo) {
+  RigidTracker tracker(2);
+  const auto turned = [](double degrees) { return pose_at({0, 0, 1}, 20, degrees); };
+  int i = 0;
+  for (; i <= 30; ++i) {
+    const auto result = tracker.track(render_frame({}, turned(5.0 * i), SE3::Identity(), i));
+    ASSERT_EQ(result.pose.health, motion::Health::kTracked) << i;
+  }
+  for (const int end = i + 20; i < end; ++i)
+    tracker.track(render_frame({}, pose_at({9, 0, 1}, 0, 0), SE3::Identity(), i));
+  const SE3 back = Eigen::Translation3d(0.15, 0.05, 0.1) * turned(10); // 140 degrees from where it was lost
+  const auto found = tracker.track(render_frame({}, back, SE3::Identity(), i));
+  ASSERT_EQ(found.pose.health, motion::Health::kTracked);
+  Errors errors;
+  add_error(found.pose.canonical_to_world, turned(0), back, errors);
+  EXPECT_LT(errors.metres, 0.005);
+  EXPECT_LT(errors.degrees, 2.0);
+}
+
 // A box that is hidden wholly from the third frame on.
 ingest::Frame behind_a_screen(int i) {
   SceneOptions options;
