@@ -55,9 +55,14 @@ bool has_same_canonical_space(const motion::Motion& before, const motion::Motion
 
 struct LiveTrainer::Share {
   int label;
-  std::size_t pixels; ///< that tell of it
-  std::size_t rays;
+  double part; ///< of all rays
 };
+
+double LiveTrainer::loss_of(int label) const {
+  constexpr double kUntrained = 0.1;
+  const auto found = outcomes_.find(label);
+  return found == outcomes_.end() ? kUntrained : std::max(found->second.training.final_loss, 1e-3);
+}
 
 bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,
                         Progress& progress) {
@@ -73,16 +78,15 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
   for (const auto& [label, known] : snapshot.labels) {
     const std::size_t count = measured_pixels({pixels, label, known.motion});
     if (count == 0) continue;
-    shares.push_back({label, count, 0});
-    sum += std::sqrt(static_cast<double>(count));
+    shares.push_back({label, std::sqrt(static_cast<double>(count)) * loss_of(label)});
+    sum += shares.back().part;
   }
-  for (Share& share : shares) {
-    const double part = std::sqrt(static_cast<double>(share.pixels)) / sum;
-    share.rays = static_cast<std::size_t>(part * static_cast<double>(rays));
-  }
+  for (Share& share : shares) share.part /= sum;
   for (const Share& share : shares) {
-    times_.measure("train " + snapshot.labels.at(share.label).name,
-                   [&] { train_layer(share, snapshot, pixels, progress); });
+    times_.measure("train " + snapshot.labels.at(share.label).name, [&] {
+      train_layer(share.label, static_cast<std::size_t>(share.part * static_cast<double>(rays)), snapshot, pixels,
+                  progress);
+    });
   }
   // What is not seen now has the motion that is known now, if its field is of that canonical space.
   for (auto entry = outcomes_.begin(); entry != outcomes_.end();) {
@@ -96,15 +100,15 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
   return !shares.empty();
 }
 
-void LiveTrainer::train_layer(const Share& share, const LiveSnapshot& snapshot, const fields::PixelStore& pixels,
-                              Progress& progress) {
-  const LabelSnapshot& known = snapshot.labels.at(share.label);
-  const auto found = outcomes_.find(share.label);
+void LiveTrainer::train_layer(int label, std::size_t rays, const LiveSnapshot& snapshot,
+                              const fields::PixelStore& pixels, Progress& progress) {
+  const LabelSnapshot& known = snapshot.labels.at(label);
+  const auto found = outcomes_.find(label);
   const bool is_of_this_space =
       found != outcomes_.end() && has_same_canonical_space(found->second.layer.motion, known.motion);
   const bool is_needed = snapshot.is_last && !is_of_this_space; // else the last clip would not have the layer
   if (progress.cancelled() && !is_needed) return;
-  const fields::LayerObservations observations{pixels, share.label, known.motion};
+  const fields::LayerObservations observations{pixels, label, known.motion};
   fields::FieldRequirements requirements;
   const fields::FieldConfig wanted = fields::choose_field_config(observations, &requirements);
   const bool goes_on = is_of_this_space && contains(found->second.config.box, wanted.box);
@@ -113,13 +117,13 @@ void LiveTrainer::train_layer(const Share& share, const LiveSnapshot& snapshot, 
   next.requirements = requirements;
   next.config = goes_on ? found->second.config : with_spare_room(wanted, config_.spare);
   next.trainer = settings_.trainer;
-  next.trainer.rays = progress.cancelled() ? std::min(share.rays, config_.first_rays) : share.rays;
+  next.trainer.rays = progress.cancelled() ? std::min(rays, config_.first_rays) : rays;
   next.trainer.seed += rounds_;
   next.trainer.max_log2_table_size = 0; // tables stay as they are
   next.consistency = fields::measure_view_consistency(observations);
   fields::adapt_to(next.consistency, settings_.trainer, next.trainer);
   next.trainer.carve_free_space = false; // it is slow, and a later round may see otherwise
-  next.layer = {known.name, share.label, {}, known.motion, std::nullopt, std::nullopt};
+  next.layer = {known.name, label, {}, known.motion, std::nullopt, std::nullopt};
   Progress to_the_end;
   try {
     next.layer.field = fields::train_field(observations, next.config, next.trainer, is_needed ? to_the_end : progress,
@@ -134,7 +138,7 @@ void LiveTrainer::train_layer(const Share& share, const LiveSnapshot& snapshot, 
     next.training.samples += found->second.training.samples;
     next.training.steps += found->second.training.steps;
   }
-  outcomes_.insert_or_assign(share.label, std::move(next));
+  outcomes_.insert_or_assign(label, std::move(next));
 }
 
 clip::Clip LiveTrainer::clip(const LiveSnapshot& snapshot) const {

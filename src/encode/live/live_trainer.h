@@ -37,7 +37,8 @@ public:
 
 private:
   struct Share; ///< of a round
-  void train_layer(const Share& share, const LiveSnapshot& snapshot, const fields::PixelStore& pixels,
+  double loss_of(int label) const;
+  void train_layer(int label, std::size_t rays, const LiveSnapshot& snapshot, const fields::PixelStore& pixels,
                    Progress& progress);
 
   FieldSettings settings_;

@@ -155,6 +155,49 @@ TEST(DeformingTracker, IsTheSameForOneThreadAndMany) {
   expect_same(motions[0], motions[1]);
 }
 
+/// Two plates of one label, seen at once.
+ingest::Frame both_of(const Plate& left, const Plate& right, int index) {
+  ingest::Frame frame = render_plate(left, SE3::Identity(), index, noisy());
+  const ingest::Frame other = render_plate(right, SE3::Identity(), index, noisy());
+  for (int v = 0; v < frame.depth.height(); ++v) {
+    for (int u = 0; u < frame.depth.width(); ++u) {
+      if (other.label_at(u, v) != 2) continue;
+      frame.labels.at(u, v) = 2;
+      frame.depth.at(u, v) = other.depth.at(u, v);
+      frame.clean_depth.at(u, v) = other.clean_depth.at(u, v);
+      for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = other.color.at(u, v, c);
+    }
+  }
+  return frame;
+}
+
+// Side by side they are one surface; then the right one comes nearer by a quarter of a metre.
+TEST(DeformingTracker, PartsSurfacesThatTouchedAtFirst) {
+  DeformingTracker tracker(2);
+  constexpr int kFrames = 20;
+  Plate left, right;
+  left.to_world = SE3(Eigen::Translation3d(-0.2, 0, 1));
+  right.to_world = SE3(Eigen::Translation3d(0.2, 0, 1));
+  const Plate first = right;
+  for (int i = 0; i < kFrames; ++i) {
+    right.to_world = SE3(Eigen::Translation3d(0.2, 0, 1 - 0.25 * i / (kFrames - 1)));
+    ASSERT_EQ(tracker.track(both_of(left, right, i)).health, motion::Health::kTracked) << i;
+  }
+  const motion::Motion motion = tracker.motion();
+  double nearest = 10, farthest = 0; // node of the canonical pose
+  for (const Eigen::Vector3d& node : motion.graph()->nodes()) {
+    nearest = std::min(nearest, node.z());
+    farthest = std::max(farthest, node.z());
+  }
+  EXPECT_GT(farthest - nearest, 0.12);
+  double worst = 0; // at the seam
+  for (double y = -0.14; y < 0.15; y += 0.04) {
+    const auto track = motion::track_point(motion, kFrames, 0, first.position(-0.15, y));
+    worst = std::max(worst, (track.back() - right.position(-0.15, y)).norm());
+  }
+  EXPECT_LT(worst, 0.02);
+}
+
 TEST(DeformingTracker, IsHeldWhileUnseenAndFoundAgain) {
   const auto plates = bending(8);
   DeformingTracker tracker(2);
