@@ -7,6 +7,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace kinora {
@@ -19,7 +20,14 @@ int& threads_to_use() {
   return threads;
 }
 
+thread_local bool is_serial = false;
+
 } // namespace
+
+SerialLoops::SerialLoops() : before_(std::exchange(is_serial, true)) {}
+SerialLoops::~SerialLoops() { is_serial = before_; }
+
+void yield_to_other_threads() {} // it would only change when things happen
 
 void set_thread_count(int threads) { threads_to_use() = threads > 0 ? threads : hardware_threads(); }
 
@@ -43,10 +51,9 @@ void parallel_for(std::size_t count, std::size_t chunk_size, const std::function
       }
     }
   };
+  const std::size_t threads = is_serial ? 1 : std::min(chunks, static_cast<std::size_t>(thread_count()));
   std::vector<std::jthread> helpers;
-  for (std::size_t i = 1; i < std::min(chunks, static_cast<std::size_t>(thread_count())); ++i) {
-    helpers.emplace_back(work);
-  }
+  for (std::size_t i = 1; i < threads; ++i) helpers.emplace_back(work);
   work();
   helpers.clear();
   if (thrown) std::rethrow_exception(thrown);
