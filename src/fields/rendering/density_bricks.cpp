@@ -180,24 +180,11 @@ private:
   std::vector<Reached> of_cells_, of_rows_;                       // reached from rows of cells; by cell along z
 };
 
-/// Of the finest level that holds anything: one that has not come yet is zero, and bends nothing.
-int known_resolution(const Field& field) {
-  int known = field.config.coarsest_resolution;
-  for (const GridLevel& level : grid_levels(field.config)) {
-    const float* values = field.table.data() + std::size_t{level.offset} * FieldConfig::kFeatures;
-    const auto is_set = [](float value) { return value != 0; };
-    if (std::any_of(values, values + std::size_t{level.size} * FieldConfig::kFeatures, is_set))
-      known = level.resolution;
-  }
-  return known;
-}
-
 } // namespace
 
-DensityBricks::DensityBricks(const Field& field) : resolution_(known_resolution(field)) {
+DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.finest_resolution) {
   constexpr int kFine = 512;
-  const int enough = resolution_ < field.config.finest_resolution ? kFine / 2 : kFine; // until finer levels come
-  while (4 * resolution_ <= enough) resolution_ *= 2; // what nets bend within the cells of small fields
+  while (4 * resolution_ <= kFine) resolution_ *= 2; // what nets bend within the cells of small fields
   // Large fields are trained with samples as far apart as the sensor's noise asks for, some cells.
   for (int limit = kFine; resolution_ > limit; limit = kMaxResolution) resolution_ = (resolution_ + 1) / 2;
   const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);

@@ -14,9 +14,9 @@
 
 namespace kinora::fields {
 
-/// Lattice coordinates: relative position (FieldBox) times resolution(), which is that of the field's finest
-/// level that has come, doubled or halved. A brick holds the samples 8b … 8b + 8 along each axis, so that interpolation
-/// between them needs no other brick. Immutable, thread-safe.
+/// Lattice coordinates: relative position (FieldBox) times resolution(), which is the field's finest, doubled or
+/// halved. A brick holds the samples 8b … 8b + 8 along each axis, so that interpolation between them needs no other
+/// brick. Immutable, thread-safe.
 class DensityBricks {
 public:
   static constexpr int kSide = 8; ///< lattice steps per side of a brick

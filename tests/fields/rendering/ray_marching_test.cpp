@@ -1,13 +1,11 @@
 // Density bricks and the march through them, against the field and against a plain loop, on every instruction set.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/random.h"
 #include "fields/network/field_batch.h"
 #include "fields/network/ray_batch.h"
-#include "fields/network/volume_density.h"
 #include "fields/rendering/ray_marching.h"
 #include "fields/scenes/painted_field.h"
 #include "fields/scenes/random_field.h"
@@ -153,25 +151,6 @@ TEST(DensityBricks, HoldTheFieldsDensity) {
   }
   // The lattice is as fine as the field, but shifted by half a cell: kinks are cut.
   EXPECT_LT(sum / static_cast<double>(x.size()), 0.6);
-}
-
-TEST(DensityBricks, AreCoarserUntilTheFinerLevelsCome) {
-  Field field = patchy_field();
-  const std::vector<GridLevel> levels = grid_levels(field.config);
-  const DensityBricks whole(field);
-  std::fill(field.table.begin() + std::ptrdiff_t{levels[2].offset} * FieldConfig::kFeatures, field.table.end(), 0.0F);
-  const DensityBricks coarse(field);
-  EXPECT_EQ(whole.resolution() % field.config.finest_resolution, 0);
-  EXPECT_EQ(coarse.resolution() % levels[1].resolution, 0);
-  EXPECT_LT(coarse.resolution(), whole.resolution());
-  // Where the lattice has a sample, it is the field's.
-  const auto scale = static_cast<float>(coarse.resolution());
-  const float x = 12 / scale;
-  const float y = 2 / scale;
-  PointBatch points;
-  evaluate_points(field, levels, {&x, &y, &y, 1}, points);
-  EXPECT_NEAR(coarse.raw_density({12, 2, 2}), std::clamp(points.geometry[0], DensityBricks::kLowest, kMaxRawDensity),
-              DensityBricks::kStep);
 }
 
 TEST(DensityBricks, OfAnEmptyFieldAreNone) {
