@@ -59,9 +59,10 @@ struct LiveTrainer::Share {
 };
 
 double LiveTrainer::loss_of(int label) const {
-  constexpr double kUntrained = 0.1;
+  constexpr double kUntrained = 0.1, kLeast = 1e-3;
   const auto found = outcomes_.find(label);
-  return found == outcomes_.end() ? kUntrained : std::max(found->second.training.final_loss, 1e-3);
+  const double loss = found == outcomes_.end() ? kUntrained : found->second.training.final_loss;
+  return loss > kLeast ? std::min(loss, 1.0) : kLeast; // also where it is not a number
 }
 
 bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,

@@ -51,8 +51,8 @@ struct LiveLabelling {
 
 /// The capture with labels that are told while it goes on, by the rules of make_motion_segmenter for what was seen
 /// until then. What is seen later is learnt from as well, whenever twice as much was seen: things that are found then
-/// get new labels in info(), others keep theirs. A capture that ends before comes whole, labelled by what there is of
-/// it. Its `capture` must outlive it and not read masks.
+/// get new labels in info(), others keep theirs. A capture that ends before comes labelled by what there is of it, its
+/// last 48 frames at most. Its `capture` must outlive it and not read masks.
 std::unique_ptr<Capture> live_segmented_capture(Capture& capture, const LiveLabelling& how, Progress& progress);
 
 } // namespace kinora::ingest
