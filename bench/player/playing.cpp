@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "clip/clip_io.h"
+#include "clip/shown_frames.h"
 #include "core/parallel.h"
 #include "fields/calibration.h"
 #include "instruction_set.h"
-#include "motion/first_frame.h"
 #include "player/player.h"
 #include "player/view_path.h"
 #include "stopwatch.h"
@@ -51,9 +51,8 @@ std::vector<fields::PosedField> posed(const clip::Clip& clip, const std::vector<
   std::vector<fields::PosedField> posed;
   posed.reserve(drawables.size());
   for (std::size_t i = 0; i < drawables.size(); ++i) {
-    const motion::Motion& path = clip.layers[i].motion;
-    if (frame < static_cast<double>(motion::first_frame_of(path, clip.times.size()))) continue;
-    posed.push_back(fields::pose(drawables[i], path.warp(frame)));
+    if (!clip::shown_frames(clip.layers[i], clip.times.size()).at(frame)) continue;
+    posed.push_back(fields::pose(drawables[i], clip.layers[i].motion.warp(frame)));
   }
   return posed;
 }

@@ -61,6 +61,7 @@ MeshMotion BlendedMesh::motion() const {
 
 void BlendedMesh::add(const KinoraMeshPose& pose) {
   times_.push_back(pose.time);
+  hidden_.push_back(is_hidden(pose));
   for (std::size_t j = 0; j < pose.joint_count; ++j) {
     const KinoraJoint& given = pose.joints[j];
     Joint joint{};

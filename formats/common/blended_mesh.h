@@ -1,6 +1,7 @@
 // A copy of a mesh with the poses of its joints, and where they put its points.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -10,6 +11,11 @@
 #include "kinora/plugin.h"
 
 namespace kinora::formats {
+
+/// Whether the mesh is not to be seen from this pose on.
+inline bool is_hidden(const KinoraMeshPose& pose) {
+  return pose.struct_size >= sizeof(KinoraMeshPose) && pose.hidden != 0;
+}
 
 enum class MeshMotion { kStill, kRigid, kBlended };
 
@@ -23,6 +29,9 @@ public:
   MeshMotion motion() const;
   std::size_t joint_count() const { return inverse_bind_.size(); }
   const std::vector<double>& times() const { return times_; } ///< seconds, of the poses
+  /// Whether the mesh is not to be seen from a pose on to the next.
+  bool hidden(std::size_t pose) const { return hidden_[pose]; }
+  bool is_ever_hidden() const { return std::find(hidden_.begin(), hidden_.end(), true) != hidden_.end(); }
   /// Joint to world, of a rigid mesh.
   SE3 transform(std::size_t pose) const;
   /// In the world, of a blended mesh: the sum of KinoraMesh. Else as they are given.
@@ -46,6 +55,7 @@ private:
   std::vector<std::array<std::uint16_t, 4>> joint_numbers_;
   std::vector<std::array<float, 4>> weights_;
   std::vector<double> times_;
+  std::vector<bool> hidden_;  // of each pose
   std::vector<Joint> joints_; // of all poses, one after another
 };
 

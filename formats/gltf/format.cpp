@@ -50,7 +50,7 @@ constexpr KinoraFormat glb_format() {
   format.description =
       "glTF 2.0 in one binary file: a mesh per layer with a texture or vertex colours, skins and animation";
   format.extensions = ".glb";
-  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES;
+  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES | KINORA_WRITES_HIDDEN;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
   set_mesh_writer<GlbWriter, open_glb>(format);

@@ -1,5 +1,6 @@
 #include "gltf/glb_writer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/files.h"
@@ -68,7 +69,7 @@ void GlbWriter::add(const KinoraMesh& mesh) {
     refuse(std::string("the mesh ") + (mesh.name != nullptr ? mesh.name : "without a name") +
            " cannot be written: " + fault);
   const int material = texture_material(mesh);
-  MeshInstance instance{mesh.name, -1, mesh.joint_indices != nullptr, {}, {}, {}, {}, material, {}};
+  MeshInstance instance{mesh.name, -1, mesh.joint_indices != nullptr, {}, {}, {}, {}, {}, material, {}};
   instance.tracks.resize(mesh.joint_count);
   if (instance.skinned && settings_.bending != Bending::kSkin) {
     instance.blended.emplace(mesh);
@@ -109,6 +110,7 @@ void GlbWriter::pose(const KinoraMeshPose& pose) {
   if (!(time >= 0) || (!instance.times.empty() && !(time > instance.times.back())))
     refuse("the times of the poses of " + instance.name + " are negative or do not increase");
   instance.times.push_back(time);
+  instance.hidden.push_back(is_hidden(pose));
   if (instance.blended) {
     instance.blended->add(pose);
   } else {
@@ -214,6 +216,22 @@ void GlbWriter::place(MeshInstance& instance, Json& skins, Json& scene_nodes, Js
   if (is_boxed) scene_.add_node(std::move(own));
 }
 
+/// The nodes get one above them that has no size while the mesh is hidden.
+void GlbWriter::hang_on_shown_node(const MeshInstance& instance, Json& children) {
+  std::vector<float> times;
+  std::vector<float> scales;
+  for (std::size_t i = 0; i < instance.times.size(); ++i) {
+    if (i > 0 && instance.hidden[i] == instance.hidden[i - 1]) continue;
+    times.push_back(instance.times[i]);
+    scales.insert(scales.end(), 3, instance.hidden[i] ? 0.0F : 1.0F);
+  }
+  const std::vector<float> first(scales.begin(), scales.begin() + 3);
+  const int node = scene_.add_node({{"name", instance.name + " shown"}, {"scale", first}, {"children", children}});
+  const int values = buffer_.add(std::span<const float>(scales), kGlbVectors, GlbTarget::kNone);
+  if (times.size() > 1) scene_.animate(node, "scale", scene_.add_times(buffer_, times), values, Interpolation::kStep);
+  children = Json::array({node});
+}
+
 void GlbWriter::finish() {
   if (instances_.empty()) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
   scene_.add_node({{"name", "kinora"}, {"rotation", kHalfTurnAboutX}});
@@ -223,7 +241,12 @@ void GlbWriter::finish() {
   for (MeshInstance& instance : instances_) {
     if (!instance.tracks.empty() && instance.times.empty())
       refuse("the mesh " + instance.name + " has joints and no pose");
-    place(instance, skins, scene_nodes, root_children);
+    Json children = Json::array();
+    place(instance, skins, scene_nodes, children);
+    const bool is_ever_hidden =
+        std::find(instance.hidden.begin(), instance.hidden.end(), true) != instance.hidden.end();
+    if (is_ever_hidden) hang_on_shown_node(instance, children);
+    root_children.insert(root_children.end(), children.begin(), children.end());
   }
   if (!root_children.empty()) scene_.nodes[kRootNode]["children"] = root_children;
   Json gltf = {{"asset", {{"version", "2.0"}, {"generator", "Kinora"}}},

@@ -39,9 +39,9 @@ struct GlbSettings {
 };
 
 /// One node per mesh, with an unlit material and a texture or vertex colours. A mesh with one joint and no weights is a
-/// node that is animated; one with weights has a skin, whose joints are animated nodes, or bends as the settings say.
-/// glTF's axes are x right, y up,
-/// z towards the viewer: a root node turns Kinora's by half a turn about x. The file is written by finish().
+/// node that is animated; one with weights has a skin, whose joints are animated nodes, or bends as the settings say. A
+/// mesh that is hidden at times hangs on one more node, which has no size then. glTF's axes are x right, y up, z
+/// towards the viewer: a root node turns Kinora's by half a turn about x. The file is written by finish().
 class GlbWriter {
 public:
   /// Checks that the file can be written. Throws Error(kUnwritableOutput).
@@ -65,6 +65,7 @@ private:
     GlbBox box;                      ///< of its positions
     std::vector<float> inverse_bind; ///< of a skin, column by column
     std::vector<float> times;
+    std::vector<bool> hidden;       ///< of each time
     std::vector<JointTrack> tracks; ///< one per joint
     int material;
     std::optional<BlendedMesh> blended; ///< instead of all that is stored, if it does not bend by a skin
@@ -72,6 +73,7 @@ private:
 
   GlbMeshSettings mesh_settings() const { return {settings_.quantize, settings_.compression == Compression::kDraco}; }
   void place(MeshInstance& instance, nlohmann::json& skins, nlohmann::json& scene_nodes, nlohmann::json& root_children);
+  void hang_on_shown_node(const MeshInstance& instance, nlohmann::json& children);
   int add_blended(const MeshInstance& instance);
   nlohmann::json skin_of(MeshInstance& instance, nlohmann::json& root_children);
   void animate(const MeshInstance& instance, int first_node);

@@ -48,7 +48,8 @@ KinoraStatus ClipReader::next(KinoraFrame& frame) {
   const std::size_t index = next_++;
   const auto number = static_cast<double>(index);
   const Camera camera = clip.capture_camera(number);
-  take(player_.draw(camera, number, player_.all_layers()));
+  const clip::LayerChoice drawn = player_.drawn_layers(number, player_.all_layers());
+  take(player_.draw(camera, number, drawn), drawn);
   frame.index = static_cast<std::int64_t>(index);
   frame.time = clip.times[index];
   frame.color = view_of(color_, KINORA_PIXEL_U8);
@@ -59,7 +60,7 @@ KinoraStatus ClipReader::next(KinoraFrame& frame) {
   return KINORA_OK;
 }
 
-void ClipReader::take(const fields::Picture& picture) {
+void ClipReader::take(const fields::Picture& picture, const clip::LayerChoice& drawn) {
   const int width = picture.color.width();
   const int height = picture.color.height();
   color_ = ColorImage(width, height, 3);
@@ -72,7 +73,7 @@ void ClipReader::take(const fields::Picture& picture) {
       color_.data()[3 * i + c] = static_cast<std::uint8_t>((pixel[c] * pixel[3] + 127) / 255);
     depth_.data()[i] = depth_units(static_cast<double>(picture.depth.data()[i]));
     const std::size_t front = picture.front.data()[i];
-    mask_.data()[i] = front == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(layers[front - 1].label);
+    mask_.data()[i] = front == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(layers[drawn[front - 1]].label);
   }
 }
 

@@ -28,7 +28,7 @@ public:
   void seek(std::int64_t index);
 
 private:
-  void take(const fields::Picture& picture);
+  void take(const fields::Picture& picture, const clip::LayerChoice& drawn); ///< `drawn`: those of its `front`
 
   std::vector<std::string> warnings_;
   WarningTable warning_table_;

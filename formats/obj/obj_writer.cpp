@@ -64,9 +64,6 @@ void ObjWriter::add(const KinoraMesh& mesh) {
   vertex_count_ += mesh.vertex_count;
 }
 
-void ObjWriter::finish() const {
-  if (vertex_count_ == 0) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
-  write_file(path_, std::as_bytes(std::span(text_)));
-}
+void ObjWriter::finish() const { write_file(path_, std::as_bytes(std::span(text_))); }
 
 } // namespace kinora::formats

@@ -22,7 +22,7 @@ public:
   void describe(const Facts& facts) { text_ += lines_of(facts, "# "); }
   /// A mesh where it is in the world. Throws Error(kUsage) for one that has a fault or joints, or without colours.
   void add(const KinoraMesh& mesh);
-  /// Writes the file. Throws Error: kFailure if there was no mesh; kUnwritableOutput.
+  /// Writes the file, without vertices if there was no mesh. Throws Error(kUnwritableOutput).
   void finish() const;
 
 private:

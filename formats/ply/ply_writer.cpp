@@ -59,7 +59,6 @@ void PlyWriter::append_splats(const KinoraMesh& mesh) {
 }
 
 void PlyWriter::finish() const {
-  if (vertex_count_ == 0) throw Error(ErrorCode::kFailure, path_.string() + ": no mesh was written");
   const bool splats = content_ == PlyContent::kSplats;
   std::string head = "ply\nformat binary_little_endian 1.0\ncomment Kinora: ";
   head += (splats ? "metres, x right, y down, z forward" : axes_.text()) + "\n" + lines_of(facts_, "comment ");

@@ -30,7 +30,7 @@ public:
   void describe(Facts facts) { facts_ = std::move(facts); }
   /// A mesh where it is in the world. Throws Error(kUsage) for one that has a fault or joints, or without colours.
   void add(const KinoraMesh& mesh);
-  /// Writes the file. Throws Error: kFailure if there was no mesh; kUnwritableOutput.
+  /// Writes the file, without vertices if there was no mesh. Throws Error(kUnwritableOutput).
   void finish() const;
 
 private:

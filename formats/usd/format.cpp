@@ -27,8 +27,8 @@ constexpr KinoraFormat usd_format() {
   format.name = "usd";
   format.description = "USD text: a mesh per layer with time samples, and its texture beside the file";
   format.extensions = ".usda";
-  format.capabilities =
-      KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES | KINORA_WRITES_FILES_BESIDE;
+  format.capabilities = KINORA_WRITES_MESHES | KINORA_WRITES_SKINS | KINORA_WRITES_TEXTURES |
+                        KINORA_WRITES_FILES_BESIDE | KINORA_WRITES_HIDDEN;
   format.options = kOptions;
   format.option_count = std::size(kOptions);
   set_mesh_writer<UsdWriter, open_usd>(format);

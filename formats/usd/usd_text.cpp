@@ -250,11 +250,20 @@ void UsdText::put_motion(const BlendedMesh& mesh) {
   put("        }\n");
 }
 
+void UsdText::put_visibility(const BlendedMesh& mesh) {
+  if (!mesh.is_ever_hidden()) return;
+  put("        token visibility.timeSamples = {\n");
+  for (std::size_t i = 0; i < mesh.times().size(); ++i)
+    put_sample(mesh.times()[i], mesh.hidden(i) ? "\"invisible\"" : "\"inherited\"");
+  put("        }\n");
+}
+
 void UsdText::add(const BlendedMesh& mesh, const std::string& name, const std::string& texture) {
   put(filled(kMesh, name, ""));
   put_surface(mesh);
   put_colors(mesh, !texture.empty());
   put_motion(mesh);
+  put_visibility(mesh);
   put("    }\n\n");
   put(filled(texture.empty() ? kPlainSurface : kTexturedSurface, name, texture));
 }

@@ -34,6 +34,7 @@ private:
   void put_surface(const BlendedMesh& mesh);
   void put_colors(const BlendedMesh& mesh, bool textured);
   void put_motion(const BlendedMesh& mesh);
+  void put_visibility(const BlendedMesh& mesh);
   void put_sample(double seconds, std::string_view value);
   [[noreturn]] void fail() const;
 

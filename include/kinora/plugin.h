@@ -212,6 +212,10 @@ typedef struct KinoraMeshPose {
   double time;        /* seconds from the start, increasing for each mesh */
   size_t joint_count; /* as the mesh has */
   const KinoraJoint* joints;
+
+  /* Formats that were made before this member existed end here. */
+
+  int32_t hidden; /* the mesh is not to be seen from here to its next pose; needs KINORA_WRITES_HIDDEN, else 0 */
 } KinoraMeshPose;
 
 /* A quantity of a volume. Names are "density" (1 component: extinction per metre) and "color" (3 components: linear
@@ -288,8 +292,8 @@ enum { /* KinoraFormat.capabilities */
        KINORA_WRITES_NORMALS = 1u << 23,      /* of pictures */
        KINORA_WRITES_CONFIDENCE = 1u << 24,   /* of pictures, and of the depth of frames */
        KINORA_WRITES_TEXTURES = 1u << 25,     /* of meshes; else the host gives them colours in their vertices */
-       KINORA_WRITES_MESH_FRAME = 1u << 26,   /* the meshes of one time in each output, where they are in the world: the
-                                                 host numbers the files */
+       KINORA_WRITES_MESH_FRAME = 1u << 26,   /* the meshes of one time in each output, where they are in the world, or
+                                                 none if none is there then: the host numbers the files */
        KINORA_WRITES_METRIC_DEPTH = 1u << 27, /* of pictures: KinoraPicture.metric_depth */
        KINORA_WRITES_LABELS = 1u << 28,       /* of pictures, with what they mean */
        KINORA_WRITES_CAMERAS = 1u << 29,      /* of pictures */
@@ -298,7 +302,8 @@ enum { /* KinoraFormat.capabilities */
                                                  what is found there */
                                               /* All other bits are reserved and 0. */
 };
-#define KINORA_WRITES_SOUND ((uint64_t)1 << 31) /* of captures; C's enumerators end before it */
+#define KINORA_WRITES_SOUND ((uint64_t)1 << 31)  /* of captures; C's enumerators end before it */
+#define KINORA_WRITES_HIDDEN ((uint64_t)1 << 32) /* of meshes: KinoraMeshPose.hidden; else they are always seen */
 
 /* An option that a user may set with -O name=value. Embedded, for options stand in an array. */
 typedef struct KinoraOption {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "bake/mesh_extraction.h"
+#include "clip/shown_frames.h"
 #include "core/parallel.h"
 
 namespace kinora::bake {
@@ -78,6 +79,7 @@ nearest_layers(const clip::Clip& clip, int frame, std::span<const Eigen::Vector3
   std::vector<std::optional<std::size_t>> nearest(points.size());
   std::vector<double> distance(points.size(), std::numeric_limits<double>::infinity());
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
+    if (!clip::shown_frames(clip.layers[l], clip.times.size()).at(frame)) continue;
     const LiveSurface surface = live_surface(clip.layers[l], frame, progress);
     parallel_for(points.size(), 4, [&](const Chunk& chunk) {
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {

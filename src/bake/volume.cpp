@@ -5,11 +5,11 @@
 
 #include "bake/field_sampler.h"
 #include "bake/voxel_key.h"
+#include "clip/shown_frames.h"
 #include "core/error.h"
 #include "core/linear_light.h"
 #include "core/parallel.h"
 #include "fields/network/vector_features.h"
-#include "motion/first_frame.h"
 
 namespace kinora::bake {
 namespace {
@@ -226,7 +226,7 @@ host::Volume VolumeBaker::at(int frame, const Progress& progress) {
   LayerVolume all;
   for (const std::size_t i : layers_) {
     const clip::Layer& layer = clip_->layers[i];
-    if (static_cast<std::size_t>(frame) < motion::first_frame_of(layer.motion, clip_->times.size())) continue;
+    if (!clip::shown_frames(layer, clip_->times.size()).at(frame)) continue;
     if (layer.motion.kind() != motion::MotionKind::kStill) {
       all = merged(all, bake_layer(layer, frame, progress));
       continue;

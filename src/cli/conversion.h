@@ -43,7 +43,8 @@ void report_loss(const Conversion& conversion, const std::string& sentence, Cont
 /// The mesh at another place.
 host::Mesh shifted(host::Mesh mesh, const Eigen::Vector3d& by);
 
-/// Tells of frames in which a layer was lost, and of those before it was seen first: meshes show it there too.
+/// Tells of frames in which a layer was lost, and of those at which it is not there but shown: not every format can
+/// hide a mesh.
 void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context);
 
 /// Tells of a layer that has no surface.

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "cli/capture_input.h"
 #include "cli/clip_input.h"
@@ -28,6 +29,25 @@ Json intrinsics_json(const Intrinsics& camera) {
           {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
 }
 
+Json away_json(const motion::Presence& presence) {
+  Json spans = Json::array();
+  for (const motion::FrameSpan& span : presence.away()) spans.push_back({span.begin, span.end});
+  return spans;
+}
+
+/// For people: "object is away in frames 0 to 11 and 80 to 89".
+std::string away_text(const Json& info) {
+  std::string text;
+  for (const Json& layer : info["layers"]) {
+    if (!layer.contains("away")) continue;
+    std::vector<std::string> spans;
+    for (const Json& span : layer["away"])
+      spans.push_back(fmt::format("{} to {}", span[0].get<std::size_t>(), span[1].get<std::size_t>() - 1));
+    text += fmt::format("{} is away in frames {}\n", layer["name"].get<std::string>(), fmt::join(spans, ", "));
+  }
+  return text;
+}
+
 Json layer_json(const clip::Layer& layer, std::size_t frames) {
   std::map<std::string, int> health;
   for (std::size_t i = 0; i < frames; ++i) ++health[std::string(motion::name_of(layer.motion.health(i)))];
@@ -38,6 +58,7 @@ Json layer_json(const clip::Layer& layer, std::size_t frames) {
               {"parameters", layer.field.parameter_count()},
               {"box_side_m", layer.field.config.box.side}};
   if (layer.motion.graph()) out["nodes"] = layer.motion.graph()->nodes().size();
+  if (!layer.presence.is_always()) out["away"] = away_json(layer.presence);
   return out;
 }
 
@@ -221,7 +242,7 @@ std::string clip_text(const Json& info) {
                std::to_string(health.value("tracked", 0)), std::to_string(health.value("held", 0)),
                std::to_string(health.value("lost", 0)), layer["parameters"].dump()});
   }
-  return text + table.str() + beside_text(info) + parts_text(info);
+  return text + table.str() + away_text(info) + beside_text(info) + parts_text(info);
 }
 
 /// Whether the camera moved shows only in its pictures; what is known is whether the capture has its poses.

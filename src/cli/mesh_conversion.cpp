@@ -4,8 +4,8 @@
 #include "cli/conversion.h"
 #include "cli/export_facts.h"
 #include "cli/output_with_files.h"
+#include "clip/shown_frames.h"
 #include "core/error.h"
-#include "motion/first_frame.h"
 
 namespace kinora::cli {
 namespace {
@@ -14,9 +14,16 @@ using Json = nlohmann::json;
 
 struct BakedLayer {
   const clip::Layer* layer;
+  motion::Presence shown;
   host::Mesh mesh;
   bake::Skinning skinning;
 };
+
+/// What is hidden at times has poses, also if it is still.
+motion::Motion posed_motion(const clip::Layer& layer, const motion::Presence& shown, std::size_t frames) {
+  if (shown.is_always() || layer.motion.kind() != motion::MotionKind::kStill) return layer.motion;
+  return motion::Motion::rigid(std::vector<motion::Motion::Pose>(frames));
+}
 
 /// A few frames over the whole, to compare the two ways of blending at.
 std::vector<int> some_of(const std::vector<int>& frames) {
@@ -55,8 +62,11 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
       report_no_surface(conversion, layer, context);
       continue;
     }
-    bake::Skinning skinning(layer.motion, *mesh);
-    baked.push_back({&layer, std::move(*mesh), std::move(skinning)});
+    const std::size_t frames = conversion.clip->times.size();
+    const bool hides = host::supports(*conversion.format, KINORA_WRITES_HIDDEN);
+    const motion::Presence shown = hides ? clip::shown_frames(layer, frames) : motion::Presence();
+    bake::Skinning skinning(posed_motion(layer, shown, frames), *mesh);
+    baked.push_back({&layer, shown, std::move(*mesh), std::move(skinning)});
     const host::Mesh& made = baked.back().mesh;
     Json description = {{"name", layer.name},
                         {"motion", motion::name_of(layer.motion.kind())},
@@ -80,17 +90,18 @@ host::Mesh shifted(host::Mesh mesh, const Eigen::Vector3d& by) {
 }
 
 void report_lost_frames(const Conversion& conversion, const clip::Layer& layer, Context& context) {
-  const std::size_t first = motion::first_frame_of(layer.motion, conversion.clip->times.size());
+  const motion::Presence shown = clip::shown_frames(layer, conversion.clip->times.size());
   std::size_t lost = 0;
-  std::size_t early = 0;
+  std::size_t away = 0;
   for (const int frame : conversion.frames) {
-    if (layer.motion.health(static_cast<std::size_t>(frame)) != motion::Health::kLost) continue;
-    ++(static_cast<std::size_t>(frame) < first ? early : lost);
+    const bool is_lost = layer.motion.health(static_cast<std::size_t>(frame)) == motion::Health::kLost;
+    if (!shown.at(frame))
+      ++away;
+    else if (is_lost)
+      ++lost;
   }
-  if (early > 0 && host::supports(*conversion.format, KINORA_WRITES_MESHES)) {
-    report_loss(conversion,
-                fmt::format("{}: first seen in frame {}, and shown where it is then in the {} before", layer.name,
-                            first, early),
+  if (away > 0 && is_one_file(*conversion.format) && !host::supports(*conversion.format, KINORA_WRITES_HIDDEN)) {
+    report_loss(conversion, fmt::format("{}: not there in {} frames, and shown all the same", layer.name, away),
                 context);
   }
   if (lost > 0) {
@@ -121,7 +132,7 @@ Json convert_to_meshes(const Conversion& conversion, Context& context) {
       if (!baked[m].skinning.moves()) continue;
       std::vector<SE3> joints = baked[m].skinning.joints_at(frame);
       for (SE3& joint : joints) joint.translation() -= conversion.origin;
-      writer.pose(m, times[static_cast<std::size_t>(frame)] - start, joints);
+      writer.pose(m, times[static_cast<std::size_t>(frame)] - start, joints, !baked[m].shown.at(frame));
     }
     context.progress.advance(i + 1, "");
   }

@@ -6,6 +6,7 @@
 #include "cli/conversion.h"
 #include "cli/export_facts.h"
 #include "cli/output_file.h"
+#include "clip/shown_frames.h"
 #include "core/error.h"
 
 namespace kinora::cli {
@@ -17,6 +18,7 @@ using Json = nlohmann::json;
 struct Surface {
   const clip::Layer* layer;
   host::Mesh mesh; ///< canonical
+  motion::Presence shown;
 };
 
 std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& context) {
@@ -31,7 +33,7 @@ std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& con
       continue;
     }
     report_lost_frames(conversion, layer, context);
-    surfaces.push_back({&layer, std::move(*mesh)});
+    surfaces.push_back({&layer, std::move(*mesh), clip::shown_frames(layer, conversion.clip->times.size())});
   }
   if (surfaces.empty()) {
     throw Error(ErrorCode::kFailure, fmt::format("{}: no layer has a surface", conversion.input.string()));
@@ -44,6 +46,7 @@ void write_frame(const Conversion& conversion, const std::vector<Surface>& surfa
   facts.emplace_back("frame", std::to_string(frame));
   host::MeshWriter writer(*conversion.format, path, conversion.format_options, facts);
   for (const Surface& surface : surfaces) {
+    if (!surface.shown.at(frame)) continue;
     writer.add(shifted(bake::posed_mesh(surface.mesh, surface.layer->motion.warp(frame)), -conversion.origin));
   }
   writer.finish();

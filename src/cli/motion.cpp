@@ -71,7 +71,9 @@ Json layer_json(const clip::Layer& layer, const clip::Clip& clip) {
     }
     frames.push_back(std::move(entry));
   }
-  return {{"name", layer.name}, {"kind", motion::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
+  Json out = {{"name", layer.name}, {"kind", motion::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
+  for (const motion::FrameSpan& span : layer.presence.away()) out["away"].push_back({span.begin, span.end});
+  return out;
 }
 
 void run(const Options& options, Context& context) {

@@ -17,7 +17,6 @@
 #include "cli/versions.h"
 #include "container/crc32c.h"
 #include "core/error.h"
-#include "motion/first_frame.h"
 #include "player/camera_file.h"
 
 namespace kinora::cli {
@@ -119,23 +118,23 @@ void require_confidence(const clip::Clip& clip, const player::LayerChoice& layer
   }
 }
 
-/// Of the layers that a picture of a frame shows: none before it has been seen first.
-std::vector<host::LabelMeaning> labels_at(const clip::Clip& clip, const player::LayerChoice& layers, double frame) {
+/// Of the layers that a picture of a frame shows.
+std::vector<host::LabelMeaning> labels_at(const player::Player& player, const player::LayerChoice& layers,
+                                          double frame) {
   std::vector<host::LabelMeaning> labels;
-  for (const std::size_t i : layers) {
-    const clip::Layer& layer = clip.layers[i];
-    if (frame < static_cast<double>(motion::first_frame_of(layer.motion, clip.times.size()))) continue;
+  for (const std::size_t i : player.drawn_layers(frame, layers)) {
+    const clip::Layer& layer = player.clip().layers[i];
     labels.push_back({layer.label, layer.name, std::string(motion::name_of(layer.motion.kind()))});
   }
   return labels;
 }
 
-/// Each of the layers by itself, as far as it has been seen by then.
+/// Each of the layers that are there then by itself.
 std::vector<DrawnLayer> draw_layers(const player::Player& player, const player::View& view,
                                     const player::LayerChoice& layers, const fields::DrawOptions& how) {
   std::vector<DrawnLayer> drawn;
   for (const std::size_t i : layers) {
-    const std::vector<host::LabelMeaning> label = labels_at(player.clip(), {i}, view.frame);
+    const std::vector<host::LabelMeaning> label = labels_at(player, {i}, view.frame);
     if (!label.empty()) drawn.push_back({player.draw(view.camera, view.frame, {i}, how), label.front()});
   }
   return drawn;
@@ -233,7 +232,7 @@ void run(const Options& options, Context& context) {
     if (output->is_done(view.name)) continue;
     const auto drawn = [&] { return player.draw(view.camera, view.frame, layers, draw); };
     output->add({resumable ? resumable->picture(i, view, drawn) : drawn(), view.name, times[i], view.camera,
-                 labels_at(player.clip(), layers, view.frame),
+                 labels_at(player, layers, view.frame),
                  has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
                              : std::vector<DrawnLayer>{}});
     context.progress.advance(i + 1, "");

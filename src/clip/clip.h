@@ -13,6 +13,7 @@
 #include "fields/model/field.h"
 #include "motion/joint_paths.h"
 #include "motion/motion.h"
+#include "motion/presence.h"
 
 namespace kinora::clip {
 
@@ -23,6 +24,7 @@ struct Layer {
   motion::Motion motion = motion::Motion::still();
   std::optional<fields::Confidence> confidence = std::nullopt; ///< of the field; files of earlier versions have none
   std::optional<motion::JointPaths> joints = std::nullopt;     ///< of a deforming layer that is a person
+  motion::Presence presence = {};                              ///< frames at which it is there; usually all
 };
 
 struct Clip {

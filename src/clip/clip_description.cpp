@@ -76,7 +76,24 @@ std::uint16_t track(const json& object, const char* name, std::set<std::uint16_t
   return id;
 }
 
-LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken, const std::string& location) {
+motion::Presence parse_away(const json& layer, std::size_t frames, const std::string& location) {
+  if (!layer.contains("away")) return {};
+  std::vector<motion::FrameSpan> spans;
+  for (const json& span : array(layer, "away", location)) {
+    if (!span.is_array() || span.size() != 2) corrupt(location, "\"away\" holds something else than pairs of frames");
+    spans.push_back(
+        {integer<std::uint32_t>(span[0], 0, "away", location), integer<std::uint32_t>(span[1], 0, "away", location)});
+    if (spans.back().end > frames) corrupt(location, "a layer is away at a frame that the clip does not have");
+  }
+  try {
+    return motion::Presence::away_during(std::move(spans));
+  } catch (const Error& error) {
+    corrupt(location, error.what());
+  }
+}
+
+LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken, std::size_t frames,
+                             const std::string& location) {
   if (!object.is_object()) corrupt(location, "a layer is not an object");
   LayerDescription layer;
   const json& name = member(object, "name", location);
@@ -101,6 +118,7 @@ LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken,
       corrupt(location, fmt::format("layer {} has joints, but does not deform", layer.name));
     layer.joints_track = track(object, "joints_track", taken, location);
   }
+  layer.presence = parse_away(object, frames, location);
   return layer;
 }
 
@@ -142,6 +160,7 @@ Bytes to_json(const ClipDescription& clip) {
     if (layer.kind != motion::MotionKind::kStill) entry["motion_track"] = layer.motion_track;
     if (layer.confidence_track != 0) entry["confidence_track"] = layer.confidence_track;
     if (layer.joints_track != 0) entry["joints_track"] = layer.joints_track;
+    for (const motion::FrameSpan& span : layer.presence.away()) entry["away"].push_back({span.begin, span.end});
     layers.push_back(std::move(entry));
   }
   return text_of({{"version", kVersion},
@@ -180,7 +199,7 @@ ClipDescription parse_clip_description(std::span<const std::byte> text, const st
   clip.camera_moves = moves.get<bool>();
   std::set<std::string> names;
   for (const json& object : array(root, "layers", location)) {
-    clip.layers.push_back(parse_layer(object, taken, location));
+    clip.layers.push_back(parse_layer(object, taken, clip.times_ns.size(), location));
     if (!names.insert(clip.layers.back().name).second) {
       corrupt(location, fmt::format("two layers are named {}", clip.layers.back().name));
     }

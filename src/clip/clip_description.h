@@ -13,6 +13,7 @@
 #include "clip/coding/zstd_codec.h"
 #include "core/camera.h"
 #include "motion/motion.h"
+#include "motion/presence.h"
 
 namespace kinora::clip {
 
@@ -30,6 +31,7 @@ struct LayerDescription {
   std::uint16_t motion_track = 0;     ///< only if the layer moves
   std::uint16_t confidence_track = 0; ///< 0: the file does not say
   std::uint16_t joints_track = 0;     ///< 0: the layer has no skeleton
+  motion::Presence presence = {};     ///< within the clip's frames
 };
 
 struct ClipDescription {

@@ -300,6 +300,11 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
   slice(piece.description.times_ns);
   slice(piece.description.capture_frames);
   slice(piece.description.held_out);
+  for (LayerDescription& layer : piece.description.layers) {
+    std::vector<bool> there = layer.presence.in_frames(clip.description.times_ns.size());
+    slice(there);
+    layer.presence = motion::Presence::of_frames(there);
+  }
   const std::int64_t first = piece.description.times_ns.front();
   const std::int64_t last = end < clip.description.times_ns.size() ? clip.description.times_ns[end] : INT64_MAX;
   cut_preview(first, last, piece.preview);
@@ -359,6 +364,12 @@ StoredClip join(const StoredClip& first, const StoredClip& second) {
   for (const std::int64_t time : second.description.times_ns) whole.description.times_ns.push_back(time + delay);
   append(whole.description.capture_frames, second.description.capture_frames);
   append(whole.description.held_out, second.description.held_out);
+  for (std::size_t l = 0; l < whole.description.layers.size(); ++l) {
+    motion::Presence& presence = whole.description.layers[l].presence;
+    std::vector<bool> there = presence.in_frames(first.description.times_ns.size());
+    append(there, second.description.layers[l].presence.in_frames(second.description.times_ns.size()));
+    presence = motion::Presence::of_frames(there);
+  }
   append(whole.others, second.others);
   append_sound(second, delay, whole);
   append_preview(second, delay, whole);

@@ -62,6 +62,8 @@ void check_storable(const Clip& clip) {
         (layer.motion.kind() != motion::MotionKind::kDeforming || layer.joints->positions.size() != frames)) {
       refuse_to_store(fmt::format("the joints of layer {} are not of its motion", layer.name));
     }
+    if (const auto& away = layer.presence.away(); !away.empty() && away.back().end > frames)
+      refuse_to_store(fmt::format("layer {} is away at frames that are not there", layer.name));
     if (layer.confidence &&
         layer.confidence->blocks().words() != fields::Confidence(layer.field.occupancy).blocks().words()) {
       refuse_to_store(fmt::format("the confidence of layer {} is of another field", layer.name));
@@ -82,6 +84,7 @@ ClipDescription describe(const Clip& clip) {
     if (entry.kind != motion::MotionKind::kStill) entry.motion_track = next_track++;
     if (layer.confidence) entry.confidence_track = next_track++;
     if (layer.joints) entry.joints_track = next_track++;
+    entry.presence = layer.presence;
     description.layers.push_back(std::move(entry));
   }
   return description;

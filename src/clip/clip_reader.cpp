@@ -304,6 +304,8 @@ private:
     for (std::size_t l = 0; l < clip_.layers.size(); ++l) {
       clip_.layers[l].name = description_.layers[l].name;
       clip_.layers[l].label = description_.layers[l].label;
+      const std::vector<bool> there = description_.layers[l].presence.in_frames(clip_.times.size());
+      clip_.layers[l].presence = motion::Presence::of_frames(there);
     }
     leave_out_unusable_layers();
   }

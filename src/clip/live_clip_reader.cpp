@@ -139,6 +139,7 @@ private:
     Layer layer;
     layer.name = description.name;
     layer.label = description.label;
+    layer.presence = description.presence;
     const PartView& field = part(UpdatePart::kField, description.field_track);
     const auto known = in_base(layer.name);
     if (field.from_key != 0 && !known) corrupt("a field is stored as the difference to one that is not there");

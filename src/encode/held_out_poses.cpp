@@ -11,12 +11,14 @@ namespace {
 
 using motion::Health;
 
-/// Where one layer is in a frame; still layers have neither poses nor nodes.
+/// Where one layer is in a frame, if it is there; still layers have neither poses nor nodes. A frame beside one at
+/// which it is there has it too.
 struct LayerState {
   SE3 pose = SE3::Identity();
   std::vector<DualQuaternion> nodes;
   std::vector<Eigen::Vector3d> joints;
   Health health = Health::kHeld;
+  bool there = true;
 };
 
 /// A frame that is to be added.
@@ -46,6 +48,10 @@ std::vector<Eigen::Vector3d> joints_on(const PathSupport& support, const motion:
 LayerState state_at(const clip::Layer& layer, const std::vector<double>& times, double time) {
   const motion::Motion& motion = layer.motion;
   LayerState state;
+  const auto after = std::upper_bound(times.begin(), times.end(), time);
+  const auto next = static_cast<double>(after - times.begin());
+  state.there =
+      (after != times.begin() && layer.presence.at(next - 1)) || (after != times.end() && layer.presence.at(next));
   if (motion.kind() == motion::MotionKind::kStill) return state;
   const auto tracked = [&](std::size_t frame) { return motion.health(frame) == Health::kTracked; };
   const PathSupport support = path_support(times, time, tracked);
@@ -123,6 +129,8 @@ void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frame
   const std::vector<std::size_t> order = order_of(clip.capture_frames, added);
   for (std::size_t i = 0; i < clip.layers.size(); ++i) {
     clip::Layer& layer = clip.layers[i];
+    layer.presence = motion::Presence::of_frames(merged(order, layer.presence.in_frames(clip.times.size()),
+                                                        [&](std::size_t k) { return added[k].layers[i].there; }));
     layer.motion = with_frames(layer.motion, i, order, added);
     if (!layer.joints) continue;
     layer.joints->positions =

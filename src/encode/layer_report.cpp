@@ -123,6 +123,7 @@ Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
               {"geometry", geometry_json(outcome.geometry)},
               {"training", training_json(outcome.training)}};
   if (outcome.draft) out["refinement"] = refinement_json(*outcome.draft);
+  for (const motion::FrameSpan& span : layer.presence.away()) out["away"].push_back({span.begin, span.end});
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include "encode/capture_report.h"
 #include "encode/frame_pass.h"
 #include "encode/held_out_poses.h"
+#include "encode/layer_presence.h"
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
 #include "encode/lost_labels.h"
@@ -52,6 +53,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
     LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress);
+    outcome.layer.presence = layer_presence(*job.label, outcome.layer.motion, pass.pixels, clip.times.size());
     layers.push_back(layer_json(*job.label, outcome));
     clip.metadata["layers"][outcome.layer.name] = layer_metadata(outcome);
     clip.layers.push_back(std::move(outcome.layer));

@@ -14,7 +14,8 @@ constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for
 } // namespace
 
 struct SceneTracker::LabelObservation {
-  std::size_t pixels = 0;
+  bool shown = false;                            ///< by a pixel, measured or not
+  std::size_t pixels = 0;                        ///< measured
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(); ///< of camera-frame points
   double squares = 0;                            ///< sum of their squared lengths
 };
@@ -26,9 +27,10 @@ std::map<int, SceneTracker::LabelObservation> SceneTracker::observations_in(cons
   std::array<LabelObservation, 256> observations;
   for (int v = 0; v < frame.depth.height(); ++v) {
     for (int u = 0; u < frame.depth.width(); ++u) {
+      LabelObservation& observation = observations[frame.label_at(u, v)];
+      observation.shown = true;
       const float depth = frame.depth.at(u, v);
       if (!(depth > 0)) continue;
-      LabelObservation& observation = observations[frame.label_at(u, v)];
       const Eigen::Vector3d point = frame.camera.intrinsics.unproject(u, v, depth);
       ++observation.pixels;
       observation.sum += point;
@@ -37,7 +39,7 @@ std::map<int, SceneTracker::LabelObservation> SceneTracker::observations_in(cons
   }
   std::map<int, LabelObservation> seen;
   for (int label = 0; label < 256; ++label) {
-    if (observations[static_cast<std::size_t>(label)].pixels > 0)
+    if (observations[static_cast<std::size_t>(label)].shown)
       seen[label] = observations[static_cast<std::size_t>(label)];
   }
   return seen;
@@ -55,6 +57,7 @@ void SceneTracker::begin_label(int label, const LabelObservation& observation, c
   TrackedLabel& tracked = labels_[label];
   tracked.plan = plan_layer(label, capture_);
   tracked.first_frame = frames_;
+  tracked.first_shown = first_shown_.at(label);
   const Eigen::Vector3d mean = observation.sum / static_cast<double>(observation.pixels);
   tracked.centre = frame.camera.camera_to_world * mean;
   tracked.radius =
@@ -99,8 +102,12 @@ void SceneTracker::make_deforming(TrackedLabel& tracked) {
 
 void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
   for (const auto& [label, observation] : observations_in(frame)) {
+    first_shown_.try_emplace(label, static_cast<std::size_t>(frames_));
     if (!labels_.contains(label) && observation.pixels >= kMinPixelsToBegin) begin_label(label, observation, frame);
-    if (const auto found = labels_.find(label); found != labels_.end()) found->second.pixels += observation.pixels;
+    if (const auto found = labels_.find(label); found != labels_.end()) {
+      found->second.pixels += observation.pixels;
+      found->second.last_shown = static_cast<std::size_t>(frames_);
+    }
   }
   std::vector<TrackedLabel*> layers;           // that bend as far as is known
   std::vector<tracking::NearbyObject> objects; // what hands may hold is followed first

@@ -39,6 +39,7 @@ private:
   Progress& progress_;
   int frames_ = 0;
   std::map<int, TrackedLabel> labels_;
+  std::map<int, std::size_t> first_shown_; ///< frame of each label that was ever shown
   bool warned_of_crowd_ = false;
 };
 

@@ -17,10 +17,12 @@ namespace kinora::encode {
 /// One label's plan and what became of it.
 struct TrackedLabel {
   LayerPlan plan;
-  int first_frame = 0;    ///< of the timeline
-  std::size_t pixels = 0; ///< measured, over all frames
-  Eigen::Vector3d centre; ///< of its measured points in the first frame, world
-  double radius = 0;      ///< root mean square distance of these points from the centre, metres
+  int first_frame = 0;         ///< of the timeline
+  std::size_t pixels = 0;      ///< measured, over all frames
+  std::size_t first_shown = 0; ///< the first frame of the timeline that shows a pixel of it, measured or not
+  std::size_t last_shown = 0;  ///< the last one so far
+  Eigen::Vector3d centre;      ///< of its measured points in the first frame, world
+  double radius = 0;           ///< root mean square distance of these points from the centre, metres
   /// One per frame so far, if rigid; if deforming, one per frame before the graph.
   std::vector<motion::Motion::Pose> poses;
   int relocalised = 0;                               ///< times it was found again

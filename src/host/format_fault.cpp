@@ -45,6 +45,7 @@ constexpr Capability kCapabilities[] = {
     {KINORA_WRITES_LABELS, "write-labels"},
     {KINORA_WRITES_CAMERAS, "write-cameras"},
     {KINORA_WRITES_FILES_BESIDE, "write-files-beside"},
+    {KINORA_WRITES_HIDDEN, "write-hidden"},
     {KINORA_WRITES_VOLUME_INDEX, "write-volume-index"},
     {KINORA_WRITES_PICTURE_LAYERS, "write-picture-layers"},
 };

@@ -41,7 +41,7 @@ std::size_t MeshWriter::add(const Mesh& mesh) {
   return count_++;
 }
 
-void MeshWriter::pose(std::size_t mesh, double time, std::span<const SE3> joint_to_world) {
+void MeshWriter::pose(std::size_t mesh, double time, std::span<const SE3> joint_to_world, bool hidden) {
   if (!supports(*format_, KINORA_WRITES_SKINS)) return;
   std::vector<KinoraJoint> joints;
   for (const SE3& transform : joint_to_world) {
@@ -54,6 +54,7 @@ void MeshWriter::pose(std::size_t mesh, double time, std::span<const SE3> joint_
   given.time = time;
   given.joint_count = joints.size();
   given.joints = joints.data();
+  given.hidden = hidden && supports(*format_, KINORA_WRITES_HIDDEN) ? 1 : 0;
   auto message = make_struct<KinoraMessage>();
   const KinoraStatus status = format_->writer_pose(writer_.get(), &given, &message);
   if (status != KINORA_OK) throw error_of(status, message, format_->name);

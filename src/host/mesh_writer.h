@@ -46,8 +46,8 @@ public:
   /// All meshes come before the first pose. Returns the mesh's number.
   std::size_t add(const Mesh& mesh);
   /// Where the joints of a mesh are at a time, in seconds from the start, increasing for each mesh. Dropped where the
-  /// format writes no skins.
-  void pose(std::size_t mesh, double time, std::span<const SE3> joint_to_world);
+  /// format writes no skins. `hidden`: the mesh is not seen up to its next pose, where the format can say so.
+  void pose(std::size_t mesh, double time, std::span<const SE3> joint_to_world, bool hidden = false);
   /// Completes the output. Nothing may be written afterwards.
   void finish() { finish_writer(*format_, writer_); }
 

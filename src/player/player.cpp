@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "motion/first_frame.h"
+#include "clip/shown_frames.h"
 
 namespace kinora::player {
 namespace {
@@ -38,7 +38,7 @@ Player::Player(clip::Clip clip) : clip_(std::move(clip)) {
     drawables_.push_back(
         std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence));
     centres_.push_back(occupied_centre(layer.field));
-    first_frames_.push_back(motion::first_frame_of(layer.motion, clip_.times.size()));
+    shown_.push_back(clip::shown_frames(layer, clip_.times.size()));
   }
 }
 
@@ -60,12 +60,21 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
   return posed;
 }
 
+double Player::clamped(double frame) const {
+  return frame > 0 ? std::min(frame, static_cast<double>(frame_count() - 1)) : 0; // NaN goes to the first frame
+}
+
+LayerChoice Player::drawn_layers(double frame, const LayerChoice& layers) const {
+  LayerChoice drawn;
+  for (const std::size_t i : layers) {
+    if (is_drawn(i, frame)) drawn.push_back(i);
+  }
+  return drawn;
+}
+
 std::vector<fields::PosedField> Player::posed_layers(double frame, const LayerChoice& layers) const {
   std::vector<fields::PosedField> posed;
-  posed.reserve(layers.size());
-  for (const std::size_t i : layers) {
-    if (is_drawn(i, frame)) posed.push_back(this->posed(i, frame));
-  }
+  for (const std::size_t i : drawn_layers(frame, layers)) posed.push_back(this->posed(i, frame));
   return posed;
 }
 
@@ -84,17 +93,15 @@ fields::Picture Player::preview(const Camera& camera, double frame, const LayerC
 }
 
 std::vector<motion::Health> Player::drawn_health(double frame, const LayerChoice& layers) const {
-  const auto whole = static_cast<std::size_t>(std::clamp(frame, 0.0, static_cast<double>(frame_count() - 1)));
+  const auto whole = static_cast<std::size_t>(clamped(frame));
   std::vector<motion::Health> health;
-  for (const std::size_t i : layers) {
-    if (is_drawn(i, frame)) health.push_back(clip_.layers[i].motion.health(whole));
-  }
+  for (const std::size_t i : drawn_layers(frame, layers)) health.push_back(clip_.layers[i].motion.health(whole));
   return health;
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {
   const auto& centre = centres_.at(layer);
-  if (!centre) return std::nullopt;
+  if (!centre || !is_drawn(layer, frame)) return std::nullopt;
   const motion::Warp warp = clip_.layers[layer].motion.warp(frame);
   if (warp.is_rigid()) return warp.rigid() * *centre;
   // No node need be near the centre of what bends.

@@ -29,9 +29,9 @@ public:
   LayerChoice all_layers() const { return clip::all_layers(clip_); }
   std::optional<std::size_t> layer_with_label(int label) const;
 
-  /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is not
-  /// drawn before its first frame; one that is lost later stays where it was last. Pictures smaller than the capture
-  /// get the samples that they need; `options.samples` is not looked at.
+  /// The layers as they are at a whole or fractional frame (clamped to the clip), seen from `camera`. A layer is drawn
+  /// only when it is there (clip/shown_frames.h); one that is lost later stays where it was last. Pictures smaller than
+  /// the capture get the samples that they need; `options.samples` is not looked at.
   fields::Picture draw(const Camera& camera, double frame, const LayerChoice& layers,
                        const fields::DrawOptions& options = {}) const;
   /// The same with one sample for each pixel, whatever the capture's were: what is seen while something moves.
@@ -43,24 +43,29 @@ public:
     return draw(camera, clip_.frame_at(seconds), layers, options);
   }
 
+  /// Those of the layers that are there at that frame: what is drawn, in the order of Picture::front.
+  LayerChoice drawn_layers(double frame, const LayerChoice& layers) const;
+
   /// How well each layer that is drawn was tracked at that frame, in the order of Picture::front. A fraction of a frame
   /// counts as the one before it.
   std::vector<motion::Health> drawn_health(double frame, const LayerChoice& layers) const;
 
-  /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing.
+  /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing, or is not
+  /// there then.
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
   /// The layers that are drawn, as they are at a frame: for a renderer of one's own (player/gl).
   std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
 
 private:
-  bool is_drawn(std::size_t layer, double frame) const { return frame >= static_cast<double>(first_frames_.at(layer)); }
+  bool is_drawn(std::size_t layer, double frame) const { return shown_.at(layer).at(clamped(frame)); }
+  double clamped(double frame) const;
   fields::PosedField posed(std::size_t layer, double frame) const;
 
   clip::Clip clip_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
   std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
-  std::vector<std::size_t> first_frames_;
+  std::vector<motion::Presence> shown_;
   /// Of a layer that deforms, the last frame that was drawn: from other cameras it is often drawn again.
   struct LastPosed {
     double frame;

@@ -53,7 +53,18 @@ double weighted_median(std::vector<WeightedPoint>& points, int axis) {
 std::optional<std::size_t> first_moving_layer(const Player& player) {
   const auto& layers = player.clip().layers;
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    if (layers[i].motion.kind() != motion::MotionKind::kStill && player.centre_of(i, 0)) return i;
+    if (layers[i].motion.kind() != motion::MotionKind::kStill && nearest_centre(player, i, 0)) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> nearest_centre(const Player& player, std::size_t layer, int frame) {
+  const int count = static_cast<int>(player.frame_count());
+  for (int away = 0; away < count; ++away) {
+    for (const int candidate : {frame - away, frame + away}) {
+      if (candidate < 0 || candidate >= count) continue;
+      if (const auto centre = player.centre_of(layer, candidate)) return centre;
+    }
   }
   return std::nullopt;
 }
@@ -71,7 +82,7 @@ Eigen::Vector3d still_subject(const Player& player) {
 }
 
 Eigen::Vector3d subject_of(const Player& player, int frame) {
-  if (const auto moving = first_moving_layer(player)) return player.centre_of(*moving, frame).value();
+  if (const auto moving = first_moving_layer(player)) return nearest_centre(player, *moving, frame).value();
   return still_subject(player);
 }
 

@@ -7,8 +7,11 @@
 
 namespace kinora::player {
 
-/// The first layer that is not still and has a centre at the first frame.
+/// The first layer that is not still and has a centre at any frame.
 std::optional<std::size_t> first_moving_layer(const Player& player);
+
+/// Centre of a layer at that of the frames at which it is there that is nearest to `frame` (of two the earlier one).
+std::optional<Eigen::Vector3d> nearest_centre(const Player& player, std::size_t layer, int frame);
 
 /// Of a clip in which nothing moves, in world coordinates: what is near the middle of the capture's pictures and near
 /// the camera, taken over the whole clip. Per axis the weighted median of what small pictures along the capture's path
@@ -17,7 +20,8 @@ std::optional<std::size_t> first_moving_layer(const Player& player);
 /// camera if nothing is seen.
 Eigen::Vector3d still_subject(const Player& player);
 
-/// What the scene is about at a frame, in world coordinates: the first moving layer's centre, else still_subject.
+/// What the scene is about at a frame, in world coordinates: the first moving layer's nearest centre, else
+/// still_subject.
 Eigen::Vector3d subject_of(const Player& player, int frame);
 
 } // namespace kinora::player

@@ -11,11 +11,18 @@
 namespace kinora::player {
 namespace {
 
-// The moving layer's centre averaged over the frames, so that the film's camera is steady.
+// The moving layer's centre averaged over those of the frames at which it is there, so that the film's camera is
+// steady; the nearest one if it is at none.
 Eigen::Vector3d mean_centre(const Player& player, std::size_t layer, const std::vector<int>& frames) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const int frame : frames) sum += player.centre_of(layer, frame).value();
-  return sum / static_cast<double>(frames.size());
+  int count = 0;
+  for (const int frame : frames) {
+    const auto centre = player.centre_of(layer, frame);
+    if (!centre) continue;
+    sum += *centre;
+    ++count;
+  }
+  return count > 0 ? Eigen::Vector3d(sum / count) : nearest_centre(player, layer, frames.front()).value();
 }
 
 } // namespace

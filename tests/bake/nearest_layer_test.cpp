@@ -22,6 +22,15 @@ TEST(NearestLayer, IsTheOneWhoseSurfaceIsThereAtThatFrame) {
   }
 }
 
+TEST(NearestLayer, IsNoneThatIsAwayAtThatFrame) {
+  clip::Clip clip = testing::sample_clip(2);
+  clip.layers.resize(1);
+  clip.layers[0].presence = motion::Presence::away_during({{0, 1}});
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0.05}};
+  EXPECT_EQ(nearest_layers(clip, 0, points, Progress())[0], std::nullopt);
+  EXPECT_EQ(nearest_layers(clip, 1, points, Progress())[0], 0U);
+}
+
 TEST(NearestLayer, IsNoneWhereThereIsNoSurface) {
   clip::Clip clip = testing::sample_clip(1);
   clip.layers = {{"nothing", 0, fields::Field(testing::unit_config()), motion::Motion::still()}};

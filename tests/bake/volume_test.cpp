@@ -130,6 +130,14 @@ TEST(Volume, OfALayerThatHasNotBeenSeenYetIsEmpty) {
   EXPECT_FALSE(volume_of(clip, 2).voxels.empty()) << "it stays where it was last";
 }
 
+TEST(Volume, OfALayerThatIsAwayIsEmpty) {
+  clip::Clip clip = clip_of(motion::Motion::still(), 3);
+  clip.layers[0].presence = motion::Presence::away_during({{0, 1}, {2, 3}});
+  EXPECT_TRUE(volume_of(clip, 0).voxels.empty());
+  EXPECT_FALSE(volume_of(clip, 1).voxels.empty());
+  EXPECT_TRUE(volume_of(clip, 2).voxels.empty());
+}
+
 TEST(Volume, IsTheSameForAnyNumberOfThreads) {
   const clip::Clip clip = testing::sample_clip(2);
   set_thread_count(1);

@@ -65,6 +65,46 @@ TEST_F(Encode, LeavesAClipAReportAndNothingElse) {
   EXPECT_TRUE(quality.at("ground_truth").at("object_pose").is_object());
 }
 
+/// Which comes late and leaves early.
+TEST_F(Encode, ALayerIsInTheClipOnlyWhileItIsThere) {
+  BoxScene scene;
+  scene.frames = 24;
+  scene.box_comes = 7;
+  scene.box_leaves = 14;
+  const TemporaryFolder capture;
+  write_box_capture(capture, scene);
+  const auto run = [&](const std::vector<std::string>& words) {
+    const Said said = run_kinora(folder_, words);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return said.out;
+  };
+  run({"encode", capture.path().string(), path("c.mkv"), "--preset", "fast", "--holdout", "6"});
+  const auto away_in = [&](const std::string& file) {
+    for (const Json& layer : Json::parse(run({"info", path(file), "--json"})).at("layers"))
+      if (layer.at("name") == "object") return layer.value("away", Json::array());
+    return Json("no layer");
+  };
+  EXPECT_EQ(away_in("c.mkv"), Json({{0, 3}, {18, 24}}));
+  const auto is_drawn = [&](const std::string& file, int frame) {
+    run({"render", path(file), path("o.png"), "--frames", std::to_string(frame), "--layers", "object", "--passes",
+         "rgb,depth", "--overwrite"});
+    const std::string bytes = contents_of(path("o.depth.png"));
+    const DepthImage16 depth = decode_depth16(std::as_bytes(std::span(bytes)), "o.depth.png");
+    return std::any_of(depth.values().begin(), depth.values().end(), [](auto millimetres) { return millimetres > 0; });
+  };
+  EXPECT_FALSE(is_drawn("c.mkv", 2));
+  EXPECT_TRUE(is_drawn("c.mkv", 10));
+  EXPECT_FALSE(is_drawn("c.mkv", 20));
+  run({"cut", path("c.mkv"), path("a.mkv"), "--frames", ":12"});
+  run({"cut", path("c.mkv"), path("b.mkv"), "--frames", "12:"});
+  run({"join", path("a.mkv"), path("b.mkv"), path("joined.mkv")});
+  EXPECT_EQ(away_in("a.mkv"), Json::array({{0, 3}}));
+  EXPECT_EQ(away_in("b.mkv"), Json::array({{6, 12}}));
+  EXPECT_EQ(away_in("joined.mkv"), away_in("c.mkv"));
+  EXPECT_FALSE(is_drawn("b.mkv", 8));
+  run({"validate", path("joined.mkv")});
+}
+
 TEST_F(Encode, RefusesABodyThatIsNoneBeforeAnyWork) {
   std::ofstream(path("body.npz")) << "not an archive";
   const Said said = encode({path("c.mkv"), "--body", path("body.npz")});

@@ -143,11 +143,37 @@ TEST_F(Exports, AFrameMayBeEmpty) {
   clip.layers[0].motion = motion::Motion::rigid(poses);
   write(clip);
   expect_all_written("empty");
-  for (const Door& door : kDoors) {
-    const bool told = run(door, "").err.find("object: first seen in frame 1") != std::string::npos;
-    EXPECT_EQ(told, door.stage == "surfaces") << door.first;
-    fs::remove_all(path(door.output));
-    fs::remove_all(path("pictures"));
+}
+
+TEST_F(Exports, HoldNothingOfALayerWhereItIsAway) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  for (clip::Layer& layer : clip.layers) layer.presence = motion::Presence::away_during({{0, 1}, {2, 3}});
+  write(clip);
+  expect_all_written("away");
+  const std::string into = path("").string();
+  const auto convert = [&](const std::string& output) {
+    const Said said =
+        run_kinora(folder_, {"convert", into + "clip.mkv", into + output, "-O", "triangles=2000", "--strict"});
+    EXPECT_EQ(said.code, 0) << said.err;
+  };
+  convert("clip.ply");
+  convert("clip.obj");
+  convert("clip.usda");
+  convert("clip.glb");
+  for (const char* number : {"1", "3"}) {
+    EXPECT_NE(contents_of(path(std::string("clip_000") + number + ".ply")).find("element vertex 0\n"),
+              std::string::npos);
+    EXPECT_EQ(contents_of(path(std::string("clip_000") + number + ".obj")).find("\nv "), std::string::npos);
+  }
+  EXPECT_EQ(contents_of(path("clip_0002.ply")).find("element vertex 0\n"), std::string::npos);
+  EXPECT_NE(contents_of(path("clip_0002.obj")).find("\nv "), std::string::npos);
+  const std::string usd = contents_of(path("clip.usda"));
+  const std::string glb = contents_of(path("clip.glb"));
+  for (const clip::Layer& layer : clip.layers) {
+    const std::size_t mesh = usd.find("def Mesh \"" + layer.name);
+    EXPECT_NE(usd.substr(mesh, usd.find("def Material", mesh) - mesh).find("visibility.timeSamples"),
+              std::string::npos);
+    EXPECT_NE(glb.find("\"" + layer.name + " shown\""), std::string::npos) << layer.name;
   }
 }
 

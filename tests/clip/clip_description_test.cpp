@@ -51,6 +51,16 @@ TEST(ClipDescription, IsReadAsItIsWritten) {
   EXPECT_EQ(text_of(to_json(clip)), text_of(to_json(parse_clip_description(to_json(clip), "again"))));
 }
 
+TEST(ClipDescription, SaysWhenALayerIsAwayAndNothingOfOneThatIsAlwaysThere) {
+  const std::string stated = changed("\"label\": 2", "\"label\": 2, \"away\": [[0, 1], [2, 3]]");
+  const ClipDescription clip = parse_clip_description(bytes_of(stated), "a.mkv: clip.json");
+  EXPECT_TRUE(clip.layers[0].presence.is_always());
+  EXPECT_EQ(clip.layers[1].presence.away(), (std::vector<motion::FrameSpan>{{0, 1}, {2, 3}}));
+  const std::string written = text_of(to_json(clip));
+  EXPECT_NE(written.find("\"away\":[[0,1],[2,3]]"), std::string::npos) << written;
+  EXPECT_EQ(text_of(to_json(parse_clip_description(bytes_of(kGood), "a"))).find("away"), std::string::npos);
+}
+
 TEST(ClipDescription, RejectsWhatDoesNotFitTogether) {
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
            {"[0, 5, 9]", "[0, 5, 5]"},
@@ -72,6 +82,16 @@ TEST(ClipDescription, RejectsWhatDoesNotFitTogether) {
            {"\"still\"", "\"boiling\""},
            {", \"motion_track\": 4", ""},
            {"\"motion_track\": 4", "\"motion_track\": 4, \"joints_track\": 5"},
+           {"\"label\": 2", "\"label\": 2, \"away\": 5"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [1, 2]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[1]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[-1, 1]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[0, 4]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[1, 1]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[0, 1], [1, 2]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[2, 3], [0, 1]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[0, 1.5]]"},
+           {"\"label\": 2", "\"label\": 2, \"away\": [[0, 99999999999999999999]]"},
            {"\"version\": 1, ", ""},
            {"{\"version\": 1", "[{\"version\": 1"}}) {
     expect_code(changed(from, to), ErrorCode::kCorruptInput);

@@ -29,6 +29,9 @@ Clip frames_of(Clip clip, std::size_t begin, std::size_t end) {
   if (clip.camera_to_world.size() > 1) slice(clip.camera_to_world);
   for (Layer& layer : clip.layers) {
     if (layer.joints) slice(layer.joints->positions);
+    std::vector<bool> there = layer.presence.in_frames(kFrames);
+    slice(there);
+    layer.presence = motion::Presence::of_frames(there);
     if (layer.motion.kind() == motion::MotionKind::kRigid) {
       std::vector<motion::Motion::Pose> poses = layer.motion.poses();
       slice(poses);
@@ -45,7 +48,10 @@ Clip frames_of(Clip clip, std::size_t begin, std::size_t end) {
 class ClipEdit : public ::testing::Test {
 protected:
   ClipEdit() {
-    write_clip(testing::bending_clip(5, kFrames, true), folder_ / "whole.mkv");
+    Clip clip = testing::bending_clip(5, kFrames, true);
+    clip.layers[0].presence = motion::Presence::away_during({{10, 30}});
+    clip.layers[1].presence = motion::Presence::away_during({{0, 12}, {29, 31}, {41, kFrames}});
+    write_clip(clip, folder_ / "whole.mkv");
     whole_ = read_clip(folder_ / "whole.mkv");
     stored_ = load_stored_clip(folder_ / "whole.mkv");
   }

@@ -60,6 +60,24 @@ TEST(ClipFile, IsTheSameFileWhenItsClipIsWrittenAgain) {
   }
 }
 
+TEST(ClipFile, KeepsWhenLayersAreAwayWhicheverSpansTheseAre) {
+  const TemporaryFolder folder;
+  Random random(9);
+  constexpr std::size_t kFrames = 12;
+  Clip clip = bending_clip(2, kFrames, false);
+  for (int round = 0; round < 10; ++round) {
+    for (Layer& layer : clip.layers) {
+      std::vector<bool> there(kFrames);
+      for (std::size_t f = 0; f < kFrames; ++f) there[f] = random.below(2) > 0;
+      layer.presence = motion::Presence::of_frames(there);
+    }
+    std::filesystem::remove(folder / "a.mkv");
+    write_clip(clip, folder / "a.mkv");
+    const Clip read = read_clip(folder / "a.mkv");
+    for (std::size_t l = 0; l < clip.layers.size(); ++l) EXPECT_EQ(read.layers[l].presence, clip.layers[l].presence);
+  }
+}
+
 TEST(ClipFile, AccountsForEveryByte) {
   const TemporaryFolder folder;
   write_clip(bending_clip(20, 30, true), folder / "a.mkv");
@@ -245,6 +263,7 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.layers[1].name = clip.layers[0].name; });
   expect_refused([](Clip& clip) { clip.layers[1].confidence = clip.layers[0].confidence; });
   expect_refused([](Clip& clip) { clip.layers[1].joints = testing::random_joints(1, clip.times.size()); });
+  expect_refused([](Clip& clip) { clip.layers[1].presence = motion::Presence::away_during({{5, 7}}); });
   expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });

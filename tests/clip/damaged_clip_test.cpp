@@ -34,6 +34,7 @@ Clip small_clip() {
   walker.frames = kFrames;
   clip.layers.push_back({"person", 1, testing::random_field(7, config), testing::walker(walker)});
   clip.layers.back().joints = testing::random_joints(1, kFrames);
+  clip.layers[1].presence = motion::Presence::away_during({{0, 1}, {2, kFrames}});
   return clip;
 }
 
@@ -110,6 +111,7 @@ private:
     const auto original = std::ranges::find_if(whole_.layers, is_named);
     ASSERT_NE(original, whole_.layers.end()) << layer.name;
     EXPECT_EQ(layer.label, original->label);
+    EXPECT_EQ(layer.presence, motion::Presence::of_frames(original->presence.in_frames(given_.times.size())));
     const bool is_whole = same_field(layer.field, original->field);
     note(is_whole);
     EXPECT_TRUE(is_whole || same_field(layer.field, coarse(original->field))) << layer.name;

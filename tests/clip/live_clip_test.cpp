@@ -55,6 +55,7 @@ Clip so_far(const Clip& whole, std::size_t frames) {
   for (Layer& layer : clip.layers) {
     layer.motion = first_frames(layer.motion, frames);
     layer.joints.reset(); // are not known before the end
+    layer.presence = motion::Presence::of_frames(layer.presence.in_frames(frames));
   }
   return clip;
 }
@@ -64,6 +65,7 @@ Clip so_far(const Clip& whole, std::size_t frames) {
 std::vector<Clip> growing_clips(std::uint64_t seed) {
   Random random(seed, 5);
   Clip whole = testing::bending_clip(seed, kFrames, seed % 2 == 1);
+  whole.layers[1].presence = motion::Presence::away_during({{0, 9}, {kFrames - 5, kFrames}});
   const Clip other = testing::bending_clip(seed + 50, kFrames, false);
   std::vector<Clip> clips;
   for (std::size_t frames = 2; frames <= kFrames; frames += 3) {

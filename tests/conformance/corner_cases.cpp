@@ -1,8 +1,10 @@
-// Made clip_corner_cases.mkv: what ordinary clips hardly ever meet. Files of the corpus stay as they were once written,
-// so this shows what is in it, and how to make the next. usage: corner_cases OUT.mkv
+// Made clip_corner_cases.mkv, what ordinary clips hardly ever meet, and clip_away.mkv. Files of the corpus stay as they
+// were once written, so this shows what is in them, and how to make the next. usage: corner_cases corner_cases|away
+// OUT.mkv
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "clip/clip_io.h"
@@ -84,13 +86,7 @@ motion::Motion tumbling() {
   return motion::Motion::deforming(std::make_shared<const motion::DeformationGraph>(nodes, 0.05, 0.1), deformations);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: corner_cases OUT.mkv\n");
-    return 2;
-  }
+clip::Clip corner_cases() {
   fields::FieldConfig small = clip::testing::small_config();
   small.levels = 2;
   small.log2_table_size = 4;
@@ -100,8 +96,27 @@ int main(int argc, char** argv) {
   clip.layers[0].confidence.reset();
   clip.layers[1].field = clip::testing::random_field(1, small);
   clip.layers.push_back({"person", 1, clip::testing::random_field(2, small), tumbling()});
+  return clip;
+}
+
+// Layers that begin and end: one that is there in the first frame and then no more, one of every kind of span.
+clip::Clip away() {
+  clip::Clip clip = clip::testing::bending_clip(1, 12, true);
+  clip.layers[0].presence = motion::Presence::away_during({{1, 12}});
+  clip.layers[1].presence = motion::Presence::away_during({{0, 3}, {4, 5}, {8, 12}});
+  return clip;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const std::string_view which = argc == 3 ? argv[1] : "";
+  if (which != "corner_cases" && which != "away") {
+    std::fprintf(stderr, "usage: corner_cases corner_cases|away OUT.mkv\n");
+    return 2;
+  }
   try {
-    clip::write_clip(clip, argv[1]);
+    clip::write_clip(which == "away" ? away() : corner_cases(), argv[2]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "corner_cases: %s\n", error.what());
     return 1;

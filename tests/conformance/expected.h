@@ -71,9 +71,17 @@ struct Expected {
   const char* holds;
   std::size_t frames;
   std::array<Checksums, 3> layers;
+  const char* away = "[[], [], []]"; ///< of each layer the spans of frames at which it is away, as JSON
 };
 
-inline constexpr std::array<Expected, 5> kExpected{
+/// The same of a layer.
+inline nlohmann::json away_of(const clip::Layer& layer) {
+  nlohmann::json spans = nlohmann::json::array();
+  for (const motion::FrameSpan& span : layer.presence.away()) spans.push_back({span.begin, span.end});
+  return spans;
+}
+
+inline constexpr std::array<Expected, 6> kExpected{
     {{"clip_fields_3_and_4.mkv",
       "fields of versions 3 and 4, a deformation of version 1",
       4,

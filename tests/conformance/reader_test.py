@@ -5,6 +5,7 @@ Exits with 77, "skipped", where NumPy or zstandard is not installed.
 """
 from __future__ import annotations
 
+import json
 import math
 import pathlib
 import re
@@ -42,6 +43,14 @@ def expectations() -> dict[str, list[list[int]]]:
     pieces = re.split(r'"(\w+\.mkv)"', table)[1:]
     return {name: [[int(number, 0) for number in numbers] for numbers in re.findall(four, piece)]
             for name, piece in zip(pieces[::2], pieces[1::2])}
+
+
+def away_expectations() -> dict[str, list[list[list[int]]]]:
+    """The spans of frames at which each layer of each file is away."""
+    text = (FOLDER / "expected.h").read_text(encoding="utf-8")
+    pieces = re.split(r'"(\w+\.mkv)"', text[text.index("kExpected{"):])[1:]
+    stated = {name: re.search(r'"(\[\[.*\]\])"', piece) for name, piece in zip(pieces[::2], pieces[1::2])}
+    return {name: json.loads(found.group(1)) if found else [[], [], []] for name, found in stated.items()}
 
 
 def clips() -> list[tuple[str, bytes]]:
@@ -98,7 +107,9 @@ class Conformance(unittest.TestCase):
         self.assertEqual(sorted(expected), [name for name, _ in clips()])
         for name, data in clips():
             with self.subTest(name):
-                self.assertEqual([checksums(layer) for layer in read_clip(data).layers], expected[name])
+                layers = read_clip(data).layers
+                self.assertEqual([checksums(layer) for layer in layers], expected[name])
+                self.assertEqual([layer.away for layer in layers], away_expectations()[name])
 
     def test_refuses_what_asks_for_more_memory_than_its_size_allows(self) -> None:
         budget = Budget(1000)

@@ -20,8 +20,10 @@ struct BoxScene {
   int height = 96;
   int frames = 14;
   bool masks = true;
-  double color_zoom = 1; ///< focal length of the colour camera over that of depth, which calibration gives for both
-  bool poses = false;    ///< a camera that moves sideways and tells where it is, over a scene that stands still
+  int box_comes = 0;      ///< the first frame in which the box is there
+  int box_leaves = 1'000; ///< the first one after that in which it is not
+  double color_zoom = 1;  ///< focal length of the colour camera over that of depth, which calibration gives for both
+  bool poses = false;     ///< a camera that moves sideways and tells where it is, over a scene that stands still
   bool moving_camera = false; ///< a camera that moves sideways and does not tell, over a scene that moves too
 
   Intrinsics color_intrinsics() const {
@@ -99,7 +101,7 @@ inline Hit cast_ray(const BoxScene& scene, int frame, int u, int v, const Intrin
   hit_plane(origin, ray, Eigen::Vector3d::UnitZ(), 2.0, hit);
   hit_plane(origin, ray, Eigen::Vector3d::UnitY(), 0.6, hit);
   hit_ball(origin, ray, {0.45, 0.1 + 0.01 * frame, 1.4}, 0.15, hit);
-  hit_box(origin, ray, scene.box_to_world(frame), hit);
+  if (frame >= scene.box_comes && frame < scene.box_leaves) hit_box(origin, ray, scene.box_to_world(frame), hit);
   return hit;
 }
 

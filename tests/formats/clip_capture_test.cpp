@@ -52,6 +52,17 @@ TEST_F(ClipCapture, GivesThePicturesDepthAndLabelsOfThePlayer) {
   EXPECT_GT(labels.size(), 1U);
 }
 
+TEST_F(ClipCapture, LabelsAreThoseOfTheLayersThatAreThere) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  clip.layers[0].presence = motion::Presence::away_during({{0, 1}});
+  fs::remove(path());
+  clip::write_clip(clip, path());
+  const CopiedCapture capture = read_capture(path());
+  std::set<int> labels;
+  for (const std::byte label : capture.frames.at(0).labels) labels.insert(std::to_integer<int>(label));
+  EXPECT_EQ(labels, (std::set<int>{0, clip.layers[1].label, clip.layers[2].label}));
+}
+
 TEST_F(ClipCapture, AnyFrameCanBeReadAtOnceAndMasksCanBeLeftOut) {
   const CopiedCapture capture = read_capture(path(), "", {{"masks", "false"}});
   EXPECT_EQ(capture.info.has_masks, 0);

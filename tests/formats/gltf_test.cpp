@@ -413,6 +413,43 @@ TEST_F(GlbWriterTest, PosesThatContradictTheMeshAreRefused) {
   expect_refusal(ErrorCode::kUsage, "before the first pose", [&] { writer.add(carried("late")); });
 }
 
+/// A mesh over four frames, hidden in the first and the last one.
+fs::path write_hidden(host::MeshWriter writer, const host::Mesh& mesh, const fs::path& path) {
+  writer.add(mesh);
+  const std::vector<SE3> joints(mesh.skin.inverse_bind.size(), SE3::Identity());
+  for (int i = 0; i < 4; ++i) writer.pose(0, i, joints, i == 0 || i == 3);
+  writer.finish();
+  return path;
+}
+
+TEST_F(GlbWriterTest, AHiddenMeshHasNoSize) {
+  for (const auto& [animation, mesh] : std::vector<std::pair<std::string, host::Mesh>>{{"skin", carried("box")},
+                                                                                       {"skin", skinned("box")},
+                                                                                       {"morph", skinned("box")},
+                                                                                       {"sequence", skinned("box")}}) {
+    const fs::path file =
+        write_hidden(open("hidden.glb", {{"animation", animation}, {"quantize", "false"}}), mesh, path("hidden.glb"));
+    const Glb glb = read_glb(file);
+    const Json& shown = glb.node("box shown");
+    EXPECT_EQ(shown["scale"], Json({0, 0, 0}));
+    EXPECT_FALSE(shown["children"].empty());
+    bool found = false;
+    for (const Json& channel : glb.json["animations"][0]["channels"]) {
+      if (glb.json["nodes"][channel["target"]["node"].get<std::size_t>()]["name"] != "box shown") continue;
+      const Json& sampler = glb.json["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()];
+      EXPECT_EQ(channel["target"]["path"], "scale");
+      EXPECT_EQ(sampler["interpolation"], "STEP");
+      EXPECT_EQ(glb.values<float>(sampler["input"], 1), (std::vector<float>{0, 1, 3}));
+      EXPECT_EQ(glb.values<float>(sampler["output"], 3), (std::vector<float>{0, 0, 0, 1, 1, 1, 0, 0, 0}));
+      found = true;
+    }
+    EXPECT_TRUE(found) << animation;
+    if (test::has_gltf_validator()) {
+      EXPECT_TRUE(test::is_valid_gltf({file})) << animation;
+    }
+  }
+}
+
 TEST_F(GlbWriterTest, UnwritablePlacesAndEmptyFilesAreErrors) {
   expect_refusal(ErrorCode::kUnwritableOutput, "absent", [&] { open("absent/a.glb"); });
   host::MeshWriter empty = open();

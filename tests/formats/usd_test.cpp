@@ -84,6 +84,17 @@ TEST_F(UsdTest, ARigidMeshHasATransformForEachFrame) {
   expect_in(usd, "orient.timeSamples = {\n            0: (1, 0, 0, 0),");
 }
 
+TEST_F(UsdTest, AHiddenMeshIsInvisible) {
+  host::Mesh mesh = triangle("box", 0);
+  mesh.skin.inverse_bind = {moved(0)};
+  host::MeshWriter writer = open();
+  const std::size_t number = writer.add(mesh);
+  for (int i = 0; i < 3; ++i) writer.pose(number, 0.04 * i, std::vector{moved(i)}, i != 1);
+  writer.finish();
+  expect_in(text(), "token visibility.timeSamples = {\n            0: \"invisible\",\n            1: \"inherited\",\n"
+                    "            2: \"invisible\",\n");
+}
+
 TEST_F(UsdTest, ASkinnedMeshHasItsPointsForEachFrame) {
   host::MeshWriter writer = open({{"fps", "50"}});
   const std::size_t number = writer.add(skinned());

@@ -132,7 +132,9 @@ std::vector<Bytes> damage_scripts() {
 void read_clip(std::span<const std::byte> input) {
   static const container::testing::TemporaryFolder folder;
   static const bool written = [] {
-    clip::write_clip(clip::testing::bending_clip(1, 4, true), folder / "a.mkv");
+    clip::Clip clip = clip::testing::bending_clip(1, 4, true);
+    clip.layers[1].presence = motion::Presence::away_during({{0, 1}, {2, 4}});
+    clip::write_clip(clip, folder / "a.mkv");
     return true;
   }();
   require(written, "the sample cannot be written");

@@ -30,7 +30,7 @@ TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
   poses[2].health = motion::Health::kTracked;
   clip.layers[1].motion = motion::Motion::rigid(std::move(poses));
   const Player player(std::move(clip));
-  const Eigen::Vector3d centre = player.centre_of(1, 0).value();
+  const Eigen::Vector3d centre = player.centre_of(1, 2).value();
   Camera camera{{32, 24, 30, 30, 15.5, 11.5}, SE3(Eigen::Translation3d(centre - Eigen::Vector3d(0, 0, 1.2)))};
   const auto drawn_pixels = [&](double frame) {
     const fields::Picture picture = player.draw(camera, frame, {1});
@@ -41,6 +41,29 @@ TEST(PlayerLayers, AreNotDrawnBeforeTheyWereFirstSeen) {
   EXPECT_EQ(drawn_pixels(1), 0);
   EXPECT_GT(drawn_pixels(2), 0);
   EXPECT_GT(drawn_pixels(3), 0);
+}
+
+TEST(PlayerLayers, AreNeitherDrawnNorCountedWhereTheyAreAway) {
+  clip::Clip clip = clip::testing::sample_clip(1, 6, false);
+  clip.layers[1].motion = motion::Motion::rigid(std::vector<motion::Motion::Pose>(6));
+  for (clip::Layer& layer : clip.layers) layer.presence = motion::Presence::away_during({{0, 2}, {4, 6}});
+  const Player player(std::move(clip));
+  const Eigen::Vector3d centre = player.centre_of(1, 2).value();
+  Camera camera{{32, 24, 30, 30, 15.5, 11.5}, SE3(Eigen::Translation3d(centre - Eigen::Vector3d(0, 0, 1.2)))};
+  const auto is_seen = [&](double frame) {
+    const fields::Picture picture = player.draw(camera, frame, {0, 1});
+    return std::any_of(picture.front.values().begin(), picture.front.values().end(), [](auto v) { return v > 0; });
+  };
+  for (const double frame : {-1.0, 0.0, 1.9, 4.0, 5.0, 99.0}) {
+    EXPECT_FALSE(is_seen(frame)) << frame;
+    EXPECT_FALSE(player.centre_of(1, frame).has_value()) << frame;
+    EXPECT_TRUE(player.drawn_health(frame, {0, 1}).empty()) << frame;
+    EXPECT_TRUE(player.posed_layers(frame, {0, 1}).empty()) << frame;
+  }
+  for (const double frame : {2.0, 3.0, 3.9}) {
+    EXPECT_TRUE(is_seen(frame)) << frame;
+    EXPECT_EQ(player.drawn_layers(frame, {0, 1}), (LayerChoice{0, 1})) << frame;
+  }
 }
 
 TEST(PlayerHealth, IsOfTheLayersThatAreDrawnAndColoursThem) {

@@ -54,5 +54,17 @@ TEST(Subject, IsTheFirstMovingLayersCentreWhereSomethingMoves) {
   EXPECT_LT((subject_of(player, 2) - player.centre_of(1, 2).value()).norm(), 1e-12);
 }
 
+TEST(Subject, IsWhereAMovingLayerIsThereNextWhileItIsAway) {
+  clip::Clip clip = bake::testing::sample_clip(5);
+  clip.layers[1].presence = motion::Presence::away_during({{0, 2}, {4, 5}});
+  const Player player(std::move(clip));
+  EXPECT_LT((subject_of(player, 0) - player.centre_of(1, 2).value()).norm(), 1e-12);
+  EXPECT_LT((subject_of(player, 4) - player.centre_of(1, 3).value()).norm(), 1e-12);
+  const Eigen::Vector3d mean = 0.5 * (player.centre_of(1, 2).value() + player.centre_of(1, 3).value());
+  const View first = orbit_views(player, {0, 1, 2, 3, 4}, 30)[1];
+  const SE3 from = player.clip().capture_camera(1).camera_to_world.inverse();
+  EXPECT_LT((from * mean - first.camera.camera_to_world.inverse() * mean).norm(), 1e-9);
+}
+
 } // namespace
 } // namespace kinora::player

@@ -32,6 +32,7 @@ class Layer:
     deformations: list[Frame | None] = dataclasses.field(default_factory=list)
     confidence: dict[tuple[int, int, int], list[int]] | None = None
     joints: Joints | None = None
+    away: list[list[int]] = dataclasses.field(default_factory=list)  # spans of frames, [begin, end)
 
 
 @dataclasses.dataclass
@@ -129,6 +130,13 @@ def _check_timeline(description: dict[str, Any]) -> None:
              "clip.json: camera")
 
 
+def _check_away(spans: Any, frames: int) -> None:
+    _require(isinstance(spans, list) and all(isinstance(span, list) and len(span) == 2 for span in spans) and
+             all(type(frame) is int for span in spans for frame in span), "clip.json: away")
+    ends = [-1] + [frame for span in spans for frame in span] + [frames + 1]
+    _require(all(a < b for a, b in zip(ends, ends[1:])), "clip.json: spans of frames at which a layer is away")
+
+
 def _check_layers(description: dict[str, Any]) -> None:
     layers = description.get("layers")
     _require(isinstance(layers, list) and len(layers) <= 255 and all(isinstance(layer, dict) for layer in layers),
@@ -141,6 +149,7 @@ def _check_layers(description: dict[str, Any]) -> None:
         _require(type(layer.get("label")) is int, "clip.json: label of a layer")
         _require("field_track" in layer and ("motion_track" in layer) == (kind != "still"), "clip.json: tracks of a layer")
         _require("joints_track" not in layer or kind == "deforming", "clip.json: joints of a layer")
+        _check_away(layer.get("away", []), len(description["times_ns"]))
         tracks += [layer[key] for key in TRACKS_OF_A_LAYER if key in layer]
     _require(len({layer["name"] for layer in layers}) == len(layers), "clip.json: a name stands twice")
     _require(all(type(t) is int for t in tracks) and len(set(tracks)) == len(tracks), "clip.json: a track stands twice")
@@ -207,7 +216,7 @@ class _Reading:
         return track.payloads[0].data
 
     def layer(self, description: dict[str, Any]) -> Layer:
-        layer = Layer(description["name"], description["label"], description["kind"])
+        layer = Layer(description["name"], description["label"], description["kind"], away=description.get("away", []))
         layer.field = self.field(self.track(description["field_track"], "FIELD"))
         if layer.kind != "still":
             track = self.track(description["motion_track"], "MOTION")
