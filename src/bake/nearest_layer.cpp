@@ -55,9 +55,11 @@ LiveSurface live_surface(const clip::Layer& layer, int frame, const Progress& pr
   const auto mesh = extract_mesh(layer, options, progress);
   if (!mesh) return surface;
   const motion::Warp warp = layer.motion.warp(frame);
+  const motion::UnbornNodes unborn = layer.births.unborn(frame);
+  const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   for (const Eigen::Vector3f& p : mesh->positions) {
-    surface.positions.push_back(
-        warp.to_world(p.cast<double>()).value_or(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())));
+    const bool there = unborn.empty() || !motion::is_unborn(warp.graph()->influence(p.cast<double>()), unborn);
+    surface.positions.push_back(there ? warp.to_world(p.cast<double>()).value_or(none) : none);
   }
   for (const auto& face : mesh->faces) {
     double longest = 0;

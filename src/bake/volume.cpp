@@ -87,8 +87,9 @@ std::vector<VoxelKey> candidate_voxels(const fields::Field& field, const motion:
 /// Bakes runs of voxels. `samples` per axis and voxel.
 class VoxelSampler {
 public:
-  VoxelSampler(const FieldSampler& field, const motion::Warp& warp, const VolumeOptions& options)
-      : field_(field), warp_(warp), voxel_(options.voxel),
+  VoxelSampler(const FieldSampler& field, const motion::Warp& warp, const motion::UnbornNodes& unborn,
+               const VolumeOptions& options)
+      : field_(field), warp_(warp), unborn_(unborn), voxel_(options.voxel),
         min_density_(static_cast<float>(-std::log(1 - options.opacity) / options.voxel)),
         per_axis_(options.voxel > 1.5 * field.field().config.cell_size() ? 2 : 1),
         world_to_canonical_(warp.rigid().inverse()) {}
@@ -139,6 +140,7 @@ private:
     } else {
       const auto pulled_back = warp_.to_canonical(world);
       if (!pulled_back) return false;
+      if (!unborn_.empty() && motion::is_unborn(warp_.graph()->influence(*pulled_back), unborn_)) return false;
       canonical = *pulled_back;
       to_canonical = warp_.at(canonical)->linear().transpose();
     }
@@ -160,6 +162,7 @@ private:
 
   const FieldSampler& field_;
   const motion::Warp& warp_;
+  const motion::UnbornNodes& unborn_;
   double voxel_;
   float min_density_;
   int per_axis_;
@@ -206,7 +209,8 @@ LayerVolume VolumeBaker::bake_layer(const clip::Layer& layer, int frame, const P
   const motion::Warp warp = layer.motion.warp(frame);
   const FieldSampler field(layer.field);
   const std::vector<VoxelKey> candidates = candidate_voxels(layer.field, warp, options_.voxel);
-  const VoxelSampler sampler(field, warp, options_);
+  const motion::UnbornNodes unborn = layer.births.unborn(frame);
+  const VoxelSampler sampler(field, warp, unborn, options_);
   constexpr std::size_t kVoxels = 2048;
   std::vector<LayerVolume> baked(chunk_count(candidates.size(), kVoxels));
   parallel_for(candidates.size(), kVoxels, [&](const Chunk& chunk) {

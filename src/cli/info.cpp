@@ -58,6 +58,9 @@ Json layer_json(const clip::Layer& layer, std::size_t frames) {
               {"parameters", layer.field.parameter_count()},
               {"box_side_m", layer.field.config.box.side}};
   if (layer.motion.graph()) out["nodes"] = layer.motion.graph()->nodes().size();
+  const std::vector<std::uint32_t>& births = layer.births.frames();
+  if (!births.empty())
+    out["nodes_born_late"] = std::count_if(births.begin(), births.end(), [](std::uint32_t frame) { return frame > 0; });
   if (!layer.presence.is_always()) out["away"] = away_json(layer.presence);
   return out;
 }

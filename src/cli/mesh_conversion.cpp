@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "bake/born_parts.h"
 #include "bake/skinning.h"
 #include "cli/conversion.h"
 #include "cli/export_facts.h"
@@ -12,17 +13,18 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct BakedLayer {
-  const clip::Layer* layer;
+/// A layer, or a part of it that is there from another frame on.
+struct BakedMesh {
   motion::Presence shown;
   host::Mesh mesh;
   bake::Skinning skinning;
 };
 
 /// What is hidden at times has poses, also if it is still.
-motion::Motion posed_motion(const clip::Layer& layer, const motion::Presence& shown, std::size_t frames) {
-  if (shown.is_always() || layer.motion.kind() != motion::MotionKind::kStill) return layer.motion;
-  return motion::Motion::rigid(std::vector<motion::Motion::Pose>(frames));
+motion::Motion posed_motion(const clip::Layer& layer, const Conversion& conversion) {
+  const bool is_hidden = !layer.presence.is_always() && host::supports(*conversion.format, KINORA_WRITES_HIDDEN);
+  if (!is_hidden || layer.motion.kind() != motion::MotionKind::kStill) return layer.motion;
+  return motion::Motion::rigid(std::vector<motion::Motion::Pose>(conversion.clip->times.size()));
 }
 
 /// A few frames over the whole, to compare the two ways of blending at.
@@ -34,11 +36,12 @@ std::vector<int> some_of(const std::vector<int>& frames) {
   return chosen;
 }
 
-void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& description, Context& context) {
+void report_losses(const Conversion& conversion, const clip::Layer& layer, const bake::Skinning& skinning,
+                   const host::Mesh& mesh, Json& description, Context& context) {
   constexpr double kNoticeable = 0.01; // metres
-  const std::string& name = baked.layer->name;
-  if (baked.layer->motion.kind() == motion::MotionKind::kDeforming) {
-    const auto difference = baked.skinning.blending_difference(baked.mesh, some_of(conversion.frames));
+  const std::string& name = layer.name;
+  if (layer.motion.kind() == motion::MotionKind::kDeforming) {
+    const auto difference = skinning.blending_difference(mesh, some_of(conversion.frames));
     description["blending_difference"] = {{"mean_m", difference.mean}, {"largest_m", difference.largest}};
     if (difference.largest > kNoticeable) {
       report_loss(conversion,
@@ -48,11 +51,28 @@ void report_losses(const Conversion& conversion, const BakedLayer& baked, Json& 
                   context);
     }
   }
-  report_lost_frames(conversion, *baked.layer, context);
+  report_lost_frames(conversion, layer, context);
 }
 
-std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descriptions, Context& context) {
-  std::vector<BakedLayer> baked;
+/// The mesh of a layer, which `skinning` moves, as far as the format can hide what is not there.
+void add_parts(const Conversion& conversion, const clip::Layer& layer, const bake::Skinning& skinning,
+               const motion::Motion& motion, host::Mesh mesh, std::vector<BakedMesh>& baked) {
+  constexpr std::size_t kMaxParts = 6; // each has joints and a texture of its own
+  if (!host::supports(*conversion.format, KINORA_WRITES_HIDDEN)) {
+    baked.push_back({{}, std::move(mesh), skinning});
+    return;
+  }
+  const std::size_t frames = conversion.clip->times.size();
+  std::vector<bake::BornPart> parts = bake::born_parts(std::move(mesh), layer, kMaxParts);
+  for (bake::BornPart& part : parts) {
+    motion::Presence shown = clip::shown_frames(layer, frames, part.birth);
+    bake::Skinning own = parts.size() == 1 ? skinning : bake::Skinning(motion, part.mesh);
+    baked.push_back({std::move(shown), std::move(part.mesh), std::move(own)});
+  }
+}
+
+std::vector<BakedMesh> bake_layers(const Conversion& conversion, Json& descriptions, Context& context) {
+  std::vector<BakedMesh> baked;
   context.progress.stage("surfaces", conversion.layers.size());
   for (std::size_t i = 0; i < conversion.layers.size(); ++i) {
     const clip::Layer& layer = conversion.clip->layers[conversion.layers[i]];
@@ -62,19 +82,17 @@ std::vector<BakedLayer> bake_layers(const Conversion& conversion, Json& descript
       report_no_surface(conversion, layer, context);
       continue;
     }
-    const std::size_t frames = conversion.clip->times.size();
-    const bool hides = host::supports(*conversion.format, KINORA_WRITES_HIDDEN);
-    const motion::Presence shown = hides ? clip::shown_frames(layer, frames) : motion::Presence();
-    bake::Skinning skinning(posed_motion(layer, shown, frames), *mesh);
-    baked.push_back({&layer, shown, std::move(*mesh), std::move(skinning)});
-    const host::Mesh& made = baked.back().mesh;
+    const motion::Motion motion = posed_motion(layer, conversion);
+    const bake::Skinning skinning(motion, *mesh);
+    const host::Mesh& made = *mesh;
     Json description = {{"name", layer.name},
                         {"motion", motion::name_of(layer.motion.kind())},
                         {"vertices", made.positions.size()},
                         {"triangles", made.faces.size()},
                         {"joints", made.skin.inverse_bind.size()}};
-    report_losses(conversion, baked.back(), description, context);
+    report_losses(conversion, layer, skinning, made, description, context);
     descriptions.push_back(std::move(description));
+    add_parts(conversion, layer, skinning, motion, *std::move(mesh), baked);
   }
   if (baked.empty()) {
     throw Error(ErrorCode::kFailure, fmt::format("{}: no layer has a surface", conversion.input.string()));
@@ -119,8 +137,8 @@ Json convert_to_meshes(const Conversion& conversion, Context& context) {
   OutputWithFiles out(conversion.output, *conversion.format, context.shared.overwrite, {conversion.input});
   host::MeshWriter writer(*conversion.format, out.writing_path(), conversion.format_options, facts_of(conversion));
   Json descriptions = Json::array();
-  const std::vector<BakedLayer> baked = bake_layers(conversion, descriptions, context);
-  for (const BakedLayer& one : baked)
+  const std::vector<BakedMesh> baked = bake_layers(conversion, descriptions, context);
+  for (const BakedMesh& one : baked)
     writer.add(one.skinning.moves() ? one.mesh : shifted(one.mesh, -conversion.origin));
   context.progress.stage("writing", conversion.frames.size());
   const std::vector<double>& times = conversion.clip->times;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bake/born_parts.h"
 #include "bake/posed_mesh.h"
 #include "cli/conversion.h"
 #include "cli/export_facts.h"
@@ -15,10 +16,16 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// A part of a layer that is there from one frame on.
+struct Part {
+  motion::Presence shown;
+  host::Mesh mesh; ///< canonical
+};
+
 struct Surface {
   const clip::Layer* layer;
-  host::Mesh mesh; ///< canonical
-  motion::Presence shown;
+  std::size_t vertices, triangles; ///< of all parts
+  std::vector<Part> parts;
 };
 
 std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& context) {
@@ -33,7 +40,10 @@ std::vector<Surface> extract_surfaces(const Conversion& conversion, Context& con
       continue;
     }
     report_lost_frames(conversion, layer, context);
-    surfaces.push_back({&layer, std::move(*mesh), clip::shown_frames(layer, conversion.clip->times.size())});
+    const std::size_t frames = conversion.clip->times.size();
+    Surface& surface = surfaces.emplace_back(Surface{&layer, mesh->positions.size(), mesh->faces.size(), {}});
+    for (bake::BornPart& part : bake::born_parts(*std::move(mesh), layer, frames + 1))
+      surface.parts.push_back({clip::shown_frames(layer, frames, part.birth), std::move(part.mesh)});
   }
   if (surfaces.empty()) {
     throw Error(ErrorCode::kFailure, fmt::format("{}: no layer has a surface", conversion.input.string()));
@@ -46,8 +56,10 @@ void write_frame(const Conversion& conversion, const std::vector<Surface>& surfa
   facts.emplace_back("frame", std::to_string(frame));
   host::MeshWriter writer(*conversion.format, path, conversion.format_options, facts);
   for (const Surface& surface : surfaces) {
-    if (!surface.shown.at(frame)) continue;
-    writer.add(shifted(bake::posed_mesh(surface.mesh, surface.layer->motion.warp(frame)), -conversion.origin));
+    const motion::Warp warp = surface.layer->motion.warp(frame);
+    for (const Part& part : surface.parts) {
+      if (part.shown.at(frame)) writer.add(shifted(bake::posed_mesh(part.mesh, warp), -conversion.origin));
+    }
   }
   writer.finish();
 }
@@ -74,8 +86,8 @@ Json convert_to_mesh_sequence(const Conversion& conversion, Context& context) {
   for (const Surface& surface : surfaces) {
     layers.push_back({{"name", surface.layer->name},
                       {"motion", motion::name_of(surface.layer->motion.kind())},
-                      {"vertices", surface.mesh.positions.size()},
-                      {"triangles", surface.mesh.faces.size()}});
+                      {"vertices", surface.vertices},
+                      {"triangles", surface.triangles}});
   }
   return {{"layers", std::move(layers)}, {"files", conversion.frames.size()}, {"bytes", bytes}};
 }

@@ -72,6 +72,7 @@ Json layer_json(const clip::Layer& layer, const clip::Clip& clip) {
     frames.push_back(std::move(entry));
   }
   Json out = {{"name", layer.name}, {"kind", motion::name_of(layer.motion.kind())}, {"frames", std::move(frames)}};
+  if (!layer.births.are_at_the_start()) out["births"] = layer.births.frames();
   for (const motion::FrameSpan& span : layer.presence.away()) out["away"].push_back({span.begin, span.end});
   return out;
 }

@@ -13,6 +13,7 @@
 #include "fields/model/field.h"
 #include "motion/joint_paths.h"
 #include "motion/motion.h"
+#include "motion/node_births.h"
 #include "motion/presence.h"
 
 namespace kinora::clip {
@@ -25,6 +26,7 @@ struct Layer {
   std::optional<fields::Confidence> confidence = std::nullopt; ///< of the field; files of earlier versions have none
   std::optional<motion::JointPaths> joints = std::nullopt;     ///< of a deforming layer that is a person
   motion::Presence presence = {};                              ///< frames at which it is there; usually all
+  motion::NodeBirths births = {};                              ///< of a deforming layer
 };
 
 struct Clip {

@@ -118,6 +118,11 @@ LayerDescription parse_layer(const json& object, std::set<std::uint16_t>& taken,
       corrupt(location, fmt::format("layer {} has joints, but does not deform", layer.name));
     layer.joints_track = track(object, "joints_track", taken, location);
   }
+  if (object.contains("births_track")) {
+    if (layer.kind != MotionKind::kDeforming)
+      corrupt(location, fmt::format("layer {} has births, but does not deform", layer.name));
+    layer.births_track = track(object, "births_track", taken, location);
+  }
   layer.presence = parse_away(object, frames, location);
   return layer;
 }
@@ -160,6 +165,7 @@ Bytes to_json(const ClipDescription& clip) {
     if (layer.kind != motion::MotionKind::kStill) entry["motion_track"] = layer.motion_track;
     if (layer.confidence_track != 0) entry["confidence_track"] = layer.confidence_track;
     if (layer.joints_track != 0) entry["joints_track"] = layer.joints_track;
+    if (layer.births_track != 0) entry["births_track"] = layer.births_track;
     for (const motion::FrameSpan& span : layer.presence.away()) entry["away"].push_back({span.begin, span.end});
     layers.push_back(std::move(entry));
   }

@@ -31,6 +31,7 @@ struct LayerDescription {
   std::uint16_t motion_track = 0;     ///< only if the layer moves
   std::uint16_t confidence_track = 0; ///< 0: the file does not say
   std::uint16_t joints_track = 0;     ///< 0: the layer has no skeleton
+  std::uint16_t births_track = 0;     ///< 0: all of it is there from the start
   motion::Presence presence = {};     ///< within the clip's frames
 };
 

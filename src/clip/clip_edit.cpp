@@ -11,6 +11,7 @@
 #include "clip/clip_io.h"
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/graph_codec.h"
 #include "clip/payloads/joints_codec.h"
@@ -44,6 +45,7 @@ std::vector<Role> roles_of(const ClipDescription& description) {
     add(layer.motion_track, kMotionCodec, layer.name, true);
     add(layer.confidence_track, kConfidenceCodec, layer.name, false);
     add(layer.joints_track, kJointsCodec, layer.name, false);
+    add(layer.births_track, kBirthsCodec, layer.name, false);
   }
   return roles;
 }
@@ -55,6 +57,24 @@ const Track& track_with(const StoredClip& clip, std::uint16_t id) {
 motion::JointPaths joints_of(const StoredClip& clip, const Payload& payload) {
   AllocationBudget budget(payload.bytes.size());
   return decode_joints(payload.bytes, clip.description.times_ns.size(), clip.name, budget);
+}
+
+// Of a layer, and the graph whose nodes they are.
+struct StoredBirths {
+  std::shared_ptr<const motion::DeformationGraph> graph;
+  std::vector<std::uint32_t> frames; // one per node
+};
+
+StoredBirths births_of(const StoredClip& clip, const std::string& layer, const Payload& payload) {
+  const std::vector<LayerDescription>& layers = clip.description.layers;
+  const auto found =
+      std::find_if(layers.begin(), layers.end(), [&](const LayerDescription& one) { return one.name == layer; });
+  StoredBirths births{decode_graph(track_with(clip, found->motion_track).private_data, clip.name), {}};
+  AllocationBudget budget(payload.bytes.size());
+  births.frames =
+      decode_births(payload.bytes, *births.graph, clip.description.times_ns.size(), clip.name, budget).frames();
+  births.frames.resize(births.graph->nodes().size(), 0);
+  return births;
 }
 
 // Deformations from `begin` on up to the next key payload, of which the first becomes one.
@@ -109,7 +129,7 @@ void require_pieces_of_one(const StoredClip& a, const StoredClip& b) {
     const bool same = mine.codec == yours.codec && mine.layer == yours.layer && mine.per_frame == yours.per_frame;
     require_same(same, a, b, name_of(mine));
     require_same(track_with(a, mine.id).private_data == track_with(b, yours.id).private_data, a, b, name_of(mine));
-    if (mine.per_frame || mine.codec == kJointsCodec) continue;
+    if (mine.per_frame || mine.codec == kJointsCodec || mine.codec == kBirthsCodec) continue;
     const auto same_bytes = [](const Payload& one, const Payload& other) { return one.bytes == other.bytes; };
     require_same(std::ranges::equal(a.payloads.at(mine.id), b.payloads.at(yours.id), same_bytes), a, b, name_of(mine));
   }
@@ -323,6 +343,13 @@ StoredClip cut(const StoredClip& clip, std::size_t begin, std::size_t end) {
       continue;
     }
     for (Payload& payload : payloads) payload.time_ns = piece.description.times_ns.front();
+    if (role.codec == kBirthsCodec) {
+      StoredBirths births = births_of(clip, role.layer, payloads.front());
+      for (std::uint32_t& birth : births.frames)
+        birth = std::clamp(birth, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)) -
+                static_cast<std::uint32_t>(begin);
+      payloads.front().bytes = encode_births(motion::NodeBirths(std::move(births.frames)), *births.graph);
+    }
     if (role.codec != kJointsCodec) continue;
     motion::JointPaths joints = joints_of(clip, payloads.front());
     slice(joints.positions);
@@ -385,6 +412,14 @@ StoredClip join(const StoredClip& first, const StoredClip& second) {
         payload.time_ns += delay;
         payloads.push_back(std::move(payload));
       }
+    } else if (ours[i].codec == kBirthsCodec) {
+      StoredBirths births = births_of(first, ours[i].layer, payloads.front());
+      const StoredBirths more = births_of(second, theirs[i].layer, further.front());
+      const auto end = static_cast<std::uint32_t>(first.description.times_ns.size());
+      for (std::size_t n = 0; n < births.frames.size(); ++n) {
+        if (births.frames[n] == end) births.frames[n] += more.frames[n];
+      }
+      payloads.front().bytes = encode_births(motion::NodeBirths(std::move(births.frames)), *births.graph);
     } else if (ours[i].codec == kJointsCodec) {
       motion::JointPaths joints = joints_of(first, payloads.front());
       const motion::JointPaths more = joints_of(second, further.front());

@@ -64,6 +64,12 @@ void check_storable(const Clip& clip) {
     }
     if (const auto& away = layer.presence.away(); !away.empty() && away.back().end > frames)
       refuse_to_store(fmt::format("layer {} is away at frames that are not there", layer.name));
+    if (const auto& births = layer.births.frames(); !births.empty()) {
+      if (!layer.motion.graph() || births.size() != layer.motion.graph()->nodes().size())
+        refuse_to_store(fmt::format("the births of layer {} are not of its motion", layer.name));
+      if (*std::max_element(births.begin(), births.end()) > frames)
+        refuse_to_store(fmt::format("a node of layer {} is born behind the last frame", layer.name));
+    }
     if (layer.confidence &&
         layer.confidence->blocks().words() != fields::Confidence(layer.field.occupancy).blocks().words()) {
       refuse_to_store(fmt::format("the confidence of layer {} is of another field", layer.name));
@@ -84,6 +90,7 @@ ClipDescription describe(const Clip& clip) {
     if (entry.kind != motion::MotionKind::kStill) entry.motion_track = next_track++;
     if (layer.confidence) entry.confidence_track = next_track++;
     if (layer.joints) entry.joints_track = next_track++;
+    if (!layer.births.are_at_the_start()) entry.births_track = next_track++;
     entry.presence = layer.presence;
     description.layers.push_back(std::move(entry));
   }

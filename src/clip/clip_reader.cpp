@@ -12,6 +12,7 @@
 #include "clip/coding/allocation_budget.h"
 #include "clip/live_clip_reader.h"
 #include "clip/missing_parts.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -40,7 +41,7 @@ struct Destination {
   std::vector<motion::Motion::Pose> poses;               // of a camera or a rigid layer
   std::shared_ptr<const motion::DeformationGraph> graph; // of a deforming layer, as the rest
   FieldDecoder field;                                    // of a field track
-  Bytes confidence;                                      // not decoded before the layer's field is known
+  Bytes kept;                                            // not decoded before the layer's field or graph is known
   std::optional<DeformationDecoder> decoder;
   std::vector<motion::Motion::Deformation> deformations;
   std::size_t next_frame = 0; // that a deformation without the key flag may be of
@@ -198,6 +199,7 @@ private:
       if (layer.motion_track != 0) add_destination(layer.motion_track, kMotionCodec, l, true);
       if (layer.confidence_track != 0) add_destination(layer.confidence_track, kConfidenceCodec, l, false);
       if (layer.joints_track != 0) add_destination(layer.joints_track, kJointsCodec, l, false);
+      if (layer.births_track != 0) add_destination(layer.births_track, kBirthsCodec, l, false);
     }
   }
 
@@ -260,8 +262,8 @@ private:
   void decode(Destination& destination, const Payload& payload, std::size_t frame, const std::string& location) {
     if (destination.codec == kFieldCodec) {
       destination.field.take(payload.bytes, location, budget_);
-    } else if (destination.codec == kConfidenceCodec) {
-      destination.confidence = payload.bytes;
+    } else if (destination.codec == kConfidenceCodec || destination.codec == kBirthsCodec) {
+      destination.kept = payload.bytes;
     } else if (destination.codec == kJointsCodec) {
       clip_.layers[destination.layer].joints = decode_joints(payload.bytes, clip_.times.size(), location, budget_);
     } else if (destination.decoder) {
@@ -300,7 +302,7 @@ private:
           clip_.camera_to_world.push_back(pose.canonical_to_world);
       }
     }
-    decode_confidences();
+    decode_kept();
     for (std::size_t l = 0; l < clip_.layers.size(); ++l) {
       clip_.layers[l].name = description_.layers[l].name;
       clip_.layers[l].label = description_.layers[l].label;
@@ -372,6 +374,7 @@ private:
     if (destination.codec == kFieldCodec) return "the field of layer " + layer;
     if (destination.codec == kMotionCodec) return "the motion of layer " + layer;
     if (destination.codec == kJointsCodec) return "the joints of layer " + layer;
+    if (destination.codec == kBirthsCodec) return "since when parts of layer " + layer + " are there";
     return "how well layer " + layer + " was seen";
   }
 
@@ -383,14 +386,23 @@ private:
     if (clip_.layers.empty() && !unusable_layers_.empty()) corrupt("no layer of it is whole; fetch the file again");
   }
 
-  void decode_confidences() {
+  // What needs another part of its layer.
+  void decode_kept() {
     for (const auto& [id, destination] : destinations_) {
-      if (destination.codec != kConfidenceCodec || !destination.seen.front()) continue;
+      const bool is_confidence = destination.codec == kConfidenceCodec;
+      if ((!is_confidence && destination.codec != kBirthsCodec) || !destination.seen.front()) continue;
       if (unusable_layers_.contains(destination.layer)) continue;
       Layer& layer = clip_.layers[destination.layer];
       allow_missing(part_name(destination), [&, track = id] {
-        layer.confidence = decode_confidence(destinations_.at(track).confidence, layer.field.occupancy,
-                                             fmt::format("{}: track {}", reader_.name(), track), budget_);
+        const Bytes& bytes = destinations_.at(track).kept;
+        const std::string location = fmt::format("{}: track {}", reader_.name(), track);
+        if (is_confidence) {
+          layer.confidence = decode_confidence(bytes, layer.field.occupancy, location, budget_);
+        } else {
+          const auto births =
+              decode_births(bytes, *layer.motion.graph(), description_.times_ns.size(), location, budget_);
+          layer.births = births.in_first_frames(static_cast<std::uint32_t>(clip_.times.size()));
+        }
       });
     }
   }

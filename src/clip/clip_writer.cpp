@@ -10,6 +10,7 @@
 #include "clip/clip_layout.h"
 #include "clip/codec_ids.h"
 #include "clip/coding/allocation_budget.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -52,6 +53,9 @@ container::FileHead head_of(const Clip& clip, const ClipDescription& description
     }
     if (layer.joints_track != 0) {
       head.tracks.push_back({layer.joints_track, std::string(kJointsCodec), "joints " + layer.name, {}});
+    }
+    if (layer.births_track != 0) {
+      head.tracks.push_back({layer.births_track, std::string(kBirthsCodec), "births " + layer.name, {}});
     }
   }
   if (clip.sound) {
@@ -103,6 +107,9 @@ std::vector<Payload> payloads_of(const Clip& clip, const ClipDescription& descri
       add(tracks.confidence_track, description.times_ns.front(), true, encode_confidence(*layer.confidence));
     }
     if (layer.joints) add(tracks.joints_track, description.times_ns.front(), true, encode_joints(*layer.joints));
+    if (tracks.births_track != 0) {
+      add(tracks.births_track, description.times_ns.front(), true, encode_births(layer.births, *layer.motion.graph()));
+    }
   }
   for (std::size_t finer = 1; finer < most_payloads; ++finer) {
     for (std::size_t l = 0; l < clip.layers.size(); ++l) {

@@ -12,6 +12,7 @@ inline constexpr std::string_view kFieldCodec = "S_KINORA/FIELD";
 inline constexpr std::string_view kMotionCodec = "S_KINORA/MOTION";
 inline constexpr std::string_view kConfidenceCodec = "S_KINORA/CONFIDENCE";
 inline constexpr std::string_view kJointsCodec = "S_KINORA/JOINTS";
+inline constexpr std::string_view kBirthsCodec = "S_KINORA/BIRTHS";
 inline constexpr std::string_view kCameraCodec = "S_KINORA/CAMERA";
 inline constexpr std::string_view kUpdateCodec = "S_KINORA/UPDATE"; ///< of a live clip, its only track
 

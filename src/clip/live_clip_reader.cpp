@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "clip/clip_description.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -155,6 +156,10 @@ private:
     if (description.joints_track != 0) {
       layer.joints =
           decode_joints(part(UpdatePart::kJoints, description.joints_track).bytes, frames, location_, budget_);
+    }
+    if (description.births_track != 0) {
+      layer.births = decode_births(part(UpdatePart::kBirths, description.births_track).bytes, *motion.graph, frames,
+                                   location_, budget_);
     }
     return layer;
   }

@@ -6,6 +6,7 @@
 
 #include "clip/clip_layout.h"
 #include "clip/codec_ids.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/field_codec.h"
 #include "clip/payloads/graph_codec.h"
@@ -127,6 +128,8 @@ void LiveClipWriter::add_layer(const Layer& layer, const LayerDescription& track
   if (layer.confidence)
     parts.add(UpdatePart::kConfidence, tracks.confidence_track, 0, encode_confidence(*layer.confidence));
   if (layer.joints) parts.add(UpdatePart::kJoints, tracks.joints_track, 0, encode_joints(*layer.joints));
+  if (tracks.births_track != 0)
+    parts.add(UpdatePart::kBirths, tracks.births_track, 0, encode_births(layer.births, *layer.motion.graph()));
 }
 
 Bytes LiveClipWriter::encode(const Clip& clip, bool key) {

@@ -114,6 +114,20 @@ motion::Motion with_frames(const motion::Motion& motion, std::size_t layer, cons
                                    }));
 }
 
+/// A node is born in the same frame as before, which has another number.
+motion::NodeBirths with_frames(const motion::NodeBirths& births, const std::vector<std::size_t>& order,
+                               std::size_t old_count) {
+  std::vector<std::uint32_t> number_of(old_count + 1, static_cast<std::uint32_t>(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (order[i] < old_count) number_of[order[i]] = static_cast<std::uint32_t>(i);
+  }
+  std::vector<std::uint32_t> frames = births.frames();
+  for (std::uint32_t& frame : frames) {
+    if (frame > 0) frame = number_of[frame];
+  }
+  return motion::NodeBirths(std::move(frames));
+}
+
 } // namespace
 
 void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frames_know_camera, Progress& progress) {
@@ -131,6 +145,7 @@ void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frame
     clip::Layer& layer = clip.layers[i];
     layer.presence = motion::Presence::of_frames(merged(order, layer.presence.in_frames(clip.times.size()),
                                                         [&](std::size_t k) { return added[k].layers[i].there; }));
+    layer.births = with_frames(layer.births, order, clip.times.size());
     layer.motion = with_frames(layer.motion, i, order, added);
     if (!layer.joints) continue;
     layer.joints->positions =

@@ -123,6 +123,9 @@ Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
               {"geometry", geometry_json(outcome.geometry)},
               {"training", training_json(outcome.training)}};
   if (outcome.draft) out["refinement"] = refinement_json(*outcome.draft);
+  const std::vector<std::uint32_t>& births = layer.births.frames();
+  if (!births.empty())
+    out["nodes_born_late"] = std::count_if(births.begin(), births.end(), [](std::uint32_t frame) { return frame > 0; });
   for (const motion::FrameSpan& span : layer.presence.away()) out["away"].push_back({span.begin, span.end});
   return out;
 }

@@ -8,6 +8,7 @@
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
 #include "encode/lost_labels.h"
+#include "encode/node_births.h"
 #include "encode/training_plan.h"
 
 namespace kinora::encode {
@@ -29,6 +30,13 @@ void add_held_out(PreparedCapture& prepared, StageTimes& times, clip::Clip& clip
   progress.stage("placing held-out frames", 0);
   times.measure("place held-out frames",
                 [&] { add_held_out_frames(clip, *prepared.held_out, frames_know_camera, progress); });
+}
+
+/// A body knows where all of its parts are.
+motion::NodeBirths births_of(const TrackedLabel& label, const clip::Layer& layer, const fields::PixelStore& pixels) {
+  constexpr double kReach = 3; // of the distance between nodes: so far those that are seen hold others
+  if (layer.motion.kind() != motion::MotionKind::kDeforming || layer.joints) return {};
+  return node_births({pixels, layer.label, layer.motion}, kReach * label.layer->node_spacing);
 }
 
 } // namespace
@@ -54,6 +62,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   for (const LayerJob& job : plan.layers) {
     LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress);
     outcome.layer.presence = layer_presence(*job.label, outcome.layer.motion, pass.pixels, clip.times.size());
+    outcome.layer.births = births_of(*job.label, outcome.layer, pass.pixels);
     layers.push_back(layer_json(*job.label, outcome));
     clip.metadata["layers"][outcome.layer.name] = layer_metadata(outcome);
     clip.layers.push_back(std::move(outcome.layer));

@@ -55,7 +55,8 @@ fields::PosedField Player::posed(std::size_t layer, double frame) const {
   const std::lock_guard lock(last_posed_mutex_);
   const auto known = last_posed_.find(layer);
   if (known != last_posed_.end() && known->second.frame == frame) return known->second.posed;
-  fields::PosedField posed = fields::pose(*drawables_.at(layer), motion.warp(frame));
+  fields::PosedField posed =
+      fields::pose(*drawables_.at(layer), motion.warp(frame), clip_.layers[layer].births.unborn(clamped(frame)));
   last_posed_.insert_or_assign(layer, LastPosed{frame, posed});
   return posed;
 }
@@ -105,9 +106,16 @@ std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame
   const motion::Warp warp = clip_.layers[layer].motion.warp(frame);
   if (warp.is_rigid()) return warp.rigid() * *centre;
   // No node need be near the centre of what bends.
+  const motion::UnbornNodes unborn = clip_.layers[layer].births.unborn(clamped(frame));
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& node : warp.node_positions()) sum += node;
-  return sum / static_cast<double>(warp.node_positions().size());
+  int count = 0;
+  for (std::size_t n = 0; n < warp.node_positions().size(); ++n) {
+    if (!unborn.empty() && unborn[n]) continue;
+    sum += warp.node_positions()[n];
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return Eigen::Vector3d(sum / count);
 }
 
 } // namespace kinora::player

@@ -50,8 +50,8 @@ public:
   /// counts as the one before it.
   std::vector<motion::Health> drawn_health(double frame, const LayerChoice& layers) const;
 
-  /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing, or is not
-  /// there then.
+  /// Centre of what a layer's occupancy fills, in world coordinates at a frame; nothing if it fills nothing, or nothing
+  /// of it is there then.
   std::optional<Eigen::Vector3d> centre_of(std::size_t layer, double frame) const;
 
   /// The layers that are drawn, as they are at a frame: for a renderer of one's own (player/gl).

@@ -177,6 +177,25 @@ TEST_F(Exports, HoldNothingOfALayerWhereItIsAway) {
   }
 }
 
+TEST_F(Exports, HoldNothingOfNodesBeforeTheyAreBorn) {
+  clip::Clip clip = bake::testing::sample_clip(kFrames);
+  clip.layers = {clip.layers[2]};
+  std::vector<std::uint32_t> births;
+  for (const Eigen::Vector3d& node : clip.layers[0].motion.graph()->nodes()) births.push_back(node.x() > 0 ? 2 : 0);
+  clip.layers[0].births = motion::NodeBirths(std::move(births));
+  write(clip);
+  expect_all_written("late");
+  const auto vertices = [&](const char* number) {
+    const std::string ply = contents_of(path(std::string("late4/clip_000") + number + ".ply"));
+    return std::stoi(ply.substr(ply.find("element vertex ") + 15));
+  };
+  EXPECT_LT(vertices("1"), 0.8 * vertices("3"));
+  EXPECT_EQ(vertices("1"), vertices("2"));
+  const std::string name = clip.layers[0].name + " from frame 2";
+  EXPECT_NE(contents_of(path("late1/clip.glb")).find(name + " shown"), std::string::npos);
+  EXPECT_NE(contents_of(path("late3/clip.usda")).find("visibility.timeSamples"), std::string::npos);
+}
+
 TEST_F(Exports, NamesMayHaveSpacesQuotesAndLettersOfAllLanguages) {
   clip::Clip clip = bake::testing::sample_clip(kFrames);
   clip.layers[1].name = "Karton \"groß\"";

@@ -82,6 +82,7 @@ TEST(ClipDescription, RejectsWhatDoesNotFitTogether) {
            {"\"still\"", "\"boiling\""},
            {", \"motion_track\": 4", ""},
            {"\"motion_track\": 4", "\"motion_track\": 4, \"joints_track\": 5"},
+           {"\"motion_track\": 4", "\"motion_track\": 4, \"births_track\": 5"},
            {"\"label\": 2", "\"label\": 2, \"away\": 5"},
            {"\"label\": 2", "\"label\": 2, \"away\": [1, 2]"},
            {"\"label\": 2", "\"label\": 2, \"away\": [[1]]"},

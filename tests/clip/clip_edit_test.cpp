@@ -32,6 +32,10 @@ Clip frames_of(Clip clip, std::size_t begin, std::size_t end) {
     std::vector<bool> there = layer.presence.in_frames(kFrames);
     slice(there);
     layer.presence = motion::Presence::of_frames(there);
+    std::vector<std::uint32_t> births = layer.births.frames();
+    for (std::uint32_t& birth : births)
+      birth = static_cast<std::uint32_t>(std::clamp<std::size_t>(birth, begin, end) - begin);
+    layer.births = motion::NodeBirths(std::move(births));
     if (layer.motion.kind() == motion::MotionKind::kRigid) {
       std::vector<motion::Motion::Pose> poses = layer.motion.poses();
       slice(poses);
@@ -51,6 +55,7 @@ protected:
     Clip clip = testing::bending_clip(5, kFrames, true);
     clip.layers[0].presence = motion::Presence::away_during({{10, 30}});
     clip.layers[1].presence = motion::Presence::away_during({{0, 12}, {29, 31}, {41, kFrames}});
+    clip.layers[2].births = testing::random_births(5, clip.layers[2].motion.graph()->nodes().size(), kFrames);
     write_clip(clip, folder_ / "whole.mkv");
     whole_ = read_clip(folder_ / "whole.mkv");
     stored_ = load_stored_clip(folder_ / "whole.mkv");

@@ -78,6 +78,18 @@ TEST(ClipFile, KeepsWhenLayersAreAwayWhicheverSpansTheseAre) {
   }
 }
 
+TEST(ClipFile, KeepsWhenNodesAreBornAndSpendsNothingWhereAllAreAtTheStart) {
+  const TemporaryFolder folder;
+  Clip clip = bending_clip(3, 12, false);
+  write_clip(clip, folder / "a.mkv");
+  EXPECT_TRUE(read_clip(folder / "a.mkv").layers[2].births.are_at_the_start());
+  const container::Reader reader(folder / "a.mkv");
+  for (const container::StoredTrack& track : reader.tracks()) EXPECT_NE(track.track.codec, kBirthsCodec);
+  clip.layers[2].births = testing::random_births(3, clip.layers[2].motion.graph()->nodes().size(), 12);
+  write_clip(clip, folder / "b.mkv");
+  EXPECT_EQ(read_clip(folder / "b.mkv").layers[2].births, clip.layers[2].births);
+}
+
 TEST(ClipFile, AccountsForEveryByte) {
   const TemporaryFolder folder;
   write_clip(bending_clip(20, 30, true), folder / "a.mkv");
@@ -264,6 +276,12 @@ TEST(ClipFile, RefusesClipsThatContradictThemselves) {
   expect_refused([](Clip& clip) { clip.layers[1].confidence = clip.layers[0].confidence; });
   expect_refused([](Clip& clip) { clip.layers[1].joints = testing::random_joints(1, clip.times.size()); });
   expect_refused([](Clip& clip) { clip.layers[1].presence = motion::Presence::away_during({{5, 7}}); });
+  expect_refused([](Clip& clip) { clip.layers[1].births = motion::NodeBirths({1}); });
+  expect_refused([](Clip& clip) { clip.layers[2].births = motion::NodeBirths({1}); });
+  expect_refused([](Clip& clip) {
+    clip.layers[2].births =
+        motion::NodeBirths(std::vector<std::uint32_t>(clip.layers[2].motion.graph()->nodes().size(), 7));
+  });
   expect_refused([](Clip& clip) { clip.layers[1].name = "a\xFF"; });
   expect_refused([](Clip& clip) { clip.layers[1].name.clear(); });
   expect_refused([](Clip& clip) { clip.camera_to_world[2].translation().x() = std::nan(""); });

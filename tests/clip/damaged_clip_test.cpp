@@ -35,6 +35,7 @@ Clip small_clip() {
   clip.layers.push_back({"person", 1, testing::random_field(7, config), testing::walker(walker)});
   clip.layers.back().joints = testing::random_joints(1, kFrames);
   clip.layers[1].presence = motion::Presence::away_during({{0, 1}, {2, kFrames}});
+  clip.layers[2].births = motion::NodeBirths({0, 0, 1, 2, 3, 4, 5, 0});
   return clip;
 }
 
@@ -124,6 +125,11 @@ private:
     if (layer.joints) {
       EXPECT_TRUE(std::ranges::equal(layer.joints->positions,
                                      std::span(original->joints->positions).first(given_.times.size())));
+    }
+    const bool has_births = layer.births.are_at_the_start() == original->births.are_at_the_start();
+    note(has_births);
+    if (has_births) {
+      EXPECT_EQ(layer.births, original->births.in_first_frames(static_cast<std::uint32_t>(given_.times.size())));
     }
     if (layer.motion.kind() == motion::MotionKind::kStill) return;
     for (std::size_t f = 0; f < given_.times.size(); ++f) check_motion(layer.motion, original->motion, f);

@@ -43,6 +43,7 @@ inline void expect_equal(const Clip& a, const Clip& b) {
     EXPECT_EQ(x.name, y.name);
     EXPECT_EQ(x.label, y.label);
     EXPECT_EQ(x.presence, y.presence);
+    EXPECT_EQ(x.births, y.births);
     EXPECT_EQ(x.field.table, y.field.table);
     EXPECT_EQ(x.field.density_net, y.field.density_net);
     EXPECT_EQ(x.field.color_net, y.field.color_net);

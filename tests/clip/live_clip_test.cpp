@@ -56,6 +56,7 @@ Clip so_far(const Clip& whole, std::size_t frames) {
     layer.motion = first_frames(layer.motion, frames);
     layer.joints.reset(); // are not known before the end
     layer.presence = motion::Presence::of_frames(layer.presence.in_frames(frames));
+    layer.births = layer.births.in_first_frames(static_cast<std::uint32_t>(frames));
   }
   return clip;
 }
@@ -74,6 +75,7 @@ std::vector<Clip> growing_clips(std::uint64_t seed) {
       if (layer.confidence) layer.confidence = testing::random_confidence(layer.field.occupancy, frames);
     }
     if (clips.size() == 7) whole.layers[2].motion = other.layers[2].motion;
+    whole.layers[2].births = testing::random_births(seed, whole.layers[2].motion.graph()->nodes().size(), kFrames);
     whole.metadata["round"] = frames;
     clips.push_back(so_far(whole, frames));
     const bool no_box = clips.size() < 3 || clips.size() == 9;

@@ -107,6 +107,14 @@ inline motion::JointPaths random_joints(std::uint64_t seed, std::size_t frames) 
   return joints;
 }
 
+/// Of so many nodes: the first half is there from the start, others come later, or not in this clip.
+inline motion::NodeBirths random_births(std::uint64_t seed, std::size_t nodes, std::size_t frames) {
+  Random random(seed, 4);
+  std::vector<std::uint32_t> births(nodes, 0);
+  for (std::size_t n = nodes / 2; n < nodes; ++n) births[n] = random.below(static_cast<std::uint32_t>(frames + 1));
+  return motion::NodeBirths(std::move(births));
+}
+
 /// The same with a third layer, which deforms and has a skeleton.
 inline Clip bending_clip(std::uint64_t seed, std::size_t frames, bool camera_moves) {
   Clip clip = sample_clip(seed, frames, camera_moves);

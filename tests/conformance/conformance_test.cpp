@@ -18,6 +18,7 @@ TEST_P(Conformance, DecodesToTheSameBits) {
   EXPECT_EQ(clip.times.size(), expected.frames);
   for (std::size_t l = 0; l < expected.layers.size(); ++l) {
     EXPECT_EQ(checksums(clip.layers[l]), expected.layers[l]) << expected.holds << ": " << clip.layers[l].name;
+    EXPECT_EQ(nlohmann::json(clip.layers[l].births.frames()), nlohmann::json::parse(expected.births)[l]);
     EXPECT_EQ(away_of(clip.layers[l]), nlohmann::json::parse(expected.away)[l]) << clip.layers[l].name;
   }
 }

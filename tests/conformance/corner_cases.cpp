@@ -104,6 +104,10 @@ clip::Clip away() {
   clip::Clip clip = clip::testing::bending_clip(1, 12, true);
   clip.layers[0].presence = motion::Presence::away_during({{1, 12}});
   clip.layers[1].presence = motion::Presence::away_during({{0, 3}, {4, 5}, {8, 12}});
+  std::vector<std::uint32_t> births(clip.layers[2].motion.graph()->nodes().size());
+  for (std::size_t n = 0; n < births.size(); ++n)
+    births[n] = static_cast<std::uint32_t>(n < 8 ? 0 : n < 16 ? 5 : 28 - n); // 12: not born
+  clip.layers[2].births = motion::NodeBirths(std::move(births));
   return clip;
 }
 

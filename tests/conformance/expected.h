@@ -71,7 +71,8 @@ struct Expected {
   const char* holds;
   std::size_t frames;
   std::array<Checksums, 3> layers;
-  const char* away = "[[], [], []]"; ///< of each layer the spans of frames at which it is away, as JSON
+  const char* away = "[[], [], []]";   ///< of each layer the spans of frames at which it is away, as JSON
+  const char* births = "[[], [], []]"; ///< of each layer the frames at which its nodes are born, as JSON
 };
 
 /// The same of a layer.

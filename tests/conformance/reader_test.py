@@ -45,12 +45,14 @@ def expectations() -> dict[str, list[list[int]]]:
             for name, piece in zip(pieces[::2], pieces[1::2])}
 
 
-def away_expectations() -> dict[str, list[list[list[int]]]]:
-    """The spans of frames at which each layer of each file is away."""
+def frames_expectations() -> dict[str, list[list[list[list[int]] | list[int]]]]:
+    """Of each file the spans of frames at which each layer is away, and the frames at which its nodes are born."""
     text = (FOLDER / "expected.h").read_text(encoding="utf-8")
     pieces = re.split(r'"(\w+\.mkv)"', text[text.index("kExpected{"):])[1:]
-    stated = {name: re.search(r'"(\[\[.*\]\])"', piece) for name, piece in zip(pieces[::2], pieces[1::2])}
-    return {name: json.loads(found.group(1)) if found else [[], [], []] for name, found in stated.items()}
+    stated = {name: re.findall(r'"(\[\[.*?\]\])"', re.sub(r'"\s+"', "", piece))
+              for name, piece in zip(pieces[::2], pieces[1::2])}
+    return {name: [json.loads(each) for each in found] + [[[], [], []]] * (2 - len(found))
+            for name, found in stated.items()}
 
 
 def clips() -> list[tuple[str, bytes]]:
@@ -109,7 +111,9 @@ class Conformance(unittest.TestCase):
             with self.subTest(name):
                 layers = read_clip(data).layers
                 self.assertEqual([checksums(layer) for layer in layers], expected[name])
-                self.assertEqual([layer.away for layer in layers], away_expectations()[name])
+                away, births = frames_expectations()[name]
+                self.assertEqual([layer.away for layer in layers], away)
+                self.assertEqual([layer.births for layer in layers], births)
 
     def test_refuses_what_asks_for_more_memory_than_its_size_allows(self) -> None:
         budget = Budget(1000)

@@ -123,6 +123,16 @@ TEST(HeldOutPoses, StandInTheirTimeAndAloneAreMarked) {
   EXPECT_EQ(clip.camera_to_world.size(), 1U);
 }
 
+TEST(HeldOutPoses, KeepWhenLayersAreThereAndNodesAreBorn) {
+  clip::Clip before = clip_of_the_others();
+  before.layers[0].presence = motion::Presence::away_during({{0, 4}, {7, 9}}); // frames 0 to 3, 8 and 10
+  before.layers[2].births = motion::NodeBirths({0, 5});
+  const clip::Clip clip = with_held_out(before);
+  EXPECT_EQ(clip.layers[0].presence.away(), (std::vector<motion::FrameSpan>{{0, 4}, {8, 11}}));
+  EXPECT_EQ(clip.layers[2].births, motion::NodeBirths({0, 6}));
+  EXPECT_TRUE(clip.layers[1].presence.is_always());
+}
+
 TEST(HeldOutPoses, DependOnNothingThatTheFramesShow) {
   const clip::Clip a = with_held_out(clip_of_the_others(), 1);
   const clip::Clip b = with_held_out(clip_of_the_others(), 200);

@@ -1,5 +1,6 @@
 // Each decoder of a clip's payloads by itself, with payloads of the conformance corpus as seeds.
 #include "clip/codec_ids.h"
+#include "clip/payloads/births_codec.h"
 #include "clip/payloads/confidence_codec.h"
 #include "clip/payloads/deformation_codec.h"
 #include "clip/payloads/field_codec.h"
@@ -197,6 +198,24 @@ void read_joints(Span input) {
   });
 }
 
+std::vector<Bytes> births() {
+  std::vector<Bytes> seeds;
+  for (std::uint32_t first = 0; first < 4; ++first) {
+    std::vector<std::uint32_t> frames;
+    for (std::uint32_t n = 0; n < walker().graph()->nodes().size(); ++n) frames.push_back((first + n / 8) % kFrames);
+    seeds.push_back(clip::encode_births(motion::NodeBirths(std::move(frames)), *walker().graph()));
+  }
+  return seeds;
+}
+
+void read_births(Span input) {
+  expect_refusal_or_success([&] {
+    clip::AllocationBudget budget(0);
+    const auto read = clip::decode_births(input, *walker().graph(), kFrames, kWhere, budget);
+    for (const std::uint32_t frame : read.frames()) require(frame <= kFrames, "a node is born in the clip, or not");
+  });
+}
+
 std::vector<Bytes> updates() {
   std::vector<Bytes> seeds;
   Bytes frames;
@@ -228,6 +247,7 @@ std::vector<Fuzzer> payload_fuzzers() {
           {"field_difference_payload", field_differences, read_field_difference, 150},
           {"confidence_payload", confidences, read_confidence, 1000},
           {"joints_payload", joints, read_joints, 1500},
+          {"births_payload", births, read_births, 1500},
           {"update_payload", updates, read_update, 3000}};
 }
 

@@ -66,6 +66,29 @@ TEST(PlayerLayers, AreNeitherDrawnNorCountedWhereTheyAreAway) {
   }
 }
 
+TEST(PlayerLayers, PartsAreDrawnOnceTheirNodesAreBorn) {
+  clip::Clip clip = clip::testing::sample_clip(1, 6, false);
+  clip.layers.resize(1);
+  clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, fields::testing::PaintedBall{});
+  clip.layers[0].confidence.reset();
+  const auto graph = std::make_shared<const motion::DeformationGraph>(
+      std::vector<Eigen::Vector3d>{{-0.2, 0, 0}, {0.2, 0, 0}}, 0.2, 1.0);
+  const DualQuaternion still = DualQuaternion::from(SE3::Identity());
+  clip.layers[0].motion =
+      motion::Motion::deforming(graph, std::vector<motion::Motion::Deformation>(6, {{still, still}}));
+  clip.layers[0].births = motion::NodeBirths({0, 3});
+  const Player player(std::move(clip));
+  const Camera camera{{64, 48, 60, 60, 31.5, 23.5}, SE3(Eigen::Translation3d(0, 0, -1.2))};
+  const auto drawn = [&](double frame) {
+    const fields::Picture picture = player.draw(camera, frame, {0});
+    return std::count_if(picture.front.values().begin(), picture.front.values().end(), [](auto v) { return v > 0; });
+  };
+  EXPECT_GT(drawn(0), 100);
+  EXPECT_LT(drawn(0), 0.7 * static_cast<double>(drawn(3)));
+  EXPECT_EQ(drawn(2.9), drawn(0));
+  EXPECT_EQ(drawn(5), drawn(3));
+}
+
 TEST(PlayerHealth, IsOfTheLayersThatAreDrawnAndColoursThem) {
   clip::Clip clip = clip::testing::sample_clip(1, 4, false);
   const std::size_t still = 0, moving = 1;

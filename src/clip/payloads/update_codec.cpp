@@ -54,7 +54,7 @@ UpdateView decode_update(std::span<const std::byte> payload, const std::string& 
     const auto what = get<std::uint16_t>(payload, entry);
     const auto bytes = std::size_t{get<std::uint32_t>(payload, entry + 8)};
     if (bytes > payload.size() - at) corrupt(location, "an update is too short for its parts");
-    if (what <= static_cast<std::uint16_t>(UpdatePart::kJoints)) {
+    if (what <= static_cast<std::uint16_t>(UpdatePart::kBirths)) {
       update.parts.push_back({static_cast<UpdatePart>(what), get<std::uint16_t>(payload, entry + 2),
                               get<std::uint32_t>(payload, entry + 4), payload.subspan(at, bytes)});
     }

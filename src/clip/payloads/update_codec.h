@@ -19,7 +19,8 @@ enum class UpdatePart : std::uint16_t {
   kGraph,
   kMotion, ///< frames of a layer or of the camera
   kConfidence,
-  kJoints
+  kJoints,
+  kBirths
 };
 
 struct PartView {

@@ -12,7 +12,8 @@ constexpr std::size_t kChunk = 1024; // corners
 
 } // namespace
 
-ProjectedLayer::ProjectedLayer(const PosedField& posed, const Camera& camera) : layer_(&posed.field->derived()) {
+ProjectedLayer::ProjectedLayer(const PosedField& posed, const Camera& camera)
+    : layer_(&posed.field->derived()), own_index_(posed.brick_index.get()) {
   const FieldConfig& config = layer_->field.config;
   lattice_per_metre_ = layer_->bricks.resolution() / config.box.side;
   // As far apart as in training, or as the lattice can tell.
@@ -77,7 +78,9 @@ void ProjectedLayer::set_camera(const SE3& canonical_from_camera) {
   const auto brick = [this](int axis) {
     return static_cast<int>(std::floor(std::clamp(camera_position_[axis], -1e6F, 1e6F) / DensityBricks::kSide));
   };
-  contains_camera_ = layer_->bricks.brick_at(brick(0), brick(1), brick(2)) >= 0;
+  const int n = layer_->bricks.bricks_per_side();
+  const int number = layer_->bricks.brick_at(brick(0), brick(1), brick(2));
+  contains_camera_ = number >= 0 && brick_index()[(brick(2) * n + brick(1)) * n + brick(0)] >= 0;
 }
 
 ProjectedLayer::EntryPoint ProjectedLayer::entry_point(const Entry& entry, const TriangleBins& bins,

@@ -38,6 +38,11 @@ public:
   const std::vector<Eigen::Vector3f>& corners() const { return corners_; }          ///< in the camera's frame, metres
   const std::vector<ProxyFace>& faces() const { return *faces_; }
   bool contains_camera() const { return contains_camera_; }
+  /// As DensityBricks::index: of the bricks that are there.
+  const std::int32_t* brick_index() const {
+    return own_index_ == nullptr ? layer_->bricks.index() : own_index_->data();
+  }
+  bool lacks_bricks() const { return own_index_ != nullptr; }                   ///< some are not there yet
   const std::vector<Eigen::Vector3f>& positions() const { return *positions_; } ///< of the corners, lattice steps
   /// From the camera to the corners, turned into canonical space, lattice steps.
   const std::vector<Eigen::Vector3f>& view_vectors() const { return view_vectors_; }
@@ -102,7 +107,8 @@ private:
   const std::vector<Eigen::Vector3f>* positions_ = nullptr; // of the corners, lattice
   std::vector<Eigen::Vector3f> view_vectors_; // from the camera to the corners, turned into canonical space, lattice
   const std::vector<ProxyFace>* faces_ = nullptr;
-  const PosedProxyMesh* posed_ = nullptr; // of a layer that deforms
+  const PosedProxyMesh* posed_ = nullptr;                // of a layer that deforms
+  const std::vector<std::int32_t>* own_index_ = nullptr; // where bricks are not there yet
   bool contains_camera_ = false;
   Eigen::Vector3f camera_position_ = Eigen::Vector3f::Zero();     // lattice
   Eigen::Matrix3f camera_rotation_ = Eigen::Matrix3f::Identity(); // camera's frame to lattice

@@ -109,7 +109,24 @@ void ProxyMesh::bind_to(const motion::DeformationGraph& graph) {
   });
 }
 
-PosedProxyMesh::PosedProxyMesh(const ProxyMesh& proxy_mesh, const motion::Warp& warp)
+std::vector<std::uint8_t> ProxyMesh::born_bricks(const motion::UnbornNodes& unborn) const {
+  if (unborn.empty()) return {};
+  std::vector<std::uint8_t> born(cells_of_brick_.size(), 1);
+  for (std::size_t b = 0; b < born.size(); ++b) {
+    int cells = 0;
+    int not_there = 0;
+    for (const std::int32_t cell : cells_of_brick_[b]) {
+      if (cell < 0) continue;
+      ++cells;
+      not_there += is_unborn(middle_influences_[static_cast<std::size_t>(cell)], unborn) ? 1 : 0;
+    }
+    if (2 * not_there > cells) born[b] = 0;
+  }
+  return born;
+}
+
+PosedProxyMesh::PosedProxyMesh(const ProxyMesh& proxy_mesh, const motion::Warp& warp,
+                               const std::vector<std::uint8_t>& born)
     : proxy_mesh_(&proxy_mesh), origin_(Eigen::Vector3d::Zero()), positions_(proxy_mesh.positions()),
       split_corners_(proxy_mesh.cells().size(), -1) {
   for (const Eigen::Vector3d& node : warp.node_positions()) {
@@ -123,14 +140,23 @@ PosedProxyMesh::PosedProxyMesh(const ProxyMesh& proxy_mesh, const motion::Warp& 
     kernels::skin(proxy_mesh.influences(), transforms.data(), positions_.data(),
                   static_cast<float>(proxy_mesh.lattice_step()), chunk.begin, chunk.end, corners_);
   });
+  std::vector<std::uint8_t> there(proxy_mesh.cells().size(), 1);
+  for (std::size_t b = 0; b < born.size(); ++b) {
+    if (born[b] != 0) continue;
+    for (const std::int32_t cell : proxy_mesh.cells_of_brick()[b]) {
+      if (cell >= 0) there[static_cast<std::size_t>(cell)] = 0;
+    }
+  }
   std::vector<std::uint8_t> whole(proxy_mesh.cells().size());
   parallel_for(whole.size(), kChunk, [&](const Chunk& chunk) {
-    for (std::size_t c = chunk.begin; c < chunk.end; ++c) whole[c] = is_unbroken(proxy_mesh.cells()[c].corners) ? 1 : 0;
+    for (std::size_t c = chunk.begin; c < chunk.end; ++c) {
+      whole[c] = there[c] != 0 && is_unbroken(proxy_mesh.cells()[c].corners) ? 1 : 0;
+    }
   });
   faces_ = proxy_mesh.faces_of(whole);
   std::vector<std::uint32_t> torn;
   for (std::uint32_t c = 0; c < whole.size(); ++c) {
-    if (whole[c] == 0 && proxy_mesh.middle_influences()[c].count > 0) torn.push_back(c);
+    if (there[c] != 0 && whole[c] == 0 && proxy_mesh.middle_influences()[c].count > 0) torn.push_back(c);
   }
   skin_rigidly(torn, transforms);
 }

@@ -11,6 +11,7 @@
 
 #include "fields/rendering/density_bricks.h"
 #include "fields/rendering/proxy_mesh_kernels.h"
+#include "motion/node_births.h"
 #include "motion/warp.h"
 
 namespace kinora::fields {
@@ -50,6 +51,9 @@ public:
   const std::vector<motion::Influence>& middle_influences() const { return middle_influences_; }
   /// Prepares for being posed by this graph. Uses all threads.
   void bind_to(const motion::DeformationGraph& graph);
+  /// Per brick 0 where most of what moves its cells is not born yet, else 1; empty if no node is unborn. Only after
+  /// bind_to().
+  std::vector<std::uint8_t> born_bricks(const motion::UnbornNodes& unborn) const;
   const Eigen::Vector3d& origin() const { return origin_; } ///< canonical place of the lattice's zero, metres
   double lattice_step() const { return lattice_step_; }     ///< metres
   Eigen::Vector3d to_canonical(const Eigen::Vector3f& position) const {
@@ -71,11 +75,12 @@ private:
 
 /// The hull of a deforming layer at one instant. Immutable, thread-safe. A cell that the motion would tear, because
 /// parts of the surface that have parted meet in it, is carried rigidly, with its middle; faces close the hull around
-/// it.
+/// it. Cells that are not there yet are no part of it.
 class PosedProxyMesh {
 public:
-  /// `proxy_mesh` follows the graph of `warp` and must outlive this.
-  PosedProxyMesh(const ProxyMesh& proxy_mesh, const motion::Warp& warp);
+  /// `proxy_mesh` follows the graph of `warp` and must outlive this. `born`: as ProxyMesh::born_bricks; empty: all are
+  /// there.
+  PosedProxyMesh(const ProxyMesh& proxy_mesh, const motion::Warp& warp, const std::vector<std::uint8_t>& born = {});
 
   std::size_t corner_count() const { return positions_.size() - kernels::kPadding; }
   /// Of the corners, in the world relative to origin(): not a number where the motion is not known.

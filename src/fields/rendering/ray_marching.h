@@ -40,7 +40,8 @@ inline constexpr float kRunBegins = 1e-2F;
 
 /// Follows ray i from step begin[i] (a whole number) to the end of its next run; densities are sampled in the middle of
 /// each step, `optical_length` is the length of a step in units of the field's density_length(). Buffers: n long.
+/// `index`: which bricks there are, in place of the bricks' own index.
 void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin, std::size_t n, float optical_length,
-           MarchRun* runs);
+           MarchRun* runs, const std::int32_t* index = nullptr);
 
 } // namespace kinora::fields

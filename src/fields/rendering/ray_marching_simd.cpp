@@ -151,7 +151,7 @@ HWY_INLINE VF level_at(const std::uint16_t* pairs, VI brick, const Position& at)
 }
 
 void march(const DensityBricks& bricks, const MarchRay* rays, const float* begins, std::size_t n, float optical_length,
-           MarchRun* runs) {
+           MarchRun* runs, const std::int32_t* index) {
   if (bricks.count() == 0) {
     for (std::size_t i = 0; i < n; ++i) runs[i] = {0, 0, 0, 0, begins[i], RunEnd::kLeft};
     return;
@@ -196,7 +196,7 @@ void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin
       }
       const auto row = hn::Add(hn::Mul(hn::ShiftRight<3>(at.low[2]), per_side), hn::ShiftRight<3>(at.low[1]));
       const auto brick_index = hn::Add(hn::Mul(row, per_side), hn::ShiftRight<3>(at.low[0]));
-      const auto brick = hn::GatherIndex(di, bricks.index(), brick_index);
+      const auto brick = hn::GatherIndex(di, index, brick_index);
       inside = hn::And(inside, hn::RebindMask(df, hn::Gt(brick, hn::Set(di, -1))));
       const auto depth = hn::MulAdd(level_at(bricks.pairs(), hn::Max(brick, hn::Zero(di)), at), scale, lowest);
       const auto step_transmittance = exp2(hn::Neg(exp2(depth)));
@@ -238,8 +238,9 @@ namespace kinora::fields {
 HWY_EXPORT(march);
 
 void march(const DensityBricks& bricks, const MarchRay* rays, const float* begin, std::size_t n, float optical_length,
-           MarchRun* runs) {
-  HWY_DYNAMIC_DISPATCH(march)(bricks, rays, begin, n, optical_length, runs);
+           MarchRun* runs, const std::int32_t* index) {
+  HWY_DYNAMIC_DISPATCH(march)
+  (bricks, rays, begin, n, optical_length, runs, index == nullptr ? bricks.index() : index);
 }
 
 } // namespace kinora::fields

@@ -27,14 +27,32 @@ DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph,
 }
 const Field& DrawableField::field() const { return derived_->field; }
 
-PosedField pose(const DrawableField& field, const motion::Warp& warp) {
+namespace {
+
+/// Numbers of bricks as the bricks' own, without those that are not there yet.
+std::vector<std::int32_t> index_of(const DensityBricks& bricks, const std::vector<std::uint8_t>& born) {
+  const auto n = static_cast<std::size_t>(bricks.bricks_per_side());
+  std::vector<std::int32_t> index(bricks.index(), bricks.index() + n * n * n);
+  for (std::int32_t& brick : index) {
+    if (brick >= 0 && born[static_cast<std::size_t>(brick)] == 0) brick = -1;
+  }
+  return index;
+}
+
+} // namespace
+
+PosedField pose(const DrawableField& field, const motion::Warp& warp, const motion::UnbornNodes& unborn) {
   if (warp.is_rigid()) return {&field, warp.rigid()};
   const ProxyMesh& proxy_mesh = field.derived().proxy_mesh;
   if (proxy_mesh.influences().count != proxy_mesh.corner_count()) {
     throw Error(ErrorCode::kFailure, "a field that was not made to deform cannot be drawn deformed");
   }
-  return {&field, SE3::Identity(), std::make_shared<const PosedProxyMesh>(proxy_mesh, warp),
-          std::make_shared<const motion::Warp>(warp)};
+  const std::vector<std::uint8_t> born = proxy_mesh.born_bricks(unborn);
+  PosedField posed{&field, SE3::Identity(), std::make_shared<const PosedProxyMesh>(proxy_mesh, warp, born),
+                   std::make_shared<const motion::Warp>(warp)};
+  if (!born.empty())
+    posed.brick_index = std::make_shared<const std::vector<std::int32_t>>(index_of(field.derived().bricks, born));
+  return posed;
 }
 
 namespace {

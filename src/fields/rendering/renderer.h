@@ -13,6 +13,7 @@
 #include "fields/model/confidence.h"
 #include "fields/model/field.h"
 #include "fields/rendering/proxy_mesh.h"
+#include "motion/node_births.h"
 #include "motion/warp.h"
 
 namespace kinora::fields {
@@ -39,11 +40,13 @@ struct PosedField {
   std::shared_ptr<const PosedProxyMesh> proxy_mesh = nullptr; ///< of a layer that deforms; its own place is then in it
   /// World points back to canonical ones near the camera, where it stands inside of a deforming layer.
   std::shared_ptr<const motion::Warp> warp = nullptr;
+  /// Numbers of bricks as DensityBricks::index, where some are not there yet; else null.
+  std::shared_ptr<const std::vector<std::int32_t>> brick_index = nullptr;
 };
 
 /// Prepares a field to be drawn; for a deforming warp this carries the hull once for all cameras, and the field must
-/// have been made with the warp's graph.
-PosedField pose(const DrawableField& field, const motion::Warp& warp);
+/// have been made with the warp's graph. Nothing is drawn of bricks that hang on nodes that are `unborn`.
+PosedField pose(const DrawableField& field, const motion::Warp& warp, const motion::UnbornNodes& unborn = {});
 
 struct Picture {
   ColorImage color; ///< 4 channels: sRGB and straight alpha (the opacity of what was drawn)

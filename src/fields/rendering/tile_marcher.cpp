@@ -82,7 +82,8 @@ void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
       march_rays_[i] = {{ray.origin.x(), ray.origin.y(), ray.origin.z()},
                         {ray.direction.x(), ray.direction.y(), ray.direction.z()}};
     }
-    fields::march(view.layer().bricks, march_rays_.data(), begin_.data(), n, view.optical_length(), runs_.data());
+    fields::march(view.layer().bricks, march_rays_.data(), begin_.data(), n, view.optical_length(), runs_.data(),
+                  view.brick_index());
     points_.resize(n);
     positions_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {

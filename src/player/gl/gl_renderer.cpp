@@ -95,13 +95,14 @@ public:
     gl_.GenBuffers(1, &faces_);
     gl_.GenFramebuffers(static_cast<GLsizei>(framebuffers_.size()), framebuffers_.data());
     cell_corners_ = texture(GL_TEXTURE_2D, GL_NEAREST);
+    bricks_there_ = texture(GL_TEXTURE_3D, GL_NEAREST);
   }
   ~State() {
     for (const GLuint p : {rasterising_, inside_, shading_}) gl_.DeleteProgram(p);
     for (const GLuint array : {mesh_array_, empty_array_}) gl_.DeleteVertexArrays(1, &array);
     for (const GLuint buffer : {vertices_, faces_}) gl_.DeleteBuffers(1, &buffer);
     gl_.DeleteFramebuffers(static_cast<GLsizei>(framebuffers_.size()), framebuffers_.data());
-    gl_.DeleteTextures(1, &cell_corners_);
+    for (const GLuint t : {cell_corners_, bricks_there_}) gl_.DeleteTextures(1, &t);
     delete_targets();
     for (auto& [derived, layer] : layers_) {
       for (const GLuint t : {layer.index, layer.atlas, layer.cells, layer.table, layer.nets}) gl_.DeleteTextures(1, &t);
@@ -322,6 +323,7 @@ private:
     for (std::size_t l = 0; l < views.size(); ++l) {
       const ProjectedLayer& view = views[l];
       send_cells(view);
+      if (view.lacks_bricks()) send_bricks(view);
       gl_.Enable(GL_CULL_FACE);
       prepare(rasterising_, view, static_cast<int>(l), peel);
       const std::size_t faces = send_mesh(view);
@@ -357,7 +359,7 @@ private:
                            view.camera_rotation().data());
       gl_.Uniform4fv(gl_.GetUniformLocation(program, "u_camera_layer_rotation"), 1, view.rotation().data());
     }
-    bind(program, "u_brick_index", 0, GL_TEXTURE_3D, layer.index);
+    bind(program, "u_brick_index", 0, GL_TEXTURE_3D, view.lacks_bricks() ? bricks_there_ : layer.index);
     bind(program, "u_atlas", 1, GL_TEXTURE_3D, layer.atlas);
     bind(program, "u_cells_of_brick", 2, GL_TEXTURE_2D, layer.cells);
     bind(program, "u_cell_corners", 3, GL_TEXTURE_2D, cell_corners_);
@@ -379,6 +381,13 @@ private:
     }
     gl_.ActiveTexture(GL_TEXTURE0 + 3);
     fill_table(cell_corners_, GL_RGBA32F, GL_RGBA, GL_FLOAT, std::move(corners));
+  }
+
+  void send_bricks(const ProjectedLayer& view) {
+    const int n = view.layer().bricks.bricks_per_side();
+    gl_.ActiveTexture(GL_TEXTURE0);
+    gl_.BindTexture(GL_TEXTURE_3D, bricks_there_);
+    gl_.TexImage3D(GL_TEXTURE_3D, 0, GL_R32I, n, n, n, 0, GL_RED_INTEGER, GL_INT, view.brick_index());
   }
 
   std::size_t send_mesh(const ProjectedLayer& view) {
@@ -446,6 +455,7 @@ private:
   bool is_es_ = false;
   GLuint rasterising_ = 0, inside_ = 0, shading_ = 0;
   GLuint mesh_array_ = 0, empty_array_ = 0, vertices_ = 0, faces_ = 0, cell_corners_ = 0;
+  GLuint bricks_there_ = 0;                         // of a layer that lacks some
   std::array<GLuint, 3> framebuffers_{};            // two of surfaces, and the picture
   std::array<std::array<GLuint, 3>, 2> surfaces_{}; // as surfaces.frag writes them; one side while the other is read
   GLuint depth_ = 0, drawn_ = 0;

@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import matroska
+from births import read_births
 from budget import MEBIBYTE, Budget
 from checks import Payload, open_attachment, open_envelope, open_private
 from confidence import read_confidence
@@ -18,7 +19,7 @@ from zstandard_frame import decompress
 
 BYTES_OF_A_NODE = 64  # in each frame
 DEEPEST = 64
-TRACKS_OF_A_LAYER = ("field_track", "motion_track", "confidence_track", "joints_track")
+TRACKS_OF_A_LAYER = ("field_track", "motion_track", "confidence_track", "joints_track", "births_track")
 
 
 @dataclasses.dataclass
@@ -32,6 +33,7 @@ class Layer:
     deformations: list[Frame | None] = dataclasses.field(default_factory=list)
     confidence: dict[tuple[int, int, int], list[int]] | None = None
     joints: Joints | None = None
+    births: list[int] = dataclasses.field(default_factory=list)  # a frame for each node; none: all from the start
     away: list[list[int]] = dataclasses.field(default_factory=list)  # spans of frames, [begin, end)
 
 
@@ -149,6 +151,7 @@ def _check_layers(description: dict[str, Any]) -> None:
         _require(type(layer.get("label")) is int, "clip.json: label of a layer")
         _require("field_track" in layer and ("motion_track" in layer) == (kind != "still"), "clip.json: tracks of a layer")
         _require("joints_track" not in layer or kind == "deforming", "clip.json: joints of a layer")
+        _require("births_track" not in layer or kind == "deforming", "clip.json: births of a layer")
         _check_away(layer.get("away", []), len(description["times_ns"]))
         tracks += [layer[key] for key in TRACKS_OF_A_LAYER if key in layer]
     _require(len({layer["name"] for layer in layers}) == len(layers), "clip.json: a name stands twice")
@@ -232,6 +235,10 @@ class _Reading:
         if "joints_track" in description:
             payload = self.only(self.track(description["joints_track"], "JOINTS"))
             layer.joints = None if payload is None else read_joints(payload, len(self.times), self.budget)
+        if "births_track" in description:
+            payload = self.only(self.track(description["births_track"], "BIRTHS"))
+            if payload is not None and layer.graph is not None:
+                layer.births = read_births(payload, layer.graph.nodes, len(self.times), self.budget)
         return layer
 
 

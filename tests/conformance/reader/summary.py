@@ -47,6 +47,8 @@ def _of_layer(layer: Layer) -> dict[str, Any]:
     if layer.confidence is not None:
         levels = [level for block in layer.confidence.values() for level in block]
         found["confidence"] = {"blocks": len(layer.confidence), "mean": round(sum(levels) / max(1, len(levels)), 3)}
+    if any(layer.births):
+        found["nodes_born_late"] = sum(birth > 0 for birth in layer.births)
     if layer.away:
         found["away"] = layer.away
     if layer.joints is not None:

@@ -275,6 +275,45 @@ double color_error_of_twisted(const PaintedBall& ball, double twist, const Camer
   return error / count;
 }
 
+TEST(Drawing, NothingIsDrawnOfNodesThatAreNotBorn) {
+  const auto graph = graph_of_box();
+  const PaintedBall ball;
+  const DrawableField field(painted_field(kBox, ball), graph.get());
+  const motion::Warp warp = twisted(graph, 0, SE3::Identity());
+  motion::UnbornNodes unborn;
+  for (const Eigen::Vector3d& node : graph->nodes()) unborn.push_back(node.x() > 0);
+  const PosedField half = pose(field, warp, unborn);
+  const PosedField whole = pose(field, warp);
+  constexpr double kEdge = 0.1; // metres: births are kept to bricks
+  for (const Eigen::Vector3d& from : {Eigen::Vector3d(0, 0, -1.2), Eigen::Vector3d(1.2, 0.1, 0),
+                                      Eigen::Vector3d(-1.2, 0.1, 0), Eigen::Vector3d(0.15, 0, 0)}) {
+    const Camera camera = camera_at(from, {0, 0, from.x() == 0.15 ? 1.0 : 0.0}, 192, 144);
+    const Picture picture = render({&half, 1}, camera);
+    const Picture all = render({&whole, 1}, camera);
+    std::size_t there = 0;
+    for (int v = 0; v < picture.depth.height(); ++v) {
+      for (int u = 0; u < picture.depth.width(); ++u) {
+        const auto place = [&](const Picture& of) -> Eigen::Vector3d {
+          return camera.camera_to_world * camera.intrinsics.unproject(u, v, of.depth.at(u, v));
+        };
+        if (picture.depth.at(u, v) > 0) {
+          ++there;
+          EXPECT_LT(place(picture).x(), kEdge) << u << ' ' << v;
+        }
+        if (all.depth.at(u, v) > 0 && place(all).x() < -kEdge) {
+          EXPECT_NEAR(picture.depth.at(u, v), all.depth.at(u, v), kCell) << u << ' ' << v;
+        }
+      }
+    }
+    if (from.x() != 0.15) {
+      EXPECT_GT(there, 1000U);
+    }
+  }
+  motion::UnbornNodes none(graph->nodes().size(), true);
+  const PosedField gone = pose(field, warp, none);
+  EXPECT_EQ(drawn_pixels(render({&gone, 1}, camera_at({0, 0, -1.2}, {0, 0, 0}))), 0U);
+}
+
 TEST(Drawing, ATwistedLayerShowsTheCanonicalPointsThatTheWarpCarriesThere) {
   constexpr double kTwist = 3;
   const auto graph = graph_of_box();

@@ -93,6 +93,15 @@ TEST_P(GlPicture, IsTheProcessorsOfEachLayerAlone) {
   }
 }
 
+TEST_P(GlPicture, IsTheProcessorsOfALayerOfWhichHalfIsNotBorn) {
+  motion::UnbornNodes unborn;
+  for (const Eigen::Vector3d& node : scene_.graph->nodes()) unborn.push_back(node.x() > -0.15);
+  scene_.layers[2] = fields::pose(scene_.bent, *scene_.layers[2].warp, unborn);
+  expect_close({&scene_.layers[2], 1}, camera_at({0, -0.1, -1.2}, kMiddle), "before it");
+  expect_close({&scene_.layers[2], 1}, camera_at({1.0, -0.3, -0.2}, kMiddle), "aside");
+  expect_close(scene_.layers, camera_at({0.4, -0.2, -1.1}, kMiddle), "all layers");
+}
+
 TEST_P(GlPicture, OfNoLayersIsEmpty) {
   GlRenderer renderer(SurfacelessContext::function);
   renderer.draw({}, camera_at({0, 0, -1}, kMiddle, 16, 12));
