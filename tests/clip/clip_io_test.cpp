@@ -10,7 +10,9 @@
 
 #include "clip/clip_description.h"
 #include "clip/clip_edit.h"
+#include "clip/codec_ids.h"
 #include "container/ebml_builder.h"
+#include "container/reader.h"
 #include "container/writer.h"
 #include "core/error.h"
 #include "equal_clips.h"
