@@ -111,6 +111,8 @@ encode::EncodeOptions encode_options(const Options& options) {
   out.holdout = options.holdout;
   out.holdout_tracked = options.holdout_tracked;
   if (options.seed) out.settings.fields.trainer.seed = *options.seed;
+  // Which steps a size leaves is known at the end alone; and it may leave finer ones than usual.
+  if (options.kb_per_frame > 0) out.settings.fields.trainer.quantisation = {};
   for (const std::string& change : options.changes) encode::list_settings(out.settings).change(change);
   encode::check(out.settings);
   out.frames = capture_options(options).frames;

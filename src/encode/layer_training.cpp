@@ -23,6 +23,7 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
   fields::TrainerConfig shorter = outcome.trainer;
   shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
   shorter.max_log2_table_size = 0;
+  shorter.quantisation = {};
   progress.stage("training a draft of " + name, shorter.rays);
   fields::Field field = times.measure(
       "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -17,25 +19,27 @@ namespace {
 
 using clip::Rounding;
 
-// From nothing to what cannot be told from the field itself; `up_from` fills the gaps between powers of two.
+// From nothing to what cannot be told from the field itself; `up_from` fills the gaps between powers of two. All but
+// the last also coarsen what was rounded before.
 constexpr std::array<Rounding, 13> kLadder{{{0},
-                                            {0.125, 0.6},
-                                            {0.25, 0.6},
-                                            {0.5, 0.7},
-                                            {0.5, 0.55},
-                                            {1, 0.7},
-                                            {1, 0.55},
-                                            {2, 0.7},
-                                            {2, 0.55},
-                                            {4, 0.7},
-                                            {4, 0.55},
-                                            {8, 0.5},
+                                            {0.125, 0.6, true},
+                                            {0.25, 0.6, true},
+                                            {0.5, 0.7, true},
+                                            {0.5, 0.55, true},
+                                            {1, 0.7, true},
+                                            {1, 0.55, true},
+                                            {2, 0.7, true},
+                                            {2, 0.55, true},
+                                            {4, 0.7, true},
+                                            {4, 0.55, true},
+                                            {8, 0.5, true},
                                             {16, 0.5}}};
 static_assert(kLadder[6].steps_per_rms == 1);
 constexpr double kPeak = 255; // of pictures
 constexpr std::size_t kNothing = 0;
-constexpr std::size_t kProbe =
-    6; // a step to the root mean square: drawn, as is nothing; errors of the others grow with those of the parameters
+// A step to the root mean square: drawn, as is nothing; errors of the others grow with those of the parameters. Where
+// it changes nothing, as the level was rounded before, the next coarser one that does is drawn.
+constexpr std::size_t kProbe = 6;
 
 struct Choice {
   Rounding rounding;
@@ -47,6 +51,24 @@ struct Choice {
 struct Unit {
   std::size_t layer = 0;
   std::vector<Choice> choices;
+};
+
+// A level of a layer, rounded and drawn in each way of the ladder.
+struct Trial {
+  std::size_t layer = 0;
+  std::size_t level = 0;
+  std::array<std::size_t, kLadder.size()> bytes{};
+  std::array<double, kLadder.size()> parameter_errors{}; // squared
+  double error_of_nothing = 0;                           // of pictures, squared
+  double error_of_probe = 0;
+  std::size_t probe = kNothing;
+
+  bool is_shown() const { return error_of_nothing > 0; }
+  /// Of pictures, for each of the parameters that the probe makes.
+  double sensitivity() const {
+    const double error = probe == kNothing ? error_of_nothing : error_of_probe;
+    return parameter_errors[probe] > 0 ? error / parameter_errors[probe] : 0;
+  }
 };
 
 double squared_error(std::span<const float> a, std::span<const float> b) {
@@ -150,89 +172,134 @@ private:
   std::size_t drawn_values_ = 0;
 };
 
-std::span<float> level_of(fields::Field& field, std::size_t level) {
+/// Of a field or a constant one.
+auto level_of(auto& field, std::size_t level) {
   constexpr std::size_t kFeatures = fields::FieldConfig::kFeatures;
   const std::vector<fields::GridLevel> levels = fields::grid_levels(field.config);
   const std::size_t begin = std::size_t{levels[level].offset} * kFeatures;
   const bool is_last = level + 1 == levels.size();
   const std::size_t end = is_last ? field.table.size() : std::size_t{levels[level + 1].offset} * kFeatures;
-  return std::span<float>(field.table).subspan(begin, end - begin);
+  return std::span(field.table).subspan(begin, end - begin);
 }
 
-// Leaves the lower convex hull: nothing that costs more than a mix of two others for the same error.
+// Leaves what no other choice beats for fewer bytes.
 void keep_worthwhile(std::vector<Choice>& choices) {
   std::ranges::sort(choices, [](const Choice& a, const Choice& b) {
     return a.bytes < b.bytes || (a.bytes == b.bytes && a.error < b.error);
   });
-  const auto slope = [](const Choice& a, const Choice& b) {
-    return (a.error - b.error) / (static_cast<double>(b.bytes) - static_cast<double>(a.bytes));
-  };
-  std::vector<Choice> hull;
+  std::vector<Choice> kept;
   for (const Choice& choice : choices) {
-    if (!hull.empty() && (choice.error >= hull.back().error || choice.bytes == hull.back().bytes)) continue;
-    while (hull.size() > 1 && slope(hull.back(), choice) >= slope(hull[hull.size() - 2], hull.back())) hull.pop_back();
-    hull.push_back(choice);
+    if (kept.empty() || choice.error < kept.back().error) kept.push_back(choice);
   }
-  choices = std::move(hull);
+  choices = std::move(kept);
 }
 
-void add_units(const clip::Clip& clip, std::size_t layer, Pictures& pictures, std::vector<Unit>& units,
+void try_layer(const clip::Clip& clip, std::size_t layer, Pictures& pictures, std::vector<Trial>& trials,
                Progress& progress) {
   const fields::Field& field = clip.layers[layer].field;
   const auto levels = static_cast<std::size_t>(field.config.levels);
-  fields::Field finest = clip::rounded(field, clip::FieldRounding(levels, kLadder.back())).field;
-  std::vector<Unit> of_layer(levels);
-  std::vector<std::array<double, kLadder.size()>> parameter_errors(levels);
-  std::vector<std::array<double, kLadder.size()>> drawn_errors(levels);
+  const fields::Field finest = clip::rounded(field, clip::FieldRounding(levels, kLadder.back())).field;
+  std::vector<Trial> of_layer(levels);
+  std::vector<std::vector<float>> probes(levels);
+  const auto error_with = [&](const auto& values, std::size_t level) {
+    fields::Field changed = finest;
+    std::ranges::copy(values, level_of(changed, level).begin());
+    return pictures.error_with(layer, std::move(changed));
+  };
   for (std::size_t c = 0; c < kLadder.size(); ++c) {
     progress.check();
-    clip::RoundedField rounded = clip::rounded(field, clip::FieldRounding(levels, kLadder[c]));
+    const clip::RoundedField rounded = clip::rounded(field, clip::FieldRounding(levels, kLadder[c]));
     for (std::size_t l = 0; l < levels; ++l) {
-      of_layer[l].layer = layer;
-      of_layer[l].choices.push_back({kLadder[c], rounded.level_bytes[l], 0});
-      parameter_errors[l][c] = squared_error(level_of(rounded.field, l), level_of(finest, l));
-      if (c != kNothing && c != kProbe) continue;
-      fields::Field changed = finest;
-      std::ranges::copy(level_of(rounded.field, l), level_of(changed, l).begin());
-      drawn_errors[l][c] = pictures.error_with(layer, std::move(changed));
+      Trial& trial = of_layer[l];
+      const auto values = level_of(rounded.field, l);
+      trial.bytes[c] = rounded.level_bytes[l];
+      trial.parameter_errors[c] = squared_error(values, level_of(finest, l));
+      if (c == kNothing) trial.error_of_nothing = error_with(values, l);
+      if (c == kNothing || c > kProbe || trial.parameter_errors[c] == 0) continue;
+      trial.probe = c;
+      probes[l].assign(values.begin(), values.end());
     }
   }
   for (std::size_t l = 0; l < levels; ++l) {
-    const double probed = parameter_errors[l][kProbe];
-    const double per_parameter = probed > 0 ? drawn_errors[l][kProbe] / probed : 0;
-    for (std::size_t c = 0; c < kLadder.size(); ++c) {
-      of_layer[l].choices[c].error = c == kNothing ? drawn_errors[l][c] : per_parameter * parameter_errors[l][c];
-    }
-    keep_worthwhile(of_layer[l].choices);
-    units.push_back(std::move(of_layer[l]));
+    of_layer[l].layer = layer;
+    of_layer[l].level = l;
+    if (of_layer[l].probe != kNothing) of_layer[l].error_of_probe = error_with(probes[l], l);
   }
+  trials.insert(trials.end(), of_layer.begin(), of_layer.end());
 }
 
-struct Step {
-  std::size_t unit;
-  std::size_t to;
-  double error_per_byte;
-};
-
-// Of all units, the one that lowers the error most for its bytes first.
-std::vector<Step> steps_of(const std::vector<Unit>& units) {
-  std::vector<Step> steps;
-  for (std::size_t u = 0; u < units.size(); ++u) {
-    const std::vector<Choice>& choices = units[u].choices;
-    for (std::size_t c = 1; c < choices.size(); ++c) {
-      const auto more = static_cast<double>(choices[c].bytes - choices[c - 1].bytes);
-      steps.push_back({u, c, (choices[c - 1].error - choices[c].error) / more});
+// What no picture shows, as it is hidden there or not yet there, is taken to be as sensitive as what they show.
+std::vector<Unit> units_of(const std::vector<Trial>& trials) {
+  const auto mean_sensitivity = [&trials](const auto& counts) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (const Trial& trial : trials) {
+      if (!trial.is_shown() || !counts(trial)) continue;
+      sum += trial.sensitivity();
+      ++count;
     }
+    return count > 0 ? sum / static_cast<double>(count) : 0;
+  };
+  std::vector<Unit> units;
+  for (const Trial& trial : trials) {
+    double sensitivity = trial.sensitivity();
+    if (!trial.is_shown())
+      sensitivity = mean_sensitivity([&](const Trial& other) { return other.level == trial.level; });
+    if (sensitivity == 0) sensitivity = mean_sensitivity([](const Trial&) { return true; });
+    if (sensitivity == 0) sensitivity = 1;
+    Unit& unit = units.emplace_back(Unit{trial.layer, {}});
+    for (std::size_t c = 0; c < kLadder.size(); ++c) {
+      const double error = sensitivity * trial.parameter_errors[c];
+      unit.choices.push_back(
+          {kLadder[c], trial.bytes[c], c == kNothing && trial.is_shown() ? trial.error_of_nothing : error});
+    }
+    keep_worthwhile(unit.choices);
   }
-  std::ranges::stable_sort(steps, std::greater<>(), &Step::error_per_byte);
-  return steps;
+  return units;
+}
+
+// Of each unit the choice with which all together leave the least error for at most `bytes` more than with the cheapest
+// of each: a knapsack of which one thing of each kind is taken. Bytes are counted in parts of all, rounded up.
+std::vector<std::size_t> best_choices(const std::vector<Unit>& units, std::size_t bytes) {
+  constexpr std::size_t kParts = 8192;
+  const auto more = [](const Unit& unit, std::size_t c) { return unit.choices[c].bytes - unit.choices[0].bytes; };
+  std::size_t most = 0;
+  for (const Unit& unit : units) most += more(unit, unit.choices.size() - 1);
+  std::vector<std::size_t> chosen(units.size());
+  if (bytes >= most) {
+    for (std::size_t u = 0; u < units.size(); ++u) chosen[u] = units[u].choices.size() - 1;
+    return chosen;
+  }
+  const std::size_t part = bytes / kParts + 1;
+  const std::size_t room = bytes / part;
+  std::vector<double> least(room + 1, 0); // error of the units so far in so many parts
+  std::vector<std::vector<std::uint8_t>> choice_in(units.size());
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    std::vector<double> with_unit(room + 1, std::numeric_limits<double>::infinity());
+    choice_in[u].resize(room + 1);
+    for (std::size_t c = 0; c < units[u].choices.size(); ++c) {
+      const std::size_t parts = (more(units[u], c) + part - 1) / part;
+      for (std::size_t r = parts; r <= room; ++r) {
+        const double error = least[r - parts] + units[u].choices[c].error;
+        if (error >= with_unit[r]) continue;
+        with_unit[r] = error;
+        choice_in[u][r] = static_cast<std::uint8_t>(c);
+      }
+    }
+    least = std::move(with_unit);
+  }
+  std::size_t left = room;
+  for (std::size_t u = units.size(); u-- > 0;) {
+    chosen[u] = choice_in[u][left];
+    left -= (more(units[u], chosen[u]) + part - 1) / part;
+  }
+  return chosen;
 }
 
 } // namespace
 
 struct RateControl::Units {
   std::vector<Unit> units; // nothing is chosen
-  std::vector<Step> steps;
   std::size_t layers = 0;
   std::size_t other_bytes = 0;
   std::size_t drawn_values = 0; // that errors are sums over
@@ -243,27 +310,22 @@ struct RateControl::Units {
     return sum;
   }
 
-  // Each unit begins with its cheapest choice. A step that does not fit ends its unit; those of others may still fit.
   RateChoice choose(std::size_t bytes) const {
-    std::vector<std::size_t> chosen(units.size(), 0);
+    const std::size_t fewest = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
+    const std::vector<std::size_t> chosen = best_choices(units, bytes > fewest ? bytes - fewest : 0);
     RateChoice result;
-    result.bytes = bytes_with([](const Unit& unit) -> const Choice& { return unit.choices.front(); });
+    result.bytes = other_bytes;
+    result.fields.resize(layers);
     double error = 0;
-    for (const Unit& unit : units) error += unit.choices.front().error;
-    for (const Step& step : steps) {
-      const Choice& before = units[step.unit].choices[step.to - 1];
-      const Choice& after = units[step.unit].choices[step.to];
-      if (chosen[step.unit] + 1 != step.to || result.bytes + after.bytes - before.bytes > bytes) continue;
-      chosen[step.unit] = step.to;
-      result.bytes += after.bytes - before.bytes;
-      error += after.error - before.error;
+    for (std::size_t u = 0; u < units.size(); ++u) {
+      const Choice& choice = units[u].choices[chosen[u]];
+      result.bytes += choice.bytes;
+      result.fields[units[u].layer].push_back(choice.rounding);
+      error += choice.error;
     }
     constexpr double kMostDecibels = 100;
     const double mean = error / static_cast<double>(std::max<std::size_t>(1, drawn_values));
     result.picture_psnr = mean > 0 ? std::min(kMostDecibels, 10 * std::log10(kPeak * kPeak / mean)) : kMostDecibels;
-    result.fields.resize(layers);
-    for (std::size_t u = 0; u < units.size(); ++u)
-      result.fields[units[u].layer].push_back(units[u].choices[chosen[u]].rounding);
     return result;
   }
 };
@@ -275,14 +337,15 @@ RateControl::RateControl(const clip::Clip& clip, std::size_t usual_bytes, Progre
   made->layers = clip.layers.size();
   made->other_bytes = usual_bytes;
   made->drawn_values = pictures.drawn_values();
+  std::vector<Trial> trials;
   for (std::size_t l = 0; l < clip.layers.size(); ++l) {
     const fields::Field& field = clip.layers[l].field;
     for (const std::size_t bytes : clip::rounded(field, clip::usual_rounding(field.config)).level_bytes)
       made->other_bytes -= bytes;
-    add_units(clip, l, pictures, made->units, progress);
+    try_layer(clip, l, pictures, trials, progress);
     progress.advance(l + 1, clip.layers[l].name);
   }
-  made->steps = steps_of(made->units);
+  made->units = units_of(trials);
   units_ = std::move(made);
 }
 

@@ -19,9 +19,9 @@ struct RateChoice {
 };
 
 /// Bits go where they lower the error most: levels are rounded one at a time, the clip is drawn with each (two
-/// instants, the capture's camera and one 25 degrees beside it), and the steps of all levels are taken in the order of
-/// error per byte. What is no level (motion, networks, occupancy) costs what it costs. The same clip gives the same
-/// choices. Thread-safe.
+/// instants, the capture's camera and one 25 degrees beside it), and of all levels those steps are taken that leave the
+/// least error together. What is no level (motion, networks, occupancy) costs what it costs. The same clip gives the
+/// same choices. Thread-safe.
 class RateControl {
 public:
   /// Draws. `usual_bytes`: what the file takes as write_clip stores it unasked. Throws Error(kInterrupted).

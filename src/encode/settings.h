@@ -26,10 +26,11 @@ struct TrackingSettings {
   tracking::DeformingTrackerConfig deforming;
 };
 
-/// The trainer's rays are those of each layer; 0: its share of the budget.
+/// The trainer's rays are those of each layer; 0: its share of the budget. Tables end as a file stores them.
 inline fields::TrainerConfig trainer_within_budget() {
   fields::TrainerConfig trainer;
   trainer.rays = 0;
+  trainer.quantisation.begin = 0.75;
   return trainer;
 }
 

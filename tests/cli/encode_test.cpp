@@ -175,6 +175,18 @@ TEST_F(Encode, FilesTakeTheBytesThatAreAskedFor) {
   EXPECT_EQ(warnings.find("--kb-per-frame"), std::string::npos) << warnings;
   EXPECT_NEAR(kb_per_frame("100000", warnings), most, 0.01 * most);
   EXPECT_NE(warnings.find("is more than the clip can use"), std::string::npos) << warnings;
+
+  ASSERT_EQ(encode({path("usual.mkv")}).code, 0);
+  const double usual = static_cast<double>(fs::file_size(path("usual.mkv"))) / 4000;
+  EXPECT_LT(usual, most) << "a size leaves more than the usual steps, if there is room";
+  for (const double share : {0.3, 0.5, 0.7, 0.9}) {
+    const double wanted = fewest + share * (usual - fewest);
+    const Said cut = run_kinora(folder_, {"cut", path("usual.mkv"), path("small.mkv"), "--overwrite", "--kb-per-frame",
+                                          std::to_string(wanted)});
+    ASSERT_EQ(cut.code, 0) << cut.err;
+    EXPECT_NEAR(static_cast<double>(fs::file_size(path("small.mkv"))) / 4000, wanted, 0.05 * wanted) << share;
+    EXPECT_EQ(cut.err.find("--kb-per-frame"), std::string::npos) << cut.err;
+  }
 }
 
 TEST_F(Encode, AnotherSeedTrainsOtherFields) {

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "clip/payloads/field_codec.h"
+#include "clip/payloads/touched_entries.h"
 #include "core/statistics.h"
 #include "encode/motion_smoothing.h"
 #include "sheet_astray.h"
@@ -84,6 +86,24 @@ TEST(LayerTraining, LeavesHowWellCamerasSawEachSide) {
   }
   EXPECT_GT(front, fields::Confidence::kMax / 2);
   EXPECT_EQ(back, 0);
+}
+
+TEST(LayerTraining, LeavesTablesThatAFileStoresAsTheyAre) {
+  const Performance performance;
+  const fields::Field field = trained(performance, tracked_sheet(performance), kFewRays).layer.field;
+  const fields::Field stored = clip::quantised(field);
+  const auto levels = fields::grid_levels(field.config);
+  const auto touched = clip::touched_entries(field.config, field.occupancy);
+  std::size_t count = 0;
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    for (const std::uint32_t entry : touched[l]) {
+      for (std::size_t f = 0; f < fields::FieldConfig::kFeatures; ++f, ++count) {
+        const std::size_t i = (std::size_t{levels[l].offset} + entry) * fields::FieldConfig::kFeatures + f;
+        ASSERT_EQ(stored.table[i], field.table[i]) << l;
+      }
+    }
+  }
+  EXPECT_GT(count, 0U);
 }
 
 TEST(LayerTraining, AnotherSeedLeavesOtherParametersAndTheSameTheSame) {

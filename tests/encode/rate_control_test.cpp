@@ -53,6 +53,19 @@ protected:
     }
     return 10 * std::log10(255 * 255 * count / error);
   }
+  /// A wavy ball before a camera that stands still.
+  static clip::Clip painted() {
+    clip::Clip clip = clip::testing::sample_clip(1, 3, false);
+    clip.layers.resize(1);
+    clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
+    const auto shape = [](const Eigen::Vector3d& p) {
+      const Eigen::Vector3d waves = (40 * p).array().sin();
+      return fields::testing::Paint{p.norm() - 0.3, (0.5 + 0.3 * waves.array()).matrix()};
+    };
+    clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, shape, 1);
+    clip.layers[0].confidence.reset();
+    return clip;
+  }
   container::testing::TemporaryFolder folder_;
   Progress silent_;
 };
@@ -79,6 +92,33 @@ TEST_F(RateControlTest, FilesTakeWhatTheyMayAndMoreIsBetter) {
   }
 }
 
+// Finer steps lose nothing of it; coarser ones do.
+TEST_F(RateControlTest, AClipOfCoarseStepsTakesWhatItMayToo) {
+  clip::Clip clip = load();
+  for (clip::Layer& layer : clip.layers) {
+    clip::FieldRounding rounding = clip::usual_rounding(layer.field.config);
+    for (clip::Rounding& level : rounding) level = {level.steps_per_rms / 2, level.up_from, true};
+    layer.field = clip::rounded(layer.field, rounding).field;
+  }
+  const std::size_t usual = stored(clip);
+  EXPECT_EQ(error_of(clip), 0);
+  const RateControl control(clip, usual, silent_);
+  EXPECT_NEAR(static_cast<double>(control.most_bytes()), static_cast<double>(usual),
+              0.002 * static_cast<double>(usual));
+  const auto fewest = static_cast<double>(control.fewest_bytes());
+  const auto most = static_cast<double>(control.most_bytes());
+  double last_error = HUGE_VAL;
+  for (const double share : {0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const double wanted = fewest + share * (most - fewest);
+    const RateChoice choice = control.for_bytes(static_cast<std::size_t>(wanted));
+    EXPECT_NEAR(static_cast<double>(stored(clip, {choice.fields})), wanted, 0.05 * wanted) << share;
+    const double error = error_of(clip);
+    EXPECT_LT(error, last_error) << share;
+    last_error = error;
+  }
+  EXPECT_EQ(last_error, 0);
+}
+
 TEST_F(RateControlTest, TakesTheCheapestWhereTheBytesAreTooFew) {
   const clip::Clip clip = load();
   const RateControl control(clip, stored(clip), silent_);
@@ -89,15 +129,7 @@ TEST_F(RateControlTest, TakesTheCheapestWhereTheBytesAreTooFew) {
 
 // The estimate takes errors to grow with those of one rounding.
 TEST_F(RateControlTest, PicturesAreAsGoodAsIsEstimated) {
-  clip::Clip clip = clip::testing::sample_clip(1, 3, false);
-  clip.layers.resize(1);
-  clip.camera_to_world = {SE3(Eigen::Translation3d(0, 0, -1.2))};
-  const auto shape = [](const Eigen::Vector3d& p) {
-    const Eigen::Vector3d waves = (40 * p).array().sin();
-    return fields::testing::Paint{p.norm() - 0.3, (0.5 + 0.3 * waves.array()).matrix()};
-  };
-  clip.layers[0].field = fields::testing::painted_field({{-0.5, -0.5, -0.5}, 1}, shape, 1);
-  clip.layers[0].confidence.reset();
+  const clip::Clip clip = painted();
   const RateControl control(clip, stored(clip), silent_);
   const auto fewest = static_cast<double>(control.fewest_bytes());
   const auto most = static_cast<double>(control.most_bytes());
@@ -107,6 +139,25 @@ TEST_F(RateControlTest, PicturesAreAsGoodAsIsEstimated) {
     stored(clip, {choice.fields});
     EXPECT_NEAR(picture_psnr(clip, clip::read_clip(folder_ / "a.mkv")), choice.picture_psnr, 3) << share;
   }
+}
+
+TEST_F(RateControlTest, WhatNoPictureShowsIsRoundedAsWhatTheyShow) {
+  clip::Clip clip = painted();
+  clip.layers.push_back(clip.layers[0]);
+  clip.layers[1].name = "behind the camera";
+  clip.layers[1].field.config.box.origin.z() -= 100;
+  const RateControl control(clip, stored(clip), silent_);
+  const std::size_t middle = (control.fewest_bytes() + control.most_bytes()) / 2;
+  const std::vector<clip::FieldRounding> chosen = control.for_bytes(middle).fields;
+  const auto error_of_layer = [&](std::size_t l) {
+    const fields::Field& field = clip.layers[l].field;
+    const fields::Field rounded = clip::rounded(field, chosen.at(l)).field;
+    double error = 0;
+    for (std::size_t i = 0; i < field.table.size(); ++i) error += std::pow(field.table[i] - rounded.table[i], 2);
+    return error;
+  };
+  EXPECT_GT(error_of_layer(0), 0);
+  EXPECT_LT(error_of_layer(1), 4 * error_of_layer(0));
 }
 
 TEST_F(RateControlTest, ChoosesTheSameAgain) {

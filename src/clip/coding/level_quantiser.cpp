@@ -43,13 +43,12 @@ Spread spread_of(std::span<const float> values) {
   return spread;
 }
 
-int choose_exponent(const Spread& spread, double steps_per_rms) {
+int choose_exponent(const Spread& spread, const Rounding& rounding) {
   const auto fits = [&](int exponent) { return spread.largest <= std::ldexp(kLargestInteger, exponent); };
-  // Values that were quantised before lie on a coarse lattice; their own root mean square must not move it.
+  // Values that were quantised before, or while they were trained, lie on a coarse lattice.
   const int lattice = spread.finest_bit;
-  if (lattice >= kMinExponent && fits(lattice) && spread.rms <= std::ldexp(4.0 * steps_per_rms, lattice))
-    return lattice;
-  int exponent = std::clamp(std::ilogb(spread.rms / steps_per_rms), kMinExponent, kMaxExponent);
+  if (!rounding.anew && lattice >= kMinExponent && fits(lattice)) return lattice;
+  int exponent = std::clamp(std::ilogb(spread.rms / rounding.steps_per_rms), kMinExponent, kMaxExponent);
   while (!fits(exponent)) ++exponent;
   return exponent;
 }
@@ -74,7 +73,7 @@ QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding)
   level.values.resize(values.size());
   const Spread spread = values.empty() ? Spread{} : spread_of(values);
   if (spread.largest == 0 || rounding.steps_per_rms == 0) return level;
-  level.exponent = choose_exponent(spread, rounding.steps_per_rms);
+  level.exponent = choose_exponent(spread, rounding);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double steps = std::ldexp(static_cast<double>(values[i]), -level.exponent);
     const double size = std::floor(std::abs(steps) + 1 - rounding.up_from);

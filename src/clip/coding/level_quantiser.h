@@ -19,11 +19,13 @@ inline constexpr int kMaxExponent = 40;
 struct Rounding {
   double steps_per_rms; ///< the root mean square of the values is so many steps, or less than twice as many; 0: all 0
   double up_from = 0.5; ///< what is left of a step that counts as one more: above a half, small values cost less
+  bool anew = false;    ///< also what is a multiple of a power of two already
 };
 
 /// Rounds to a multiple of a power of two that depends on the values alone; where some values are 1000 times as large
 /// as the root mean square, by larger steps than `rounding` says. |error| ≤ step · up_from. Values that already are
-/// such multiples stay as they are: quantise(dequantise(q)) = q. Thread-safe. Throws Error(kFailure) if a value is not
+/// 16-bit multiples of one stay as they are, unless they are to be rounded anew: quantise(dequantise(q)) = q.
+/// Thread-safe. Throws Error(kFailure) if a value is not
 /// finite or larger than 2^54.
 QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding);
 

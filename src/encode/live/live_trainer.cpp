@@ -121,6 +121,7 @@ void LiveTrainer::train_layer(int label, std::size_t rays, const LiveSnapshot& s
   next.trainer.rays = progress.cancelled() ? std::min(rays, config_.first_rays) : rays;
   next.trainer.seed += rounds_;
   next.trainer.max_log2_table_size = 0; // tables stay as they are
+  next.trainer.quantisation = {};       // and the next round goes on from them
   next.consistency = fields::measure_view_consistency(observations);
   fields::adapt_to(next.consistency, settings_.trainer, next.trainer);
   next.trainer.carve_free_space = false; // it is slow, and a later round may see otherwise

@@ -99,6 +99,7 @@ GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& 
   if (validation_frames.empty()) return trial;
   const PixelStore part = layer.pixels.thinned(validation_frames, kTrialPixels);
   TrainerConfig shorter = trainer;
+  shorter.quantisation = {};
   shorter.rays = std::max(kMinRays, static_cast<std::size_t>(kShareOfRays * static_cast<double>(trainer.rays)));
   for (auto [geometry, error] :
        {std::pair(Geometry::kDensity, &trial.density), std::pair(Geometry::kSignedDistance, &trial.signed_distance)}) {

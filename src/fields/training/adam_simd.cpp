@@ -58,19 +58,48 @@ private:
   hn::Vec<D> rate_, epsilon_, fresh1_, beta2_, fresh2_;
 };
 
+/// A vector of values as multiples of a step.
+template <class D> class Rounding {
+public:
+  HWY_INLINE explicit Rounding(const Quantiser& quantiser)
+      : step_(hn::Set(D(), quantiser.step)), inverse_(hn::Set(D(), 1 / quantiser.step)),
+        carry_(hn::Set(D(), 1 - quantiser.up_from)) {}
+
+  HWY_INLINE void round(const float* values, float* quantised) const {
+    const D d;
+    const auto value = hn::LoadU(d, values);
+    const auto steps = hn::Floor(hn::MulAdd(hn::Abs(value), inverse_, carry_));
+    const auto size = hn::Mul(hn::Min(steps, hn::Set(d, 32767.0F)), step_);
+    hn::StoreU(hn::CopySign(size, value), d, quantised);
+  }
+
+private:
+  hn::Vec<D> step_, inverse_, carry_;
+};
+
+using Narrow = hn::CappedTag<float, kF>;
+
+void quantise(const Quantiser& quantiser, std::size_t count, const float* values, float* quantised) {
+  const Rounding<Narrow> rounding(quantiser);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(Narrow())) rounding.round(values + i, quantised + i);
+}
+
 void adam(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
-          float* second_moments) {
+          float* second_moments, const QuantisedCopy* copy) {
   using Wide = hn::CappedTag<float, 16>;
-  using Narrow = hn::CappedTag<float, kF>;
   constexpr std::size_t kLanes = hn::MaxLanes(Wide());
   const Adam<Wide> wide(step);
   const Adam<Narrow> narrow(step);
+  const Quantiser quantiser = copy != nullptr ? copy->quantiser : Quantiser{};
+  const Rounding<Wide> wide_rounding(quantiser);
+  const Rounding<Narrow> narrow_rounding(quantiser);
   const auto touched = [&](std::size_t i) HWY_ATTR {
     return !hn::AllTrue(Wide(), hn::Eq(hn::LoadU(Wide(), gradients + i), hn::Zero(Wide())));
   };
   const auto update_narrow = [&](std::size_t begin, std::size_t end) HWY_ATTR {
     for (std::size_t i = begin; i < end; i += hn::Lanes(Narrow())) {
       narrow.update(parameters + i, gradients + i, first_moments + i, second_moments + i);
+      if (copy != nullptr) narrow_rounding.round(parameters + i, copy->values + i);
     }
   };
   // Whole lines of memory: a level may begin in the middle of one.
@@ -100,6 +129,7 @@ void adam(const AdamStep& step, std::size_t count, float* parameters, float* gra
     for (; which != 0; which &= which - 1) {
       const std::size_t i = begin + static_cast<std::size_t>(std::countr_zero(which)) * kLanes;
       wide.update(parameters + i, gradients + i, first_moments + i, second_moments + i);
+      if (copy != nullptr) wide_rounding.round(parameters + i, copy->values + i);
     }
   }
   update_narrow(head + (count - head) / kLanes * kLanes, count);
@@ -111,11 +141,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kinora::fields::kernels {
 
+HWY_EXPORT(quantise);
 HWY_EXPORT(adam);
 
+void quantise(const Quantiser& quantiser, std::size_t count, const float* values, float* quantised) {
+  HWY_DYNAMIC_DISPATCH(quantise)(quantiser, count, values, quantised);
+}
+
 void adam(const AdamStep& step, std::size_t count, float* parameters, float* gradients, float* first_moments,
-          float* second_moments) {
-  HWY_DYNAMIC_DISPATCH(adam)(step, count, parameters, gradients, first_moments, second_moments);
+          float* second_moments, const QuantisedCopy* copy) {
+  HWY_DYNAMIC_DISPATCH(adam)(step, count, parameters, gradients, first_moments, second_moments, copy);
 }
 
 } // namespace kinora::fields::kernels

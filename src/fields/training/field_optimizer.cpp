@@ -1,5 +1,6 @@
 #include "fields/training/field_optimizer.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -101,6 +102,13 @@ void adam_scalar(const kernels::AdamStep& step, float gradient, float& parameter
   parameter -= step.learning_rate * moments[0] / (std::sqrt(moments[1]) + step.epsilon);
 }
 
+/// Within what kernels::Quantiser takes; the least for 0.
+float power_of_two_below(double size) {
+  constexpr int kLargest = 100;
+  const int exponent = size > 0 ? std::clamp(std::ilogb(size), -kLargest, kLargest) : -kLargest;
+  return std::ldexp(1.0F, exponent);
+}
+
 // Of the own rays.
 void rotate_rows(const RayBatch& rays, bool back, float* rows) {
   for (const RayTarget& target : rays.targets) {
@@ -126,6 +134,8 @@ struct FieldOptimizer::Implementation {
   float min_gradient;
   std::vector<GridLevel> levels;
   Moments table, density_net, color_net;
+  LargeBuffer<float> latent;                  // tables before they are rounded
+  std::vector<kernels::Quantiser> quantisers; // of each level; none: tables are not rounded
   std::vector<ChunkWork> work;
   std::size_t drawn = 0; // chunks whose rays wait for the next step
   bool refined = false;  // whether these are to be refined
@@ -145,6 +155,12 @@ struct FieldOptimizer::Implementation {
   void scatter(std::size_t level, std::size_t chunks);
   StepResult accumulate(const std::function<void(std::size_t)>& after_level, const StepRays& next);
   void merge(std::size_t chunks, StepResult& result);
+
+  void update_level(const kernels::AdamStep& step, std::size_t level);
+  double root_mean_square(std::size_t level) const;
+  /// Of a level's parameters in the table.
+  std::size_t begin_of(std::size_t level) const { return static_cast<std::size_t>(levels[level].offset) * kF; }
+  std::size_t size_of(std::size_t level) const { return static_cast<std::size_t>(levels[level].size) * kF; }
 
   void prepare(const StepRays& rays) {
     drawn = rays.chunks;
@@ -312,6 +328,32 @@ void FieldOptimizer::Implementation::merge(std::size_t chunks, StepResult& resul
   for (const double sum : colors.target) result.color_variance -= (sum / foreground) * (sum / foreground);
 }
 
+void FieldOptimizer::Implementation::update_level(const kernels::AdamStep& step, std::size_t level) {
+  const std::size_t at = begin_of(level);
+  float* gradient = table.gradient.data() + at;
+  float* first = table.first.data() + at;
+  float* second = table.second.data() + at;
+  if (quantisers.empty()) return kernels::adam(step, size_of(level), field.table.data() + at, gradient, first, second);
+  const kernels::QuantisedCopy seen{quantisers[level], field.table.data() + at};
+  kernels::adam(step, size_of(level), latent.data() + at, gradient, first, second, &seen);
+}
+
+// Of the parameters that a gradient has reached; of all, where none was.
+double FieldOptimizer::Implementation::root_mean_square(std::size_t level) const {
+  double sum = 0;
+  double sum_of_reached = 0;
+  std::size_t reached = 0;
+  for (std::size_t i = begin_of(level); i < begin_of(level) + size_of(level); ++i) {
+    const double square = static_cast<double>(field.table[i]) * static_cast<double>(field.table[i]);
+    sum += square;
+    if (table.second[i] == 0) continue;
+    sum_of_reached += square;
+    ++reached;
+  }
+  return std::sqrt(reached > 0 ? sum_of_reached / static_cast<double>(reached)
+                               : sum / static_cast<double>(size_of(level)));
+}
+
 FieldOptimizer::FieldOptimizer(Field& field, const LossWeights& weights, float min_gradient)
     : implementation_(std::make_unique<Implementation>(field, weights, min_gradient)) {}
 FieldOptimizer::FieldOptimizer(Field& field, const FieldOptimizer& before) {
@@ -326,6 +368,22 @@ FieldOptimizer::FieldOptimizer(Field& field, const FieldOptimizer& before) {
   s.steps = old.steps;
 }
 FieldOptimizer::~FieldOptimizer() = default;
+
+void FieldOptimizer::begin_quantisation(const TableQuantisation& quantisation) {
+  Implementation& s = *implementation_;
+  s.latent = s.field.table;
+  s.quantisers.clear();
+  for (std::size_t l = 0; l < s.levels.size(); ++l) {
+    const bool is_coarse = 2 * l < s.levels.size();
+    const double steps = is_coarse ? quantisation.coarse_steps : quantisation.fine_steps;
+    const kernels::Quantiser& quantiser = s.quantisers.emplace_back(kernels::Quantiser{
+        power_of_two_below(s.root_mean_square(l) / steps), static_cast<float>(quantisation.up_from)});
+    const std::size_t at = s.begin_of(l);
+    kernels::quantise(quantiser, s.size_of(l), s.latent.data() + at, s.field.table.data() + at);
+  }
+}
+
+bool FieldOptimizer::is_quantising() const { return !implementation_->quantisers.empty(); }
 
 double FieldOptimizer::table_fill() const {
   const GridLevel& finest = implementation_->levels.back();
@@ -350,11 +408,7 @@ StepResult FieldOptimizer::step(const LearningRates& rates, const StepRays& next
   const double correction = std::sqrt(1 - std::pow(static_cast<double>(adam_step.beta2), s.steps)) /
                             (1 - std::pow(static_cast<double>(adam_step.beta1), s.steps));
   adam_step.learning_rate = static_cast<float>(rates.table * correction);
-  const auto update_level = [&s, adam_step](std::size_t l) {
-    const std::size_t at = static_cast<std::size_t>(s.levels[l].offset) * kF;
-    kernels::adam(adam_step, std::size_t{s.levels[l].size} * kF, s.field.table.data() + at,
-                  s.table.gradient.data() + at, s.table.first.data() + at, s.table.second.data() + at);
-  };
+  const auto update_level = [&s, adam_step](std::size_t l) { s.update_level(adam_step, l); };
   const StepResult result = s.accumulate(update_level, next);
   adam_step.learning_rate = static_cast<float>(rates.nets * correction);
   if (s.field.config.geometry == Geometry::kSignedDistance) {

@@ -15,6 +15,16 @@ struct LearningRates {
   float nets = 0.005F;
 };
 
+/// Tables rounded while they are trained: what the forward pass reads are multiples of a power of two, one for each
+/// level, as a file stores them, so that the rest of the field learns to live with that and steps may be coarser than
+/// those of a field that is rounded afterwards.
+struct TableQuantisation {
+  double begin = 1;        ///< share of the training from which on; 1: never
+  double coarse_steps = 2; ///< in the root mean square of a level of the coarser half, or less than twice as many
+  double fine_steps = 0.5; ///< of the finer half
+  double up_from = 0.55;   ///< what is left of a step that counts as one more: above a half, small values cost less
+};
+
 struct StepResult {
   double loss = 0;           ///< mean over the rays
   double opacity = 0;        ///< mean over the layer's own rays; near zero for a field that died
@@ -41,7 +51,7 @@ public:
   /// Samples whose gradients are all below `min_gradient` shares of a ray's weight in the mean are left out of the
   /// backward pass: those that light does not reach, and empty ones. 0: none are.
   FieldOptimizer(Field& field, const LossWeights& weights, float min_gradient = 0);
-  /// Goes on where `before` is, with its field's tables doubled in `field`; has no rays.
+  /// Goes on where `before` is, with its field's tables doubled in `field`; has no rays. `before` must not quantise.
   FieldOptimizer(Field& field, const FieldOptimizer& before);
   ~FieldOptimizer();
 
@@ -50,6 +60,11 @@ public:
   /// Takes a step with the rays that were drawn last, and draws `next`: there is always something to draw while the
   /// levels of the grid, few and of unequal cost, are worked on.
   StepResult step(const LearningRates& rates, const StepRays& next);
+
+  /// From now on the field's tables are rounded, with the steps that their values call for now; steps move values
+  /// behind them that are not (a straight-through estimator).
+  void begin_quantisation(const TableQuantisation& quantisation);
+  bool is_quantising() const;
 
   /// The loss of a step and its gradient, without changing the field: what tests compare with the reference.
   /// Rays that were drawn for the next step are lost.

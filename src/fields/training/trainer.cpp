@@ -81,10 +81,13 @@ public:
   std::size_t rays() const { return rays_; }
   const Field& field() const { return *field_; }
   double table_fill() const { return optimizer_->table_fill(); }
+  bool is_quantising() const { return optimizer_->is_quantising(); }
 
   /// `cooling`: progress of a training within this one, which ends with small steps, too.
   StepResult step(Progress& progress, TrainingReport& report, double cooling = 0) {
     const double share = share_done();
+    if (share >= trainer_->quantisation.begin && !is_quantising())
+      optimizer_->begin_quantisation(trainer_->quantisation);
     rays_ += chunks_of_step(*trainer_, maturity()) * TrainerConfig::kRaysPerChunk;
     ++steps_;
     const StepResult taken = optimizer_->step(scheduled(*trainer_, std::max(share, cooling), rate_), next_rays());
@@ -236,7 +239,7 @@ Field train_field(const LayerObservations& layer, const FieldConfig& config, con
   std::size_t next_trial = trainer.rays / 4;
   for (std::size_t step = 1; training_run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
     progress.check();
-    if (growing && training_run.rays() >= next_trial) {
+    if (growing && training_run.rays() >= next_trial && !training_run.is_quantising()) {
       growing =
           may_grow_tables(training_run, sampler, trainer) && try_table_growth(training_run, trainer, progress, result);
       next_trial += trainer.rays / 8;

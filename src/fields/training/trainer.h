@@ -38,8 +38,9 @@ struct TrainerConfig {
   float min_gradient = 1e-4F;   ///< FieldOptimizer
   int max_log2_table_size = 17; ///< up to which tables may grow (TableGrowthTrial)
   GrowthConfig table_growth;
-  bool carve_free_space = true; ///< in the end; finds nothing where all views agree
-  bool exact_depth = false;     ///< later steps sample closely about measured depths; else these are refined first
+  TableQuantisation quantisation; ///< while it goes on no tables grow
+  bool carve_free_space = true;   ///< in the end; finds nothing where all views agree
+  bool exact_depth = false;       ///< later steps sample closely about measured depths; else these are refined first
 
   static constexpr int kRaysPerChunk = 128;
 };

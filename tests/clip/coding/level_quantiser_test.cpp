@@ -81,6 +81,14 @@ TEST(LevelQuantiser, LeavesQuantisedValuesAsTheyAre) {
   }
 }
 
+TEST(LevelQuantiser, LeavesAnyMultiplesOf16BitsUnlessAnew) {
+  const std::vector<float> values = dequantised(quantise(gaussian(5, 3000, 0.2), {200}));
+  EXPECT_EQ(dequantised(quantise(values, {0.5})), values);
+  const QuantisedLevel anew = quantise(values, {0.5, 0.5, true});
+  EXPECT_NE(dequantised(anew), values);
+  EXPECT_LE(rms(values) / std::ldexp(1.0, anew.exponent), 1);
+}
+
 TEST(LevelQuantiser, KeepsZerosAndNothingAtAll) {
   EXPECT_EQ(dequantised(quantise_16(std::vector<float>(10))), std::vector<float>(10));
   EXPECT_TRUE(quantise_16({}).values.empty());

@@ -101,6 +101,31 @@ TEST_P(EveryInstructionSet, AdamEqualsReference) {
   }
 }
 
+/// kernels::quantise for one value.
+double quantised(double value, double step, double up_from) {
+  const double steps = std::min(std::floor(std::abs(value) / step + 1 - up_from), 32767.0);
+  return std::copysign(steps * step, value);
+}
+
+TEST_P(EveryInstructionSet, AdamKeepsTheQuantisedCopy) {
+  constexpr std::size_t kCount = 91 * FieldConfig::kFeatures;
+  constexpr float kStep = 0.25F;
+  constexpr float kUpFrom = 0.6F;
+  Random random(11);
+  LargeBuffer<float> p(kCount), g(kCount), m(kCount), v(kCount, 1.0F), copy(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    p[i] = static_cast<float>(random.normal());
+    g[i] = (i / 8) % 3 == 0 ? static_cast<float>(random.normal()) : 0.0F;
+  }
+  p[3] = 1e6F;
+  const kernels::QuantisedCopy seen{{kStep, kUpFrom}, copy.data()};
+  kernels::quantise(seen.quantiser, kCount, p.data(), copy.data());
+  const LargeBuffer<float> before = copy;
+  kernels::adam({1.0F}, kCount, p.data(), g.data(), m.data(), v.data(), &seen);
+  EXPECT_NE(copy, before);
+  for (std::size_t i = 0; i < kCount; ++i) ASSERT_FLOAT_EQ(copy[i], quantised(p[i], kStep, kUpFrom)) << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(Sets, EveryInstructionSet, every_instruction_set(), name_of_set);
 
 TEST(FieldOptimizer, TakesTheSameStepsOnAnyNumberOfThreads) {
@@ -120,6 +145,59 @@ TEST(FieldOptimizer, TakesTheSameStepsOnAnyNumberOfThreads) {
   set_thread_count(0);
   EXPECT_EQ(tables[0], tables[1]);
   EXPECT_EQ(tables[0], tables[2]);
+}
+
+// Of steps that are much too small for any parameter to come to another multiple at once.
+TEST(FieldOptimizer, MovesQuantisedTablesBySmallSteps) {
+  Field field = testing::random_field(5);
+  FieldOptimizer optimizer(field, {});
+  const auto train = [&optimizer](int steps, float rate) {
+    for (int step = 0; step < steps; ++step) optimizer.step({rate, 0}, kGivenRays);
+  };
+  optimizer.draw(kGivenRays);
+  train(1, 0);
+  const LargeBuffer<float> unrounded = field.table;
+  constexpr double kUpFrom = 0.6;
+  optimizer.begin_quantisation({0, 4, 0.5, kUpFrom});
+  const LargeBuffer<float> begun = field.table;
+  const std::vector<GridLevel> levels = grid_levels(field.config);
+  for (std::size_t l = 0; l < levels.size(); ++l) {
+    const std::size_t begin = std::size_t{levels[l].offset} * FieldConfig::kFeatures;
+    const std::size_t end = begin + std::size_t{levels[l].size} * FieldConfig::kFeatures;
+    float step = HUGE_VALF;
+    double sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (begun[i] != 0) step = std::min(step, std::abs(begun[i]));
+      sum += static_cast<double>(unrounded[i]) * static_cast<double>(unrounded[i]);
+    }
+    const double steps = std::sqrt(sum / static_cast<double>(end - begin)) / static_cast<double>(step);
+    const double wanted = 2 * l < levels.size() ? 4 : 0.5;
+    EXPECT_GT(steps, 0.9 * wanted) << l; // of the parameters that gradients reached: nearly all
+    EXPECT_LT(steps, 2.2 * wanted) << l;
+    for (std::size_t i = begin; i < end; ++i) ASSERT_FLOAT_EQ(begun[i], quantised(unrounded[i], step, kUpFrom)) << i;
+  }
+  train(1, 1e-4F);
+  const auto changed = [&] {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < begun.size(); ++i) count += field.table[i] != begun[i] ? 1 : 0;
+    return static_cast<double>(count) / static_cast<double>(begun.size());
+  };
+  EXPECT_LT(changed(), 0.01);
+  train(1000, 1e-4F);
+  EXPECT_GT(changed(), 0.05);
+}
+
+TEST(FieldOptimizer, TakesGradientsAtQuantisedTables) {
+  Field field = testing::random_field(5);
+  FieldOptimizer optimizer(field, {});
+  optimizer.begin_quantisation({0, 4, 4, 0.5});
+  FieldOptimizer::Gradient quantised_gradient;
+  optimizer.gradient(kGivenRays, quantised_gradient);
+  Field rounded = field;
+  FieldOptimizer::Gradient gradient;
+  FieldOptimizer(rounded, {}).gradient(kGivenRays, gradient);
+  EXPECT_EQ(quantised_gradient.table, gradient.table);
+  EXPECT_NE(field.table, testing::random_field(5).table);
 }
 
 TEST(FieldOptimizer, LeavesOutOnlyWhatDoesNotMatter) {

@@ -19,6 +19,7 @@ TEST_P(EitherGeometry, GivesTheSameBitsOnAnyNumberOfThreads) {
   config.geometry = GetParam();
   TrainerConfig trainer = short_training();
   trainer.rays = 40'000;
+  trainer.quantisation.begin = 0.5;
   Progress progress;
   std::vector<Field> fields;
   for (const int threads : {1, 2, 7}) {
