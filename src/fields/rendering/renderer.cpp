@@ -13,12 +13,13 @@
 
 namespace kinora::fields {
 
-DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph, std::optional<Confidence> confidence) {
+DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph, std::optional<Confidence> confidence,
+                             BrickDetail detail) {
   auto derived = std::make_shared<Derived>();
   derived->levels = grid_levels(field.config);
   derived->surface_matrix = surface_matrix(field);
   derived->vector_matrix = vector_matrix(field);
-  derived->bricks = DensityBricks(field);
+  derived->bricks = DensityBricks(field, detail);
   derived->proxy_mesh = ProxyMesh(derived->bricks, field.config.box);
   if (graph != nullptr) derived->proxy_mesh.bind_to(*graph);
   derived->field = std::move(field);
