@@ -75,6 +75,40 @@ export async function serveFaults(bytes) {
   return { address: `http://127.0.0.1:${server.address().port}`, stop, held };
 }
 
+/**
+ * A server with ranges that gives nothing from byte `from` up to byte `until` before it is let go. `asked`: where the
+ * requests began.
+ */
+export async function serveWithoutMiddle(bytes, from, until) {
+  const asked = [];
+  const held = [];
+  let free = false;
+  const open = { "Access-Control-Allow-Origin": "*", "Access-Control-Expose-Headers": "Content-Range" };
+  const server = http.createServer((request, response) => {
+    if (request.method === "OPTIONS") return response.writeHead(204, { ...open, "Access-Control-Allow-Headers": "Range" }).end();
+    const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(request.headers.range ?? "") ?? [];
+    const begin = Number(first ?? 0);
+    const end = last ? Number(last) + 1 : bytes.length;
+    asked.push(begin);
+    const range = first === undefined ? {} : { "Content-Range": `bytes ${begin}-${end - 1}/${bytes.length}` };
+    response.writeHead(first === undefined ? 200 : 206, { ...open, ...range, "Content-Length": end - begin });
+    const given = free || begin >= until ? end : Math.min(Math.max(from, begin), end);
+    response.write(bytes.subarray(begin, given));
+    if (given === end) response.end();
+    else held.push(() => response.end(bytes.subarray(given, end)));
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const letGo = () => {
+    free = true;
+    for (const go of held.splice(0)) go();
+  };
+  const stop = () => {
+    server.close();
+    server.closeAllConnections();
+  };
+  return { address: `http://127.0.0.1:${server.address().port}`, asked, letGo, stop };
+}
+
 /** The folder, also at without_ranges/, and, at page/, the page by nginx; null if there is none. */
 export async function serveByNginx(folder) {
   const program = ["/usr/sbin/nginx", "/usr/bin/nginx"].find(existsSync);

@@ -21,7 +21,7 @@ export class ClipSource {
   #until = Infinity; // bytes that are asked for
   #from = 0; // what is missing behind this comes before what is missing at all
   #asking: { from: number; cut: AbortController } | null = null; // the request that is being answered
-  #ranges = false; // its server gives them
+  #ranges: boolean | null = null; // its server gives them; null: it was not asked
   #index: Promise<Cues | null> | null = null;
   #sought: number | null = null; // seconds of the last seek
   #due: { from: number; until: number } | null = null; // bytes that are waited for after a seek
@@ -85,7 +85,7 @@ export class ClipSource {
   /** What is shown at that time is to come before what lies between, where server and file allow it. */
   async seek(seconds: number): Promise<void> {
     this.#sought = seconds;
-    if (!this.url || this.#size === null || this.#all || this.#fault) return;
+    if (!this.url || this.#size === null || this.#all || this.#fault || this.#ranges === false) return;
     const index = await (this.#index ??= this.#readIndex().catch(() => null));
     if (!index || this.#sought !== seconds || this.#all || this.#fault || this.signal.aborted) return;
     const { from, until } = index.placeOf(seconds);
@@ -144,11 +144,11 @@ export class ClipSource {
     const from = front.cues ?? Math.max(size - tailBytes, 0);
     if (from >= size || size - from > mostIndexBytes) return null;
     const answer = await fetch(this.url!, { signal: this.signal, headers: range(from, size) });
-    if (answer.status !== 206) {
+    this.#ranges = answer.status === 206;
+    if (!this.#ranges) {
       drop(answer);
       return null;
     }
-    this.#ranges = true;
     return Cues.read(new Uint8Array(await answer.arrayBuffer()), front);
   }
 
@@ -206,8 +206,9 @@ export class ClipSource {
 
   async #answered(from: number, until: number, signal: AbortSignal): Promise<void> {
     let answer: Response;
+    const asksForRange = from > 0 || until < Infinity;
     try {
-      const headers = from > 0 || until < Infinity ? range(from, until) : {};
+      const headers = asksForRange ? range(from, until) : {};
       answer = await fetch(this.url!, { signal, headers });
     } catch {
       if (this.bytes > 0) throw this.#broken();
@@ -225,7 +226,7 @@ export class ClipSource {
     }
     this.#size = sizeIn(answer);
     const part = answer.status === 206;
-    this.#ranges = part;
+    if (asksForRange) this.#ranges = part;
     if (!part) this.#until = Infinity; // a server without ranges gives all of it, again
     await this.#take(answer, part ? from : 0);
     if (this.#held.missing(from, Math.min(this.#size ?? 0, part ? until : Infinity))) throw this.#broken();
