@@ -15,8 +15,8 @@ namespace kinora::clip {
 struct Arrival {
   std::vector<std::string> missing; ///< as read_whole_parts says it
   std::size_t layers = 0;           ///< that the file says it has; the clip has those that have come
-  std::vector<double> times;        ///< seconds, of all frames that the file says it has; the clip's are the first of them
-  std::vector<bool> there;          ///< one for each: everything that moves and has come at all has come for it
+  std::vector<double> times; ///< seconds, of all frames that the file says it has; the clip's are the first of them
+  std::vector<bool> there;   ///< one for each: everything that moves and has come at all has come for it
 };
 
 /// As read_whole_parts (clip_io.h), of the bytes that have come, one piece behind the other: each but the first begins

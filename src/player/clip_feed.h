@@ -30,7 +30,8 @@ public:
   explicit ClipFeed(std::unique_ptr<container::ByteSource> source, MasterClock seconds = steady_clock());
 
   ClipSoFar newest() const;
-  /// Waits until there is something to show: a first look (Player::readiness()), or more. Throws what has prevented it, or Error(kInterrupted) once `stopped`.
+  /// Waits until there is something to show: a first look (Player::readiness()), or more. Throws what has prevented it,
+  /// or Error(kInterrupted) once `stopped`.
   ClipSoFar first(const std::function<bool()>& stopped) const;
 
 private:
@@ -50,9 +51,9 @@ private:
   std::vector<std::byte> bytes_;
   std::optional<Readiness> readiness_ = std::nullopt; ///< of what is to be seen
   std::size_t first_look_bytes_ = 0;                  ///< with which it is tried again
-  double looked_at_ = 0;        ///< time of the last try to make something ready
-  std::size_t ready_bytes_ = 0; ///< that were there then
-  std::string missing_;         ///< of what was made ready last
+  double looked_at_ = 0;                              ///< time of the last try to make something ready
+  std::size_t ready_bytes_ = 0;                       ///< that were there then
+  std::string missing_;                               ///< of what was made ready last
 
   mutable std::mutex mutex_; ///< of what follows
   ClipSoFar newest_;

@@ -118,7 +118,8 @@ TEST_F(ClipFeedTest, ShowsLayersBeforeTheFileIsWhole) {
 }
 
 TEST_F(ClipFeedTest, GivesAFirstLookOnceAllLayersHaveComeAndThenTheWhole) {
-  const auto feed = std::make_unique<ClipFeed>(std::make_unique<SlowSource>(shared_), [] { return 0.0; }); // no patience
+  const auto feed =
+      std::make_unique<ClipFeed>(std::make_unique<SlowSource>(shared_), [] { return 0.0; }); // no patience
   const std::size_t bytes = shared_->bytes.size();
   allow(bytes - 1);
   const ClipSoFar first = feed->first(never);

@@ -28,7 +28,8 @@ extern "C" {
 /// What is missing, or wrong; empty: nothing.
 const char* module_arrived_sentence() { return sentence.c_str(); }
 
-/// Number of frames that the file says it has; of each, unless the arrays are null, its seconds and whether it has come.
+/// Number of frames that the file says it has; of each, unless the arrays are null, its seconds and whether it has
+/// come.
 std::size_t module_arrived_frames(double* seconds, std::uint8_t* there) {
   if (seconds != nullptr) std::copy(arrived.times.begin(), arrived.times.end(), seconds);
   if (there != nullptr) std::copy(arrived.there.begin(), arrived.there.end(), there);
@@ -36,8 +37,8 @@ std::size_t module_arrived_frames(double* seconds, std::uint8_t* there) {
 }
 
 /// A KinoraPlayerStatus. `*player` is null if more has to come before anything can be shown; `*finished` 1 if nothing
-/// will follow these bytes. `all`: nothing follows them now. `first_look`: made ready as soon as can be, and to be opened
-/// again.
+/// will follow these bytes. `all`: nothing follows them now. `first_look`: made ready as soon as can be, and to be
+/// opened again.
 int module_open_arrived(const std::byte* bytes, std::size_t size, const char* name, int all, int first_look,
                         KinoraPlayer** player, std::int32_t* finished) {
   *player = nullptr;

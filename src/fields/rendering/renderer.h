@@ -24,8 +24,7 @@ public:
   /// `graph`: what moves the layer, if it deforms. `confidence`: of this field; without it nothing counts as seen.
   /// `detail`: with kHalf it is ready several times sooner, and surfaces lie less exactly.
   explicit DrawableField(Field field, const motion::DeformationGraph* graph = nullptr,
-                         std::optional<Confidence> confidence = std::nullopt,
-                         BrickDetail detail = BrickDetail::kWhole);
+                         std::optional<Confidence> confidence = std::nullopt, BrickDetail detail = BrickDetail::kWhole);
   const Field& field() const;
   struct Derived;
   const Derived& derived() const { return *derived_; }
