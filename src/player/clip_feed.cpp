@@ -84,9 +84,10 @@ void ClipFeed::read_to_end(const std::stop_token& stop) {
     source_->read(start, piece);
     bytes_.insert(bytes_.end(), piece.begin(), piece.end());
     const std::string come = fmt::format("{} % has come", 100 * bytes_.size() / source_->size());
-    if (readiness_ == std::nullopt && bytes_.size() >= first_look_bytes_) take_first_look(come);
+    if (bytes_.size() == source_->size()) continue; // a small file is ready soon
+    if (!readiness_ && bytes_.size() >= first_look_bytes_) take_first_look(come);
     const double patience = readiness_ == Readiness::kFirstLook ? kPatienceOfAFirstLook : kPatience;
-    if (bytes_.size() == source_->size() || seconds_() - looked_at_ < patience) continue;
+    if (seconds_() - looked_at_ < patience) continue;
     tell(false, come);
     make_ready();
   }

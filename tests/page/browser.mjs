@@ -39,7 +39,8 @@ export async function serve(kinora, folder) {
 /** A server that keeps what it says only in part. `bytes`: of a clip. */
 export async function serveFaults(bytes) {
   const open = { "Access-Control-Allow-Origin": "*" };
-  const held = { bytes: 0, letGo: null }; // of /head.mkv: what comes at once, and how the rest comes
+  // Of /head.mkv: what comes at once, and how the rest comes.
+  const held = { bytes: 0, waiting: [], letGo: () => held.waiting.splice(0).forEach((go) => go()) };
   const answers = {
     "/cut_off.mkv": (response) => {
       response.writeHead(200, { ...open, "Content-Length": bytes.length });
@@ -49,7 +50,7 @@ export async function serveFaults(bytes) {
     "/head.mkv": (response) => {
       response.writeHead(200, { ...open, "Content-Length": bytes.length });
       response.write(bytes.subarray(0, held.bytes));
-      held.letGo = () => response.end(bytes.subarray(held.bytes));
+      held.waiting.push(() => response.end(bytes.subarray(held.bytes)));
     },
     "/breaks.mkv": (response, range) => {
       const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(range ?? "bytes=0-");
