@@ -84,7 +84,7 @@ void ClipFeed::read_to_end(const std::stop_token& stop) {
     source_->read(start, piece);
     bytes_.insert(bytes_.end(), piece.begin(), piece.end());
     const std::string come = fmt::format("{} % has come", 100 * bytes_.size() / source_->size());
-    if (bytes_.size() == source_->size()) continue; // a small file is ready soon
+    if (bytes_.size() == source_->size()) continue; // whoever called makes it ready; what is small is ready soon
     if (!readiness_ && bytes_.size() >= first_look_bytes_) take_first_look(come);
     const double patience = readiness_ == Readiness::kFirstLook ? kPatienceOfAFirstLook : kPatience;
     if (seconds_() - looked_at_ < patience) continue;
