@@ -36,8 +36,9 @@ int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
 Player::Player(clip::Clip clip, Readiness readiness) : clip_(std::move(clip)), readiness_(readiness) {
   const auto detail = readiness == Readiness::kWhole ? fields::BrickDetail::kWhole : fields::BrickDetail::kHalf;
   for (const clip::Layer& layer : clip_.layers) {
-    drawables_.push_back(
-        std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence, detail));
+    const std::shared_ptr<const fields::Field> held_by_the_clip(std::shared_ptr<const void>(), &layer.field);
+    drawables_.push_back(std::make_unique<fields::DrawableField>(held_by_the_clip, layer.motion.graph().get(),
+                                                                 layer.confidence, detail));
     centres_.push_back(occupied_centre(layer.field));
     first_frames_.push_back(motion::first_frame_of(layer.motion, clip_.times.size()));
   }
