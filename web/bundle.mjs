@@ -1,7 +1,7 @@
 // Bundles src/ and what Emscripten made of web/module into one folder. usage: node bundle.mjs MODULE_FOLDER OUT
 import { build } from "esbuild";
 import { copyFile, mkdir, rm, writeFile, readdir, readFile } from "node:fs/promises";
-import { gzipSync } from "node:zlib";
+import { brotliCompressSync, gzipSync } from "node:zlib";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -32,12 +32,17 @@ await copyFile(path.join(moduleFolder, "kinora_module.wasm"), path.join(out, "ki
 await copyFile(path.join(web, "page/index.html"), path.join(out, "index.html"));
 
 // For servers that give what was compressed before.
-let [plain, packed] = [0, 0];
+const packers = { gz: (bytes) => gzipSync(bytes, { level: 9 }), br: (bytes) => brotliCompressSync(bytes) };
+const packed = { gz: 0, br: 0 };
+let plain = 0;
 for (const name of await readdir(out)) {
   const bytes = await readFile(path.join(out, name));
-  const small = gzipSync(bytes, { level: 9 });
-  await writeFile(path.join(out, `${name}.gz`), small);
   plain += bytes.length;
-  packed += small.length;
+  for (const [ending, pack] of Object.entries(packers)) {
+    const small = pack(bytes);
+    await writeFile(path.join(out, `${name}.${ending}`), small);
+    packed[ending] += small.length;
+  }
 }
-console.log(`page: ${out}: ${Math.ceil(plain / 1e3)} kB, compressed ${Math.ceil(packed / 1e3)} kB`);
+const kilobytes = (bytes) => Math.ceil(bytes / 1e3);
+console.log(`page: ${out}: ${kilobytes(plain)} kB, by gzip ${kilobytes(packed.gz)} kB, by Brotli ${kilobytes(packed.br)} kB`);

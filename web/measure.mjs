@@ -27,15 +27,15 @@ lap("compiling the module");
 const [bytes, name, out] = [m._malloc(clip.length), m._malloc(1), m._malloc(8)];
 m.HEAPU8.set(clip, bytes);
 m.HEAPU8[name] = 0;
-function open(size) {
-  const status = m._module_open_arrived(bytes, size, name, Number(size === clip.length), out, out + 4);
+function open(size, firstLook = 0) {
+  const status = m._module_open_arrived(bytes, size, name, Number(size === clip.length), firstLook, out, out + 4);
   const sentence = m.UTF8ToString(m._module_arrived_sentence());
   if (status !== 0) throw new Error(sentence);
   return [m.HEAPU32[out >> 2], sentence];
 }
 for (const size of process.argv.slice(3).map(Number)) {
-  const [part, missing] = open(size);
-  lap(`opening the first ${size} bytes (${part ? missing : "nothing can be shown"})`);
+  const [part, missing] = open(size, 1);
+  lap(`a first look at the first ${size} bytes (${part ? missing : "nothing can be shown"})`);
   if (part) m._kinora_player_close(part);
 }
 const [player] = open(clip.length);

@@ -48,8 +48,8 @@ const server = http.createServer(async (request, response) => {
     return send(response, part);
   }
   const file = path.join(root, "build/page", path.basename(name));
-  response.writeHead(200, { "Content-Type": types[path.extname(file)], "Content-Encoding": "gzip", "Cache-Control": "max-age=99" });
-  return send(response, await readFile(`${file}.gz`));
+  response.writeHead(200, { "Content-Type": types[path.extname(file)], "Content-Encoding": "br", "Cache-Control": "max-age=99" });
+  return send(response, await readFile(`${file}.br`));
 });
 await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
 const address = `http://127.0.0.1:${server.address().port}/index.html?clip=clip.mkv`;

@@ -65,8 +65,9 @@ player::ClipSoFar open(const char* words, std::unique_ptr<container::ByteSource>
   const player::ClipFeed feed(std::move(source));
   const player::ClipSoFar first = feed.first(never);
   draw(*first.player, 0, 0, 640, 480);
-  std::printf("%s: first picture after %.0f ms, of %zu layers and %zu frames", words, watch.milliseconds(),
-              first.player->clip().layers.size(), first.player->frame_count());
+  const bool first_look = first.player->readiness() == player::Readiness::kFirstLook;
+  std::printf("%s: first picture after %.0f ms, of %zu layers and %zu frames, %s", words, watch.milliseconds(),
+              first.player->clip().layers.size(), first.player->frame_count(), first_look ? "a first look" : "ready");
   player::ClipSoFar now = first;
   for (; !now.complete; now = feed.newest()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   std::printf("; complete after %.0f ms, %.0f ms of processor time\n", watch.milliseconds(),

@@ -1,10 +1,12 @@
 // read_clip: a clip out of a file that is not trusted.
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "clip/arriving_clip.h"
 #include "clip/byte_account.h"
 #include "clip/clip_description.h"
 #include "clip/clip_io.h"
@@ -99,6 +101,13 @@ public:
     return std::move(clip_);
   }
 
+  /// What the file says that there is, and which frames have come.
+  void tell(Arrival& arrival) {
+    arrival.layers = std::max(description_.layers.size(), layers_);
+    arrival.times = std::move(times_);
+    arrival.there = std::move(there_);
+  }
+
   ByteAccount account() const { return account_of(reader_, bytes_, media_bytes_); }
 
 private:
@@ -168,6 +177,9 @@ private:
     Clip clip = decoder.decode(intrinsics);
     if (passed_over > 0 && missing_ == nullptr) corrupt(fmt::format("{} updates lack what they change", passed_over));
     if (missing_ != nullptr && !reader_.damage().empty()) report_damage();
+    layers_ = clip.layers.size();
+    times_ = clip.times;
+    there_.assign(times_.size(), true);
     return clip;
   }
 
@@ -280,6 +292,7 @@ private:
   }
 
   void assemble() {
+    note_frames();
     if (missing_ != nullptr) {
       leave_out_unseen_frames();
       for (auto& [id, destination] : destinations_) fill(destination);
@@ -310,6 +323,16 @@ private:
       clip_.layers[l].presence = motion::Presence::of_frames(there);
     }
     leave_out_unusable_layers();
+  }
+
+  void note_frames() {
+    times_ = clip_.times;
+    there_.assign(times_.size(), true);
+    for (const auto& [id, destination] : destinations_) {
+      const auto& seen = destination.seen;
+      if (!destination.moves || std::find(seen.begin(), seen.end(), true) == seen.end()) continue;
+      for (std::size_t f = 0; f < there_.size(); ++f) there_[f] = there_[f] && seen[f];
+    }
   }
 
   void lacks_levels(const std::string& field) {
@@ -416,6 +439,9 @@ private:
   std::map<std::uint16_t, std::size_t> bytes_;
   std::map<std::size_t, std::size_t> media_bytes_; // of blocks that are not ours, by place in Reader::tracks()
   std::vector<std::string>* missing_;
+  std::size_t layers_ = 0;    // of a live clip
+  std::vector<double> times_; // of all frames, and whether they have come
+  std::vector<bool> there_;
   std::set<std::size_t> unusable_layers_;
   std::string unusable_payload_; // the first, and why
 };
@@ -442,6 +468,14 @@ Clip read_whole_parts(std::unique_ptr<container::ByteSource> source, std::vector
   missing.clear();
   ClipReader reader(std::move(source), &missing);
   return read(reader, account);
+}
+
+Clip read_arriving(std::unique_ptr<container::ByteSource> source, Arrival& arrival) {
+  arrival = {};
+  ClipReader reader(std::move(source), &arrival.missing);
+  Clip clip = reader.read();
+  reader.tell(arrival);
+  return clip;
 }
 
 } // namespace kinora::clip

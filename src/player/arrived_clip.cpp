@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "clip/clip_io.h"
+#include "clip/arriving_clip.h"
 #include "clip/missing_parts.h"
 #include "container/reader.h"
 #include "core/error.h"
@@ -21,14 +21,17 @@ std::unique_ptr<container::ByteSource> source_of(std::span<const std::byte> byte
 
 ArrivedClip read_arrived(std::span<const std::byte> bytes, const std::string& name, bool last) {
   ArrivedClip arrived;
-  std::vector<std::string> missing;
+  clip::Arrival arrival;
   try {
-    arrived.clip = clip::read_whole_parts(source_of(bytes, name), missing);
+    arrived.clip = clip::read_arriving(source_of(bytes, name), arrival);
   } catch (const Error& error) {
     const bool known = error.code() == ErrorCode::kNotRecognised && bytes.size() >= kHeadBytes;
     if (known || last) throw;
   }
-  if (!missing.empty()) arrived.missing = clip::missing_sentence(name, missing);
+  if (!arrival.missing.empty()) arrived.missing = clip::missing_sentence(name, arrival.missing);
+  arrived.layers = arrival.layers;
+  arrived.times = std::move(arrival.times);
+  arrived.there = std::move(arrival.there);
   return arrived;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "clip/clip.h"
 
@@ -14,9 +15,15 @@ namespace kinora::player {
 struct ArrivedClip {
   std::optional<clip::Clip> clip; ///< nothing: more has to come before anything can be shown
   std::string missing;            ///< one sentence; empty: nothing is missing
+  std::size_t layers = 0;         ///< that the file says it has
+  std::vector<double> times;      ///< of all frames that the file says it has, seconds; those of `clip` are the first
+  std::vector<bool> there;        ///< whether each of them has come
+
+  bool has_all_layers() const { return clip && clip->layers.size() == layers; }
 };
 
-/// `bytes`: the file from its first byte on; `last`: nothing will follow them. Safe for untrusted input. Throws Error:
+/// `bytes`: the file from its first byte on, or pieces of it one behind the other, of which each but the first begins
+/// with a cluster; `last`: nothing will follow them. Safe for untrusted input. Throws Error:
 /// kNotRecognised as soon as that is known; what read_whole_parts throws if the last bytes have come.
 ArrivedClip read_arrived(std::span<const std::byte> bytes, const std::string& name, bool last);
 

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kPieceBytes = 1 << 17;
 constexpr double kPatience = 0.25;                      // seconds of waiting after which a part is worth making ready
+constexpr double kPatienceOfAFirstLook = 1;             // the same, while one is to be seen
 constexpr std::chrono::milliseconds kBetweenLooks{500}; // at a file that is being written
 
 void rest(const std::stop_token& stop) {
@@ -30,6 +31,7 @@ ClipFeed::ClipFeed(std::unique_ptr<container::ByteSource> source, MasterClock se
         try {
           follow(stop);
         } catch (const std::exception& error) {
+          make_ready_what_came();
           tell(true, error.what());
           const std::lock_guard lock(mutex_);
           fault_ = std::current_exception();
@@ -77,11 +79,17 @@ void ClipFeed::read_to_end(const std::stop_token& stop) {
                   fmt::format("{} is larger than {} MB; cut it with kinora cut", source_->name(), kMaxBytes >> 20));
     }
     const std::size_t start = bytes_.size();
-    bytes_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(source_->size(), start + kPieceBytes)));
-    source_->read(start, std::span(bytes_).subspan(start));
-    if (bytes_.size() == source_->size() || seconds_() - looked_at_ < kPatience) continue;
+    std::vector<std::byte> piece(
+        static_cast<std::size_t>(std::min<std::uint64_t>(source_->size() - start, kPieceBytes)));
+    source_->read(start, piece);
+    bytes_.insert(bytes_.end(), piece.begin(), piece.end());
+    const std::string come = fmt::format("{} % has come", 100 * bytes_.size() / source_->size());
+    if (bytes_.size() == source_->size()) continue; // whoever called makes it ready; what is small is ready soon
+    if (!readiness_ && bytes_.size() >= first_look_bytes_) take_first_look(come);
+    const double patience = readiness_ == Readiness::kFirstLook ? kPatienceOfAFirstLook : kPatience;
+    if (seconds_() - looked_at_ < patience) continue;
+    tell(false, come);
     make_ready();
-    tell(false, fmt::format("{} % has come", 100 * bytes_.size() / source_->size()));
   }
 }
 
@@ -92,17 +100,37 @@ void ClipFeed::read_head_again() {
 
 bool ClipFeed::finished() const { return state_of(bytes_, source_->name()) == FileState::kFinished; }
 
+void ClipFeed::take_first_look(const std::string& message) {
+  first_look_bytes_ = 2 * bytes_.size();
+  ArrivedClip arrived = read_arrived(bytes_, source_->name(), false);
+  if (!arrived.has_all_layers()) return;
+  tell(false, message);
+  show(std::move(*arrived.clip), Readiness::kFirstLook);
+  looked_at_ = seconds_();
+}
+
+// A source that fails leaves what has come before.
+void ClipFeed::make_ready_what_came() {
+  try {
+    if (bytes_.size() > ready_bytes_) make_ready();
+  } catch (const std::exception&) { // what shows already stays
+  }
+}
+
 void ClipFeed::make_ready() {
   ArrivedClip arrived = read_arrived(bytes_, source_->name(), bytes_.size() == source_->size() && finished());
-  if (arrived.clip) {
-    auto player = std::make_shared<const Player>(std::move(*arrived.clip));
-    const std::lock_guard lock(mutex_);
-    newest_.player = std::move(player);
-    newest_.bytes = source_->size();
-  }
+  if (arrived.clip) show(std::move(*arrived.clip), Readiness::kWhole);
   ready_bytes_ = bytes_.size();
   missing_ = std::move(arrived.missing);
   looked_at_ = seconds_();
+}
+
+void ClipFeed::show(clip::Clip clip, Readiness readiness) {
+  auto player = std::make_shared<const Player>(std::move(clip), readiness);
+  readiness_ = readiness;
+  const std::lock_guard lock(mutex_);
+  newest_.player = std::move(player);
+  newest_.bytes = source_->size();
 }
 
 void ClipFeed::tell(bool complete, std::string message) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,9 +17,9 @@
 
 namespace kinora::player {
 
-/// Reads a clip from its first byte on, in a thread of its own, and makes ready what is whole: layers as their fields
-/// come, frames as their motion comes. What is damaged or cut
-/// is left out, and said. A file that its writer has not finished is followed. Thread-safe.
+/// Reads a clip from its first byte on, in a thread of its own, and makes ready what is whole: a first look as soon as
+/// all layers have come, coarse as they are then; later layers as their fields come, frames as their motion comes. What
+/// is damaged or cut is left out, and said. A file that its writer has not finished is followed. Thread-safe.
 class ClipFeed {
 public:
   /// Bytes that it takes: a file is held in memory until all of it has come.
@@ -29,7 +30,8 @@ public:
   explicit ClipFeed(std::unique_ptr<container::ByteSource> source, MasterClock seconds = steady_clock());
 
   ClipSoFar newest() const;
-  /// Waits until there is something to show. Throws what has prevented it, or Error(kInterrupted) once `stopped`.
+  /// Waits until there is something to show: a first look (Player::readiness()), or more. Throws what has prevented it,
+  /// or Error(kInterrupted) once `stopped`.
   ClipSoFar first(const std::function<bool()>& stopped) const;
 
 private:
@@ -37,16 +39,21 @@ private:
   void read_to_end(const std::stop_token& stop);
   void read_head_again();
   bool finished() const;
+  void take_first_look(const std::string& message);
   void make_ready();
+  void make_ready_what_came();
+  void show(clip::Clip clip, Readiness readiness);
   void tell(bool complete, std::string message);
 
   // The thread's own.
   std::unique_ptr<container::ByteSource> source_;
   MasterClock seconds_;
   std::vector<std::byte> bytes_;
-  double looked_at_ = 0;        ///< time of the last try to make something ready
-  std::size_t ready_bytes_ = 0; ///< that were there then
-  std::string missing_;         ///< of what was made ready last
+  std::optional<Readiness> readiness_ = std::nullopt; ///< of what is to be seen
+  std::size_t first_look_bytes_ = 0;                  ///< with which it is tried again
+  double looked_at_ = 0;                              ///< time of the last try to make something ready
+  std::size_t ready_bytes_ = 0;                       ///< that were there then
+  std::string missing_;                               ///< of what was made ready last
 
   mutable std::mutex mutex_; ///< of what follows
   ClipSoFar newest_;

@@ -33,10 +33,12 @@ int samples_per_side(const Intrinsics& picture, const Intrinsics& capture) {
   return samples;
 }
 
-Player::Player(clip::Clip clip) : clip_(std::move(clip)) {
+Player::Player(clip::Clip clip, Readiness readiness) : clip_(std::move(clip)), readiness_(readiness) {
+  const auto detail = readiness == Readiness::kWhole ? fields::BrickDetail::kWhole : fields::BrickDetail::kHalf;
   for (const clip::Layer& layer : clip_.layers) {
-    drawables_.push_back(
-        std::make_unique<fields::DrawableField>(layer.field, layer.motion.graph().get(), layer.confidence));
+    const std::shared_ptr<const fields::Field> held_by_the_clip(std::shared_ptr<const void>(), &layer.field);
+    drawables_.push_back(std::make_unique<fields::DrawableField>(held_by_the_clip, layer.motion.graph().get(),
+                                                                 layer.confidence, detail));
     centres_.push_back(occupied_centre(layer.field));
     shown_.push_back(clip::shown_frames(layer, clip_.times.size()));
   }

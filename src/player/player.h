@@ -18,12 +18,19 @@ using clip::LayerChoice;
 /// averaged: 1 unless it is smaller than the capture.
 int samples_per_side(const Intrinsics& picture, const Intrinsics& capture);
 
+/// How much is made ready before a clip can be seen.
+enum class Readiness {
+  kWhole,
+  kFirstLook ///< several times sooner, and coarser: for the first picture, until the whole is ready
+};
+
 /// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
 class Player {
 public:
-  explicit Player(clip::Clip clip);
+  explicit Player(clip::Clip clip, Readiness readiness = Readiness::kWhole);
 
   const clip::Clip& clip() const { return clip_; }
+  Readiness readiness() const { return readiness_; }
   std::size_t frame_count() const { return clip_.times.size(); }
 
   LayerChoice all_layers() const { return clip::all_layers(clip_); }
@@ -63,6 +70,7 @@ private:
   fields::PosedField posed(std::size_t layer, double frame) const;
 
   clip::Clip clip_;
+  Readiness readiness_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
   std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
   std::vector<motion::Presence> shown_;

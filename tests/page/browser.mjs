@@ -39,7 +39,8 @@ export async function serve(kinora, folder) {
 /** A server that keeps what it says only in part. `bytes`: of a clip. */
 export async function serveFaults(bytes) {
   const open = { "Access-Control-Allow-Origin": "*" };
-  const held = { bytes: 0, letGo: null }; // of /head.mkv: what comes at once, and how the rest comes
+  // Of /head.mkv: what comes at once, and how the rest comes.
+  const held = { bytes: 0, waiting: [], letGo: () => held.waiting.splice(0).forEach((go) => go()) };
   const answers = {
     "/cut_off.mkv": (response) => {
       response.writeHead(200, { ...open, "Content-Length": bytes.length });
@@ -49,7 +50,7 @@ export async function serveFaults(bytes) {
     "/head.mkv": (response) => {
       response.writeHead(200, { ...open, "Content-Length": bytes.length });
       response.write(bytes.subarray(0, held.bytes));
-      held.letGo = () => response.end(bytes.subarray(held.bytes));
+      held.waiting.push(() => response.end(bytes.subarray(held.bytes)));
     },
     "/breaks.mkv": (response, range) => {
       const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(range ?? "bytes=0-");
@@ -73,6 +74,40 @@ export async function serveFaults(bytes) {
     server.closeAllConnections();
   };
   return { address: `http://127.0.0.1:${server.address().port}`, stop, held };
+}
+
+/**
+ * A server with ranges that gives nothing from byte `from` up to byte `until` before it is let go. `asked`: where the
+ * requests began.
+ */
+export async function serveWithoutMiddle(bytes, from, until) {
+  const asked = [];
+  const held = [];
+  let free = false;
+  const open = { "Access-Control-Allow-Origin": "*", "Access-Control-Expose-Headers": "Content-Range" };
+  const server = http.createServer((request, response) => {
+    if (request.method === "OPTIONS") return response.writeHead(204, { ...open, "Access-Control-Allow-Headers": "Range" }).end();
+    const [, first, last] = /^bytes=(\d+)-(\d*)/.exec(request.headers.range ?? "") ?? [];
+    const begin = Number(first ?? 0);
+    const end = last ? Number(last) + 1 : bytes.length;
+    asked.push(begin);
+    const range = first === undefined ? {} : { "Content-Range": `bytes ${begin}-${end - 1}/${bytes.length}` };
+    response.writeHead(first === undefined ? 200 : 206, { ...open, ...range, "Content-Length": end - begin });
+    const given = free || begin >= until ? end : Math.min(Math.max(from, begin), end);
+    response.write(bytes.subarray(begin, given));
+    if (given === end) response.end();
+    else held.push(() => response.end(bytes.subarray(given, end)));
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const letGo = () => {
+    free = true;
+    for (const go of held.splice(0)) go();
+  };
+  const stop = () => {
+    server.close();
+    server.closeAllConnections();
+  };
+  return { address: `http://127.0.0.1:${server.address().port}`, asked, letGo, stop };
 }
 
 /** The folder, also at without_ranges/, and, at page/, the page by nginx; null if there is none. */

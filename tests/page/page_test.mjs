@@ -263,7 +263,7 @@ const source = await serve(kinora, root);
 const faults = await serveFaults(clip);
 const nginx = await serveByNginx(folder);
 const browser = await launch();
-const wrong = await runClaims({ browser, served, source, faults, nginx, folder, seen }, words);
+const wrong = await runClaims({ browser, served, source, faults, nginx, kinora, folder, seen }, words);
 await browser.close();
 served.stop();
 source.stop();

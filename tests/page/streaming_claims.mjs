@@ -2,8 +2,11 @@
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { claim } from "./browser.mjs";
+import { claim, serveWithoutMiddle } from "./browser.mjs";
+import { longClip } from "./long_clip.mjs";
 import { closed, keep, opened, psnr, rests, shown } from "./pages.mjs";
+
+const near = (a, b) => Math.abs(a - b) < 1e-3;
 
 /** A page without a clip: what comes is watched from the first byte on. */
 async function empty({ browser, served }) {
@@ -39,6 +42,48 @@ claim("a picture is shown from the head of the file, and becomes sharper as more
   await page.screenshot({ path: path.join(world.seen, "whole.png") });
   assert.ok((await psnr(page, "coarse", "whole")) < 40, "the coarse picture is no coarse one");
   await closed(page);
+});
+
+claim("what is sought comes before what lies between, and nothing plays into what has not come", async (world) => {
+  const { bytes, clusters } = await longClip(world.kinora, world.folder);
+  assert.ok(clusters.length >= 3, `${clusters.length} clusters`);
+  const [second, last] = [clusters[1], clusters.at(-1)];
+  const server = await serveWithoutMiddle(bytes, second.at + 1000, last.at);
+  const page = await empty(world);
+  await page.player("player.loop = false; player.autoplay = false; player.src = given", `${server.address}/long.mkv`);
+  const come = () => page.player("return player.stage?.info.come ?? []");
+  await page.waitForFunction((seconds) => {
+    const player = document.querySelector("kinora-player");
+    return player.readyState === 3 && player.stage.info.come[0].to > seconds;
+  }, second.seconds - 0.1);
+  const [front] = await come();
+  assert.ok(front.to < last.seconds - 1, JSON.stringify(front));
+  // It waits where the gap begins.
+  await page.player(`globalThis.waits = new Promise((resolve) => player.addEventListener("waiting", resolve, { once: true }));
+    player.currentTime = given; void player.play(); return globalThis.waits.then(() => undefined)`, front.to - 0.2);
+  assert.ok(near(await page.player("return player.currentTime"), front.to));
+  assert.equal(await page.player("return player.paused"), false);
+  // What lies behind the gap is there first.
+  const sought = last.seconds + 1;
+  await page.player(`player.pause();
+    const seeked = new Promise((resolve) => player.addEventListener("seeked", resolve, { once: true }));
+    player.currentTime = given; return seeked.then(() => undefined)`, sought);
+  assert.ok(server.asked.includes(last.at), `the requests began at ${server.asked}`);
+  assert.equal(await page.player("return player.readyState"), 3);
+  assert.equal((await come()).length, 2);
+  await page.screenshot({ path: path.join(world.seen, "sought.png") });
+  const draw = () => page.player(`const request = { ...player.stage.wanted, camera: { pose: null, width: 80, height: 60 }, preview: true, withDepth: false };
+    return player.stage.draw(request).then(({ color }) => [...color])`);
+  const early = await draw();
+  await page.player("return player.play()");
+  await page.waitForFunction((time) => document.querySelector("kinora-player").currentTime > time, sought + 0.2);
+  await page.player("player.pause(); player.currentTime = given", sought);
+  server.letGo();
+  await shown(page);
+  assert.equal((await come()).length, 1);
+  assert.deepEqual(await draw(), early, "the picture is another once all has come");
+  await closed(page);
+  server.stop();
 });
 
 claim("a connection that breaks again and again is taken up where it broke", async (world) => {

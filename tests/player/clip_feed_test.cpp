@@ -117,6 +117,37 @@ TEST_F(ClipFeedTest, ShowsLayersBeforeTheFileIsWhole) {
   EXPECT_EQ(all.message, "");
 }
 
+TEST_F(ClipFeedTest, GivesAFirstLookOnceAllLayersHaveComeAndThenTheWhole) {
+  const auto feed =
+      std::make_unique<ClipFeed>(std::make_unique<SlowSource>(shared_), [] { return 0.0; }); // no patience
+  const std::size_t bytes = shared_->bytes.size();
+  allow(bytes - 1);
+  const ClipSoFar first = feed->first(never);
+  EXPECT_EQ(first.player->readiness(), Readiness::kFirstLook);
+  EXPECT_EQ(first.player->clip().layers.size(), clip::testing::sample_clip(1, 40, true).layers.size());
+  allow(bytes);
+  const ClipSoFar all = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
+  EXPECT_EQ(all.player->readiness(), Readiness::kWhole);
+  const Player whole(clip::read_clip(std::make_unique<container::MemorySource>(shared_->bytes, "memory.mkv")));
+  Camera camera = whole.clip().capture_camera(39);
+  camera.intrinsics = camera.intrinsics.resized(64, 48);
+  const auto drawn = [&](const Player& player) {
+    const ColorImage image = player.draw(camera, 39, player.all_layers()).color;
+    return std::vector<std::uint8_t>(image.values().begin(), image.values().end());
+  };
+  EXPECT_EQ(drawn(*all.player), drawn(whole));
+}
+
+TEST_F(ClipFeedTest, MakesReadyWhatCameBeforeTheSourceFailed) {
+  const auto feed = std::make_unique<ClipFeed>(std::make_unique<SlowSource>(shared_), [] { return 0.0; });
+  allow(shared_->bytes.size() - 1);
+  EXPECT_EQ(feed->first(never).player->readiness(), Readiness::kFirstLook);
+  fail_with("the server is gone");
+  const ClipSoFar last = wait_for(*feed, [](const ClipSoFar& now) { return now.complete; });
+  EXPECT_EQ(last.player->readiness(), Readiness::kWhole);
+  EXPECT_EQ(last.message, "the server is gone");
+}
+
 TEST_F(ClipFeedTest, KeepsWhatItShowsWhenTheSourceFails) {
   const auto feed = this->feed();
   allow(shared_->bytes.size() - 1);

@@ -3,11 +3,10 @@ import type { Camera, Vector } from "./camera.js";
 import { playerCode } from "./code.js";
 import { Drawer } from "./drawer.js";
 import type { ClipInfo, DrawnBy } from "./messages.js";
-import type { ClipSource } from "./source.js";
+import { firstBytes, type ClipSource } from "./source.js";
 
 const patience = 250; // milliseconds between two that are opened
 const worthwhile = 1.25; // times the bytes of the one before
-const firstBytes = 48 << 10; // that are tried first; then twice as many, until there is something to be seen
 const betweenLooks = 500; // milliseconds; at a file that grows
 
 /** What has come of the clip. */
@@ -25,7 +24,7 @@ export class ArrivingClip {
   #openedAll = false;
   #openedAt = -Infinity;
   #complete = false;
-  #tried = firstBytes;
+  #tried = firstBytes; // then twice as many, until there is something to be seen
   #shows = false;
 
   constructor(
@@ -52,8 +51,9 @@ export class ArrivingClip {
       if (fault && bytes <= Math.max(this.#opened, 0)) throw fault;
       this.#openedAt = performance.now();
       this.#opened = bytes;
-      this.#openedAll = all;
-      const opened = await drawer.ask({ ...this.#call(code), clip: this.source.blob().slice(0, bytes), all });
+      const firstLook = !this.#shows;
+      this.#openedAll = all && !firstLook;
+      const opened = await drawer.ask({ ...this.#call(code), clip: this.source.blob().slice(0, bytes), all, firstLook });
       this.#complete = opened.finished;
       if (opened.content) {
         this.#drawer = null;
@@ -64,11 +64,16 @@ export class ArrivingClip {
     return null;
   }
 
+  /** What is shown at that time is to come first. */
+  seek(time: number): void {
+    void this.source.seek(time);
+  }
+
   /** Another worker with all of the clip, once it is complete. */
   async another(): Promise<Drawer> {
     const drawer = this.#prepare();
     this.#drawer = null;
-    await drawer.ask({ ...this.#call(await playerCode()), clip: this.source.blob(), all: true });
+    await drawer.ask({ ...this.#call(await playerCode()), clip: this.source.blob(), all: true, firstLook: false });
     return drawer;
   }
 

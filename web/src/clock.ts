@@ -1,4 +1,7 @@
 // Which time is to be shown now. Seconds of the clip; `now` is any steady clock in seconds.
+import type { Span } from "./messages.js";
+
+const rounding = 1e-6; // seconds
 
 export class PlaybackClock {
   loop = false;
@@ -8,7 +11,7 @@ export class PlaybackClock {
   #since = 0;
 
   #end: number;
-  #awaitsMore = false;
+  #come: readonly Span[] | null = null; // null: all has come
 
   constructor(
     readonly start: number,
@@ -22,17 +25,22 @@ export class PlaybackClock {
   get end(): number {
     return this.#end;
   }
-  /** Another end, as more has come. With `awaitsMore` it waits there, playing, and repeats nothing. */
-  setEnd(end: number, awaitsMore: boolean): void {
+  /** Another end, as more has come. `come`: in which spans, if not all has: it waits at their ends, playing, and repeats nothing. */
+  setEnd(end: number, come: readonly Span[] | null): void {
     this.#time = this.time;
     this.#since = this.now();
     this.#end = Math.max(end, this.start);
-    this.#awaitsMore = awaitsMore;
-    if (!awaitsMore) this.#time = Math.min(this.#time, this.#end);
+    this.#come = come;
+    if (!come) this.#time = Math.min(this.#time, this.#end);
   }
   /** What has not come yet is waited for. */
   get starved(): boolean {
-    return this.#awaitsMore && this.time >= this.#end;
+    return this.#come !== null && this.time >= this.#limit(this.#come);
+  }
+  /** Up to where it can go on from where it was set. */
+  #limit(come: readonly Span[]): number {
+    const span = come.find(({ from, to }) => from <= this.#time + rounding && this.#time <= to);
+    return span?.to ?? this.#time;
   }
   /** Whose seconds go by while it plays: those of the sound that is heard, or of the system's steady clock. */
   setMaster(now: () => number): void {
@@ -56,13 +64,13 @@ export class PlaybackClock {
   get time(): number {
     if (!this.#playing) return this.#time;
     const time = this.#time + (this.now() - this.#since) * this.#rate;
-    if (this.#awaitsMore) return Math.min(time, Math.max(this.#time, this.end));
+    if (this.#come) return Math.min(time, this.#limit(this.#come));
     const span = this.end - this.start;
     if (time <= this.end || span <= 0) return Math.min(time, this.end);
     return this.loop ? this.start + ((time - this.start) % span) : this.end;
   }
   get ended(): boolean {
-    return this.time >= this.end && !this.#awaitsMore && !(this.loop && this.#playing);
+    return this.time >= this.end && !this.#come && !(this.loop && this.#playing);
   }
 
   play(): void {
@@ -75,7 +83,7 @@ export class PlaybackClock {
     this.#playing = false;
   }
   seek(time: number): void {
-    this.#time = Math.min(Math.max(time, this.start), this.#awaitsMore ? Infinity : this.end);
+    this.#time = Math.min(Math.max(time, this.start), this.#come ? Infinity : this.end);
     this.#since = this.now();
   }
 }
@@ -88,7 +96,7 @@ export function frameAt(times: Float64Array, time: number): number {
   let high = times.length;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
-    if (times[middle]! <= time + 1e-6) low = middle;
+    if (times[middle]! <= time + rounding) low = middle;
     else high = middle;
   }
   return low;

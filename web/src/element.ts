@@ -134,7 +134,7 @@ export class KinoraPlayerElement extends MediaAttributes {
       return;
     }
     this.#seeking = true;
-    this.#stage.clock.seek(time);
+    this.#stage.seek(time);
     this.#tell("seeking");
   }
   /** Of the last frame that has come, seconds; NaN: not known yet. */
@@ -255,7 +255,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     stage.clock.rate = this.#rate;
     stage.sound.volume = this.#volume;
     this.#showSound();
-    if (this.#place.time !== undefined) stage.clock.seek(this.#place.time);
+    if (this.#place.time !== undefined) stage.seek(this.#place.time);
     if (this.#place.view) stage.view = this.#place.view;
     this.#place = {};
     this.#surface.setState("Drawing");
@@ -344,8 +344,8 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
 
   #showTime(): void {
-    const clock = this.#stage?.clock;
-    if (clock) this.#controls.setTime(clock.time, clock.start, clock.end);
+    const stage = this.#stage;
+    if (stage) this.#controls.setTime(stage.clock.time, stage.clock.start, stage.end);
   }
 
   #showSound(): void {

@@ -29,10 +29,12 @@ declare module "kinora-module" {
       size: number,
       name: number,
       all: number,
+      firstLook: number,
       player: number,
       finished: number,
     ): number;
     _module_arrived_sentence(): number;
+    _module_arrived_frames(seconds: number, there: number): number;
     _module_sound(player: number, codec: number, setup: number, setupBytes: number, numbers: number): number;
     _module_sound_packet(player: number, packet: number, data: number, seconds: number): number;
     _kinora_player_close(player: number): void;

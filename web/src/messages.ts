@@ -7,8 +7,16 @@ export interface Layer {
   hasConfidence: boolean;
 }
 
+/** Seconds of its first and its last frame. */
+export interface Span {
+  from: number;
+  to: number;
+}
+
 export interface ClipInfo {
-  times: Float64Array; // of the frames, seconds
+  times: Float64Array; // of the frames up to the last that has come, seconds
+  end: number; // seconds of the last frame of all
+  come: Span[]; // in which all frames have come, in order
   framesPerSecond: number;
   layers: Layer[];
   hasConfidence: boolean;
@@ -62,7 +70,7 @@ export interface Picture {
 export type DrawnBy = "auto" | "cpu" | "webgl";
 
 export type Call =
-  | { kind: "open"; code: WebAssembly.Module; clip: Blob; name: string; by: DrawnBy; all: boolean } // all: nothing follows now
+  | { kind: "open"; code: WebAssembly.Module; clip: Blob; name: string; by: DrawnBy; all: boolean; firstLook: boolean } // all: nothing follows now; firstLook: soon and coarse
   | { kind: "captureCamera"; time: number }
   | { kind: "sound" }
   | { kind: "draw"; request: DrawRequest };

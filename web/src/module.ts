@@ -3,14 +3,17 @@ import createModule, { type KinoraModule } from "kinora-module";
 import { fitted, type Camera, type Vector } from "./camera.js";
 import { faultOfStatus } from "./faults.js";
 import { GpuDrawing } from "./gpu.js";
-import { views, type ClipInfo, type DrawnBy, type DrawRequest, type Layer, type Opened, type Picture, type Sound } from "./messages.js";
+import { views, type Call, type ClipInfo, type DrawRequest, type Layer, type Opened, type Picture, type Sound, type Span } from "./messages.js";
 
 const cameraNumbers = 22;
+const pieceBytes = 1 << 20; // of a file, that are copied at once
 
 export interface Arrived {
   player: ClipPlayer | null; // null: more has to come
   finished: boolean; // nothing will come
   missing: string; // a sentence; empty: nothing is
+  end: number; // seconds of the last frame that the file says it has
+  come: Span[];
 }
 
 export class ClipPlayer {
@@ -20,8 +23,12 @@ export class ClipPlayer {
     private readonly gpu: GpuDrawing | null,
   ) {}
 
-  /** What has come of a clip; `all`: nothing follows now. Throws a Fault if the bytes are no clip. */
-  static async open(code: WebAssembly.Module, bytes: ArrayBuffer, name: string, by: DrawnBy, all: boolean): Promise<Arrived> {
+  /** What has come of a clip. Throws a Fault if the bytes are no clip. */
+  static async open(
+    code: WebAssembly.Module,
+    file: Blob,
+    { name, by, all, firstLook }: Pick<Extract<Call, { kind: "open" }>, "name" | "by" | "all" | "firstLook">,
+  ): Promise<Arrived> {
     const module = await createModule({
       instantiateWasm(imports, received) {
         const instance = new WebAssembly.Instance(code, imports);
@@ -32,24 +39,27 @@ export class ClipPlayer {
     const out = module._malloc(8);
     const text = module._malloc(4 * name.length + 1);
     module.stringToUTF8(name, text, 4 * name.length + 1);
-    const clip = module._malloc(Math.max(bytes.byteLength, 1));
-    module.HEAPU8.set(new Uint8Array(bytes), clip);
-    const status = module._module_open_arrived(clip, bytes.byteLength, text, Number(all), out, out + 4);
+    const clip = module._malloc(Math.max(file.size, 1));
+    for (let at = 0; at < file.size; at += pieceBytes) {
+      module.HEAPU8.set(new Uint8Array(await file.slice(at, at + pieceBytes).arrayBuffer()), clip + at);
+    }
+    const status = module._module_open_arrived(clip, file.size, text, Number(all), Number(firstLook), out, out + 4);
     const [player, finished] = [module.HEAPU32[out >> 2]!, module.HEAPU32[(out >> 2) + 1] === 1];
     for (const p of [clip, text, out]) module._free(p);
     const sentence = module.UTF8ToString(module._module_arrived_sentence());
     if (status !== 0) throw faultOfStatus(status, sentence);
-    if (player === 0) return { player: null, finished, missing: sentence };
+    const arrived = { finished, missing: sentence, ...framesOf(module) };
+    if (player === 0) return { player: null, ...arrived };
     const gpu = by === "cpu" ? null : GpuDrawing.open(module, by === "webgl");
-    return { player: new ClipPlayer(module, player, gpu), finished, missing: sentence };
+    return { player: new ClipPlayer(module, player, gpu), ...arrived };
   }
 
-  content(missing: string): Opened["content"] {
-    const info = { ...this.info(), missing };
+  content({ missing, end, come }: Arrived): Opened["content"] {
+    const info = { ...this.info(), missing, end, come };
     return { info, capture: this.captureCamera(info.times[0]!), subject: this.subject(info.times[0]!) };
   }
 
-  private info(): Omit<ClipInfo, "missing"> {
+  private info(): Omit<ClipInfo, "missing" | "end" | "come"> {
     const [frames, , framesPerSecond, layers] = this.doubles(4, (out) => this.module._module_info(this.player, out));
     const times = this.doubles(frames!, (out) => this.module._module_frame_times(this.player, frames!, out));
     const list = Array.from({ length: layers! }, (_, i) => this.layer(i));
@@ -157,4 +167,21 @@ export class ClipPlayer {
       this.module._free(out);
     }
   }
+}
+
+/** Of the clip that was opened last: the time of its last frame, and the spans in which all frames have come. */
+function framesOf(m: KinoraModule): Pick<Arrived, "end" | "come"> {
+  const count = m._module_arrived_frames(0, 0);
+  const seconds = m._malloc(Math.max(9 * count, 1));
+  m._module_arrived_frames(seconds, seconds + 8 * count);
+  const come: Span[] = [];
+  for (let i = 0; i < count; ++i) {
+    if (!m.HEAPU8[seconds + 8 * count + i]) continue;
+    const time = m.HEAPF64[(seconds >> 3) + i]!;
+    if (i > 0 && m.HEAPU8[seconds + 8 * count + i - 1]) come.at(-1)!.to = time;
+    else come.push({ from: time, to: time });
+  }
+  const end = count > 0 ? m.HEAPF64[(seconds >> 3) + count - 1]! : 0;
+  m._free(seconds);
+  return { end, come };
 }

@@ -7,6 +7,13 @@ const pieceSeconds = 10; // that are decoded at once: memory holds two of these
 const runIn = 0.1; // seconds that a decoder needs before what it gives is right
 const jump = 0.05; // seconds of the clock, from which on sound is begun again
 
+/** Its packets that begin by then; null: there are none. */
+export function soundUpTo(sound: Sound, time: number): Sound | null {
+  const behind = sound.times.findIndex((begin) => begin > time);
+  if (behind < 0) return sound;
+  return behind === 0 ? null : { ...sound, times: sound.times.slice(0, behind), ends: sound.ends.slice(0, behind) };
+}
+
 /** Decoded sound of packets that follow each other. */
 interface Piece {
   begin: number; // seconds of the clip, of the first sample

@@ -5,7 +5,7 @@ import { frameAt, PlaybackClock } from "./clock.js";
 import type { Drawer } from "./drawer.js";
 import { asFault, Fault, FaultCode } from "./faults.js";
 import type { ClipInfo, DrawRequest, Picture, ViewName } from "./messages.js";
-import { SoundPlayback } from "./sound.js";
+import { SoundPlayback, soundUpTo } from "./sound.js";
 import { Resolution, withPixels, type Size } from "./resolution.js";
 
 const mostDrawers = 2;
@@ -54,6 +54,7 @@ export class Stage {
   #ended = false;
 
   private constructor(
+    private readonly clip: ArrivingClip,
     first: OpenClip,
     private readonly canvas: HTMLCanvasElement,
     private readonly events: StageEvents,
@@ -61,7 +62,7 @@ export class Stage {
     this.#open = first;
     const { times } = first.info;
     this.clock = new PlaybackClock(times[0]!, times[times.length - 1]!);
-    this.clock.setEnd(this.clock.end, !first.complete);
+    this.clock.setEnd(this.clock.end, first.complete ? null : first.info.come);
     this.sound = new SoundPlayback((why) => console.warn(`Kinora: ${why}`));
     void this.#takeSound();
     this.#drawers = [first.drawer];
@@ -81,9 +82,9 @@ export class Stage {
   ): Promise<Stage> {
     const first = await clip.next();
     signal.throwIfAborted();
-    const stage = new Stage(first!, canvas, events); // the first is there, or it rejects
+    const stage = new Stage(clip, first!, canvas, events); // the first is there, or it rejects
     stage.#animate();
-    void stage.#follow(clip, signal);
+    void stage.#follow(signal);
     return stage;
   }
 
@@ -119,6 +120,16 @@ export class Stage {
     this.#cameraMoved = performance.now();
   }
 
+  /** What has not come yet is fetched before what lies between, where that can be. */
+  seek(time: number): void {
+    this.clock.seek(time);
+    if (this.clock.starved) this.clip.seek(time);
+  }
+  /** Of the last frame, whether it has come or not. */
+  get end(): number {
+    return this.complete ? this.clock.end : Math.max(this.info.end, this.clock.end);
+  }
+
   /** Where the capture's camera was. */
   captureCamera(time: number): Promise<Camera> {
     return this.#drawers[0]!.ask({ kind: "captureCamera", time });
@@ -126,8 +137,15 @@ export class Stage {
 
   /** What is to be shown now. */
   get wanted(): Pick<DrawRequest, "time" | "visible" | "view"> {
-    const time = this.info.times[frameAt(this.info.times, this.clock.time)]!;
+    const time = this.info.times[frameAt(this.info.times, this.#timeThatCame(this.clock.time))]!;
     return { time, visible: this.visible, view: this.shows };
+  }
+
+  /** The last of what has come up to that time. */
+  #timeThatCame(time: number): number {
+    if (this.complete) return time;
+    const span = this.info.come.filter(({ from }) => from <= time).at(-1);
+    return span ? Math.min(time, span.to) : time;
   }
 
   /** The full picture of what is wanted now is shown. */
@@ -148,7 +166,8 @@ export class Stage {
   }
 
   /** Takes more of the clip as it comes. */
-  async #follow(clip: ArrivingClip, signal: AbortSignal): Promise<void> {
+  async #follow(signal: AbortSignal): Promise<void> {
+    const { clip } = this;
     try {
       const opened = performance.now();
       while (this.#shown.number === 0 && performance.now() - opened < firstAlone) await new Promise((resolve) => setTimeout(resolve, 10));
@@ -157,7 +176,7 @@ export class Stage {
         this.#take(more);
       }
       if (this.info.missing) this.events.lacks(new Fault(FaultCode.decode, this.info.missing));
-      await this.#addDrawers(clip, signal);
+      await this.#addDrawers(signal);
     } catch (thrown) {
       if (signal.aborted) return;
       this.#take({ ...this.#open, complete: true }); // there is no more to be waited for
@@ -168,7 +187,8 @@ export class Stage {
   async #takeSound(): Promise<void> {
     const sound = await this.#open.drawer.ask({ kind: "sound" }).catch(() => null); // it was closed
     if (!sound) return;
-    this.sound.setSound(sound);
+    const come = this.complete ? Infinity : (this.info.come[0]?.to ?? -Infinity); // what follows a gap is not heard yet
+    this.sound.setSound(soundUpTo(sound, come));
     this.events.changed();
   }
 
@@ -176,7 +196,7 @@ export class Stage {
     const before = this.#drawers;
     this.#open = more;
     const { times } = more.info;
-    this.clock.setEnd(times[times.length - 1]!, !more.complete);
+    this.clock.setEnd(times[times.length - 1]!, more.complete ? null : more.info.come);
     if (!before.includes(more.drawer)) {
       this.#version += 1;
       this.#drawers = [more.drawer];
@@ -187,10 +207,10 @@ export class Stage {
   }
 
   /** Each has the clip for itself: threads that share memory need pages that are isolated, which few are. */
-  async #addDrawers(clip: ArrivingClip, signal: AbortSignal): Promise<void> {
+  async #addDrawers(signal: AbortSignal): Promise<void> {
     while (this.#shown.number === 0 && !signal.aborted) await new Promise((resolve) => setTimeout(resolve, 50));
     while (this.#drawers.length < Stage.drawers && !this.#byGpu && !signal.aborted) {
-      const drawer = await clip.another().catch(() => null); // one less: slower, and no fault
+      const drawer = await this.clip.another().catch(() => null); // one less: slower, and no fault
       if (!drawer || signal.aborted) return drawer?.close();
       this.#drawers.push(drawer);
     }

@@ -4,10 +4,10 @@ import { ClipPlayer } from "./module.js";
 import type { Answer, Call, Opened, Picture, Question, Results } from "./messages.js";
 
 let player: ClipPlayer | null = null;
-async function open({ code, clip, name, by, all }: Extract<Call, { kind: "open" }>): Promise<Opened> {
-  const opened = await ClipPlayer.open(code, await clip.arrayBuffer(), name, by, all);
+async function open({ code, clip, name, by, all, firstLook }: Extract<Call, { kind: "open" }>): Promise<Opened> {
+  const opened = await ClipPlayer.open(code, clip, { name, by, all, firstLook });
   player = opened.player;
-  return { finished: opened.finished, content: player && player.content(opened.missing) };
+  return { finished: opened.finished && !firstLook, content: player && player.content(opened) };
 }
 
 async function answerTo(call: Call): Promise<Results[keyof Results]> {

@@ -182,11 +182,12 @@ private:
 
 } // namespace
 
-DensityBricks::DensityBricks(const Field& field) : resolution_(field.config.finest_resolution) {
+DensityBricks::DensityBricks(const Field& field, BrickDetail detail) : resolution_(field.config.finest_resolution) {
   constexpr int kFine = 512;
   while (4 * resolution_ <= kFine) resolution_ *= 2; // what nets bend within the cells of small fields
   // Large fields are trained with samples as far apart as the sensor's noise asks for, some cells.
   for (int limit = kFine; resolution_ > limit; limit = kMaxResolution) resolution_ = (resolution_ + 1) / 2;
+  if (detail == BrickDetail::kHalf) resolution_ = (resolution_ + 1) / 2;
   const std::vector<std::array<int, 3>> candidates = bricks_of(field.occupancy, resolution_);
   constexpr std::size_t kChunk = 64;
   struct Part {

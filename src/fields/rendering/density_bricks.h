@@ -14,6 +14,11 @@
 
 namespace kinora::fields {
 
+enum class BrickDetail {
+  kWhole,
+  kHalf ///< samples twice as far apart along each axis: an eighth of the work, for a first look
+};
+
 /// Lattice coordinates: relative position (FieldBox) times resolution(), which is the field's finest, doubled or
 /// halved. A brick holds the samples 8b … 8b + 8 along each axis, so that interpolation between them needs no other
 /// brick. Immutable, thread-safe.
@@ -33,8 +38,9 @@ public:
 
   DensityBricks() = default;
   /// Uses all threads; same bits for any number of them.
-  explicit DensityBricks(const Field& field);
+  explicit DensityBricks(const Field& field, BrickDetail detail = BrickDetail::kWhole);
 
+  /// The field's finest, doubled or halved; half of that with BrickDetail::kHalf.
   int resolution() const { return resolution_; }
   int bricks_per_side() const { return (resolution_ + kSide - 1) / kSide; }
   std::size_t count() const { return coordinates_.size(); }

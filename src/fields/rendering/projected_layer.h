@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fields/network/vector_features.h"
@@ -14,7 +16,10 @@ namespace kinora::fields {
 
 /// What is derived from a field once, to draw it.
 struct DrawableField::Derived {
-  Field field;
+  explicit Derived(std::shared_ptr<const Field> drawn) : shared(std::move(drawn)), field(*shared) {}
+
+  std::shared_ptr<const Field> shared;
+  const Field& field;
   std::vector<GridLevel> levels;
   std::vector<float> surface_matrix, vector_matrix; ///< fields/field_batch.h
   DensityBricks bricks;

@@ -13,15 +13,19 @@
 
 namespace kinora::fields {
 
-DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph, std::optional<Confidence> confidence) {
-  auto derived = std::make_shared<Derived>();
-  derived->levels = grid_levels(field.config);
-  derived->surface_matrix = surface_matrix(field);
-  derived->vector_matrix = vector_matrix(field);
-  derived->bricks = DensityBricks(field);
-  derived->proxy_mesh = ProxyMesh(derived->bricks, field.config.box);
+DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph, std::optional<Confidence> confidence,
+                             BrickDetail detail)
+    : DrawableField(std::make_shared<const Field>(std::move(field)), graph, std::move(confidence), detail) {}
+
+DrawableField::DrawableField(std::shared_ptr<const Field> field, const motion::DeformationGraph* graph,
+                             std::optional<Confidence> confidence, BrickDetail detail) {
+  auto derived = std::make_shared<Derived>(std::move(field));
+  derived->levels = grid_levels(derived->field.config);
+  derived->surface_matrix = surface_matrix(derived->field);
+  derived->vector_matrix = vector_matrix(derived->field);
+  derived->bricks = DensityBricks(derived->field, detail);
+  derived->proxy_mesh = ProxyMesh(derived->bricks, derived->field.config.box);
   if (graph != nullptr) derived->proxy_mesh.bind_to(*graph);
-  derived->field = std::move(field);
   derived->confidence = std::move(confidence);
   derived_ = std::move(derived);
 }

@@ -22,9 +22,13 @@ namespace kinora::fields {
 /// several threads.
 class DrawableField {
 public:
-  /// `graph`: what moves the layer, if it deforms. `confidence`: of this field; without it nothing counts as seen.
+  /// A field that somebody else holds must outlive this. `graph`: what moves the layer, if it deforms. `confidence`: of
+  /// this field; without it nothing counts as seen. `detail`: with kHalf it is ready several times sooner, and surfaces
+  /// lie less exactly.
+  explicit DrawableField(std::shared_ptr<const Field> field, const motion::DeformationGraph* graph = nullptr,
+                         std::optional<Confidence> confidence = std::nullopt, BrickDetail detail = BrickDetail::kWhole);
   explicit DrawableField(Field field, const motion::DeformationGraph* graph = nullptr,
-                         std::optional<Confidence> confidence = std::nullopt);
+                         std::optional<Confidence> confidence = std::nullopt, BrickDetail detail = BrickDetail::kWhole);
   const Field& field() const;
   struct Derived;
   const Derived& derived() const { return *derived_; }

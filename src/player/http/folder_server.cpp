@@ -147,11 +147,18 @@ void give_file(const fs::path& file, httplib::Request& request, httplib::Respons
 
 /// A file of the page, compressed where it was and the browser takes that.
 void give_page_file(const fs::path& file, const httplib::Request& request, httplib::Response& response) {
+  struct Coding {
+    const char* name;
+    const char* ending;
+  };
+  constexpr std::array<Coding, 2> kCodings{{{"br", ".br"}, {"gzip", ".gz"}}}; // the smallest first
   std::ifstream packed;
-  if (request.get_header_value("Accept-Encoding").find("gzip") != std::string::npos) {
-    packed.open(fs::path(file) += ".gz", std::ios::binary);
+  const std::string accepted = request.get_header_value("Accept-Encoding");
+  for (const Coding& coding : kCodings) {
+    if (packed.is_open() || accepted.find(coding.name) == std::string::npos) continue;
+    packed.open(fs::path(file) += coding.ending, std::ios::binary);
+    if (packed.is_open()) response.set_header("Content-Encoding", coding.name);
   }
-  if (packed.is_open()) response.set_header("Content-Encoding", "gzip");
   std::ifstream plain(file, std::ios::binary);
   std::istream& stream = packed.is_open() ? packed : plain;
   response.set_header("Vary", "Accept-Encoding");

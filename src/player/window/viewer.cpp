@@ -121,8 +121,8 @@ void Viewer::act(const Action& action) {
     set_view(static_cast<int>(action.value));
     break;
   case kScreenshot:
+    screenshot_wanted_ = true;
     panel(width_, height_); // of the frame that is due now
-    worker_.save(wanted(false), folder_, fmt::format("{}-{:06d}", name_, panel_.frame));
     break;
   case kRecord:
     recording_ ? end_recording() : void(recording_.emplace());
@@ -203,6 +203,7 @@ const Panel& Viewer::panel(int width, int height) {
   panel_.recording = recording_.has_value();
   if (std::string message = worker_.take_message(); !message.empty()) panel_.message = std::move(message);
   draw_what_changed();
+  if (so_far_.player->readiness() == Readiness::kWhole) save_screenshot();
   record();
   count_pictures();
   return panel_;
@@ -220,6 +221,11 @@ void Viewer::draw_what_changed() {
     full_wanted_ = false;
     worker_.request(wanted(false));
   }
+}
+
+void Viewer::save_screenshot() {
+  if (std::exchange(screenshot_wanted_, false))
+    worker_.save(wanted(false), folder_, fmt::format("{}-{:06d}", name_, panel_.frame));
 }
 
 void Viewer::count_pictures() {
@@ -259,6 +265,7 @@ void Viewer::end_recording() {
 
 std::string Viewer::finish() {
   if (recording_) end_recording();
+  save_screenshot();
   worker_.finish_saving();
   if (std::string message = worker_.take_message(); !message.empty()) panel_.message = std::move(message);
   return panel_.message;

@@ -51,6 +51,7 @@ private:
   PictureRequest wanted(bool moving) const;
   LayerChoice layers() const;
   void draw_what_changed();
+  void save_screenshot();
   void record();
   void end_recording();
   void set_view(int view);
@@ -74,6 +75,7 @@ private:
   bool begins_ = false; ///< it plays from when it is seen
   bool changed_ = true; ///< something is to be drawn that was not yet asked for
   bool full_wanted_ = true;
+  bool screenshot_wanted_ = false; ///< as soon as more than a first look is ready
   Clock::time_point moved_;
   Clock::time_point counted_;
   std::size_t count_ = 0;

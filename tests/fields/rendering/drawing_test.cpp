@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "fields/rendering/projected_layer.h"
 #include "fields/rendering/renderer.h"
 #include "fields/scenes/drawn_scene.h"
 
@@ -202,6 +203,20 @@ TEST(Drawing, EveryInstructionSetDrawsTheSamePicture) {
     EXPECT_GT(psnr(picture, best), 45) << hwy::TargetName(target);
   }
   hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST(Drawing, WithHalfTheDetailIsReadySoonerAndLooksNearlyTheSame) {
+  const PaintedBall ball{{0.05, -0.02, 0.1}, 0.25};
+  const DrawableField whole(painted_field(kBox, ball));
+  const DrawableField half(painted_field(kBox, ball), nullptr, std::nullopt, BrickDetail::kHalf);
+  EXPECT_EQ(half.derived().bricks.resolution(), whole.derived().bricks.resolution() / 2);
+  EXPECT_LT(half.derived().bricks.count(), whole.derived().bricks.count() / 2);
+  const Camera camera = camera_at({0.5, 0.2, -1.1}, ball.centre, 192, 144);
+  const Picture picture = draw(half, camera);
+  const BallError error = compare_ball(picture, camera, ball, SE3::Identity());
+  EXPECT_LT(error.depth, 1.6 * kCell);
+  EXPECT_GT(error.overlap, 0.9);
+  EXPECT_GT(psnr(picture, draw(whole, camera)), 25);
 }
 
 TEST(Drawing, ShowsTheSameWhicheverPixelsAreDrawnFirst) {
