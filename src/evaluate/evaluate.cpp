@@ -45,6 +45,7 @@ std::vector<Groups> groups_of(const player::Player& player, bool masks, bool mov
   if (auto foreground = foreground_subject(player); masks && several && foreground) {
     subjects.push_back(std::move(*foreground));
   }
+  subjects.push_back(picture_subject(player));
   if (moving) {
     for (Subject& subject : moving_subjects(player)) subjects.push_back(std::move(subject));
   }
