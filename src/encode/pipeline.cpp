@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "encode/capture_report.h"
+#include "encode/exposure_gains.h"
 #include "encode/frame_pass.h"
 #include "encode/held_out_poses.h"
 #include "encode/layer_report.h"
@@ -35,6 +36,9 @@ void add_held_out(PreparedCapture& prepared, StageTimes& times, clip::Clip& clip
 EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& options, Progress& progress) {
   StageTimes times = std::move(prepared.times);
   FramePass pass = pass_over_frames(*prepared.capture, options, times, progress);
+  progress.stage("comparing exposures", 0);
+  const clip::Exposure exposure = times.measure("compare exposures", [&] { return measure_exposure(pass); });
+  take_out(exposure, pass);
   const std::vector<NotModelled> lost = drop_lost_labels(pass, prepared.capture->info());
   TrainingPlan plan = plan_training(pass, options);
   plan.not_modelled.insert(plan.not_modelled.begin(), lost.begin(), lost.end());
@@ -49,6 +53,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   clip::Clip& clip = pass.clip;
   clip.metadata.update(clip_metadata(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
+  clip::store_exposure(exposure, clip.metadata);
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
     LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress);

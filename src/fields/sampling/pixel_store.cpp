@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "fields/sampling/surface_band.h"
-#include "ingest/depth/surface_extension.h"
+#include "fields/sampling/surface_extension.h"
 
 namespace kinora::fields {
 namespace {
@@ -88,7 +88,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   }
   if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, wanted * expected_frames_));
   const Surroundings surroundings(frame.clean_depth);
-  const DepthImage extended = ingest::extend_surfaces(frame, 0);
+  const DepthImage extended = extend_surfaces(frame, 0);
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
   std::size_t remaining = count;
   std::size_t missing = wanted;
@@ -119,6 +119,10 @@ void PixelStore::relabel(int from, int to) {
   for (StoredPixel& pixel : pixels_) {
     if (pixel.label == from) pixel.label = static_cast<std::uint8_t>(to);
   }
+}
+
+void PixelStore::change_colors(std::size_t frame, const GainTables& tables) {
+  for (std::size_t i = frames_[frame].begin; i < frames_[frame].end; ++i) pixels_[i].color = tables(pixels_[i].color);
 }
 
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "ingest/depth/surface_extension.h"
+#include "fields/sampling/surface_extension.h"
 
-namespace kinora::ingest {
+namespace kinora::fields {
 namespace {
 
 constexpr int kWidth = 80;
@@ -18,8 +18,8 @@ struct Seen {
 };
 
 /// What `seen(u, v)` tells of each pixel; nothing was measured where `missing(u, v)`.
-template <class SeenAt, class Missing> Frame frame_of(const SeenAt& seen, const Missing& missing) {
-  Frame frame;
+template <class SeenAt, class Missing> ingest::Frame frame_of(const SeenAt& seen, const Missing& missing) {
+  ingest::Frame frame;
   frame.camera.intrinsics = {kWidth, kHeight, 70, 70, 40, 30};
   frame.color = ColorImage(kWidth, kHeight, 3);
   frame.clean_depth = DepthImage(kWidth, kHeight);
@@ -41,7 +41,7 @@ Seen table(int /*u*/, int v) {
 }
 
 TEST(ExtendSurfaces, ATableGoesOnAsAPlaneToTheBorder) {
-  const Frame frame = frame_of(table, [](int u, int v) { return v >= 45 || u < 5; });
+  const ingest::Frame frame = frame_of(table, [](int u, int v) { return v >= 45 || u < 5; });
   const DepthImage guessed = extend_surfaces(frame, 0);
   for (int v = 36; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -72,7 +72,7 @@ TEST(ExtendSurfaces, AHoleThatShowsTwoThingsIsDividedWhereTheColourChanges) {
 }
 
 TEST(ExtendSurfaces, OnlyPixelsWithTheLabelTellAndAreTold) {
-  Frame frame = frame_of(
+  ingest::Frame frame = frame_of(
       [](int u, int) {
         return Seen{u < 40 ? 1.0F : 2.0F, kWhite};
       },
@@ -104,7 +104,7 @@ TEST(ExtendSurfaces, WhateverIsMeasuredGuessesStayInItsRange) {
       const auto level = static_cast<std::uint8_t>(random.below(256));
       return Seen{depth, {level, level, level}};
     };
-    const Frame frame = frame_of(seen, [&](int u, int) { return random.uniform() < share || u > 50; });
+    const ingest::Frame frame = frame_of(seen, [&](int u, int) { return random.uniform() < share || u > 50; });
     for (const float depth : frame.clean_depth.values()) {
       if (depth > 0) nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
     }
@@ -121,4 +121,4 @@ TEST(ExtendSurfaces, WhateverIsMeasuredGuessesStayInItsRange) {
 }
 
 } // namespace
-} // namespace kinora::ingest
+} // namespace kinora::fields

@@ -3,7 +3,7 @@
 
 #include "ingest/frame/frame.h"
 
-namespace kinora::ingest {
+namespace kinora::fields {
 
 /// Guesses of the depths, in metres along the optical axis, of the pixels with a label that have no clean depth; 0 at
 /// all others, and everywhere if no pixel with the label has any. Sensors leave such holes where things are too near,
@@ -13,6 +13,6 @@ namespace kinora::ingest {
 /// path, where colours that change make a path longer: the nearest surface that looks the same. Where several
 /// neighbours say nearly the same, their mean is taken. Nothing is guessed far before the nearest or behind the
 /// farthest depth of the frame. Thread-safe.
-DepthImage extend_surfaces(const Frame& frame, std::uint8_t label);
+DepthImage extend_surfaces(const ingest::Frame& frame, std::uint8_t label);
 
-} // namespace kinora::ingest
+} // namespace kinora::fields

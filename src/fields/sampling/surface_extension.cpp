@@ -1,4 +1,4 @@
-#include "ingest/depth/surface_extension.h"
+#include "fields/sampling/surface_extension.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/sensor_noise.h"
 
-namespace kinora::ingest {
+namespace kinora::fields {
 namespace {
 
 /// Inverse depth about a pixel, 1/m and 1/m per pixel: a plane of space is linear in it.
@@ -24,7 +24,7 @@ constexpr std::array<std::array<int, 2>, 8> kNeighbours = {
 /// Of one frame; used once.
 class Extension {
 public:
-  Extension(const Frame& frame, std::uint8_t label)
+  Extension(const ingest::Frame& frame, std::uint8_t label)
       : frame_(frame), label_(label), width_(frame.color.width()), height_(frame.color.height()),
         radius_(std::max(3, width_ / kWindowsPerWidth)), smooth_(smoothed(frame.color)),
         planes_(frame.color.pixel_count()), costs_(frame.color.pixel_count(), kNotReached) {}
@@ -209,7 +209,7 @@ private:
     settled_[at] = true;
   }
 
-  const Frame& frame_;
+  const ingest::Frame& frame_;
   std::uint8_t label_;
   int width_, height_;
   int radius_;
@@ -224,6 +224,6 @@ private:
 
 } // namespace
 
-DepthImage extend_surfaces(const Frame& frame, std::uint8_t label) { return Extension(frame, label).depths(); }
+DepthImage extend_surfaces(const ingest::Frame& frame, std::uint8_t label) { return Extension(frame, label).depths(); }
 
-} // namespace kinora::ingest
+} // namespace kinora::fields
