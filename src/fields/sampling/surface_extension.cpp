@@ -50,7 +50,7 @@ private:
   static constexpr float kSameSurface = 0.1F; // relative difference of depths in a window
   static constexpr float kSamePlane = 0.02F;  // and from the plane through them
   static constexpr float kSameGuess = 0.05F;  // and of what neighbours say
-  static constexpr float kBeyondRange = 1.5F; // factor from the nearest and the farthest depth
+  static constexpr float kBeyondRange = 2;    // factor from the nearest and the farthest depth
   static constexpr float kNotReached = 1e30F;
 
   std::size_t index(int u, int v) const {
