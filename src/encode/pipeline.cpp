@@ -68,7 +68,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
                  {"settings", settings},
                  {"capture", capture_json(prepared, pass)},
                  {"camera", camera_json(prepared)},
-                 {"streams", streams_json(pass.streams, prepared.registration)},
+                 {"streams", streams_json(exposure, pass.depth_delay, prepared.registration)},
                  {"layers", std::move(layers)},
                  {"not_modelled", not_modelled},
                  {"timing", {{"stages", times.json(clip.times.size())}}}};
