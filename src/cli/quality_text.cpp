@@ -21,7 +21,8 @@ void add_rows(const Json& subject, Table& table) {
     if (means.at("frames") == 0) continue;
     table.add({subject.at("name"), group == std::string("held_out") ? "held out" : "trained", means.at("frames").dump(),
                number(means, "psnr", "{:.2f}"), number(means, "ssim_box", "{:.3f}"), number(means, "mae", "{:.2f}"),
-               number(means, "iou", "{:.3f}"), number(means, "depth_error_median", "{:.1f}", 1000)});
+               number(means, "iou", "{:.3f}"), number(means, "coverage", "{:.1f}", 100),
+               number(means, "depth_error_median", "{:.1f}", 1000)});
   }
 }
 
@@ -54,9 +55,9 @@ std::string truth_text(const Json& truth) {
 } // namespace
 
 std::string quality_table(const Json& evaluation) {
-  Table table({"layer", "frames", "n", "PSNR dB", "SSIM box", "MAE", "IoU", "depth error mm"});
+  Table table({"layer", "frames", "n", "PSNR dB", "SSIM box", "MAE", "IoU", "drawn %", "depth error mm"});
   for (const Json& layer : evaluation.at("layers")) add_rows(layer, table);
-  for (const char* name : {"whole", "foreground", "moving", "still"}) {
+  for (const char* name : {"whole", "picture", "foreground", "moving", "still"}) {
     if (evaluation.contains(name)) add_rows(evaluation.at(name), table);
   }
   std::string text = table.str();

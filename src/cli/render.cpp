@@ -15,12 +15,16 @@
 #include "cli/export_facts.h"
 #include "cli/picture_output.h"
 #include "cli/versions.h"
+#include "clip/exposure.h"
 #include "container/crc32c.h"
 #include "core/error.h"
 #include "player/camera_file.h"
 
 namespace kinora::cli {
 namespace {
+
+/// How bright a picture is: all alike, or as each frame of the capture was recorded.
+enum class ExposureChoice { kEven, kCapture };
 
 struct Options {
   std::filesystem::path clip;
@@ -33,6 +37,7 @@ struct Options {
   std::string size;
   fields::DrawQuality quality = fields::DrawQuality::kFull;
   fields::Unseen unseen = fields::Unseen::kKeep;
+  ExposureChoice exposure = ExposureChoice::kEven;
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
@@ -155,9 +160,9 @@ class ResumableDrawing {
 public:
   ResumableDrawing(const Options& options, const player::LayerChoice& layers)
       : kept_(options.out.string() + ".drawn"),
-        how_(fmt::format("{}\n{:08x} {} {} {}", version_text(), checksum_of(options.clip),
-                         static_cast<int>(options.quality), static_cast<int>(options.unseen), fmt::join(layers, ","))) {
-  }
+        how_(fmt::format("{}\n{:08x} {} {} {} {}", version_text(), checksum_of(options.clip),
+                         static_cast<int>(options.quality), static_cast<int>(options.unseen),
+                         static_cast<int>(options.exposure), fmt::join(layers, ","))) {}
 
   template <class Draw> fields::Picture picture(std::size_t index, const player::View& view, const Draw& draw) {
     const Intrinsics& k = view.camera.intrinsics;
@@ -176,12 +181,19 @@ private:
   std::string how_;
 };
 
+void require_capture_view(const Options& options) {
+  if (options.exposure == ExposureChoice::kEven || (options.cameras.empty() && !options.has_orbit)) return;
+  throw Error(ErrorCode::kUsage, "--exposure capture is how bright the capture's own frames are; it goes with "
+                                 "--capture-view, not with --cameras or --orbit");
+}
+
 std::string cameras_text(const Options& options) {
   if (!options.cameras.empty()) return options.cameras.filename().string();
   return options.has_orbit ? fmt::format("orbit of {:g} degrees", options.orbit) : "the capture's";
 }
 
 void run(const Options& options, Context& context) {
+  require_capture_view(options);
   const std::vector<std::string> beside = passes_beside_color(options.passes);
   PictureRequest request{options.out,
                          host::parse_options(options.writer_options),
@@ -221,6 +233,8 @@ void run(const Options& options, Context& context) {
       beside};
   request.facts = facts_of(pictures);
   request.resume = options.resume && kind != OutputKind::kFilm;
+  const clip::Exposure exposure =
+      options.exposure == ExposureChoice::kCapture ? clip::stored_exposure(player.clip().metadata) : clip::Exposure{};
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   std::optional<ResumableDrawing> resumable;
@@ -230,7 +244,14 @@ void run(const Options& options, Context& context) {
     context.progress.check();
     const player::View& view = views[i];
     if (output->is_done(view.name)) continue;
-    const auto drawn = [&] { return player.draw(view.camera, view.frame, layers, draw); };
+    const auto drawn = [&] {
+      fields::Picture picture = player.draw(view.camera, view.frame, layers, draw);
+      if (!exposure.empty()) {
+        const auto frame = static_cast<std::size_t>(std::lround(view.frame));
+        GainTables(clip::gain_at(exposure, player.clip().capture_frames[frame])).apply_to(picture.color);
+      }
+      return picture;
+    };
     output->add({resumable ? resumable->picture(i, view, drawn) : drawn(), view.name, times[i], view.camera,
                  labels_at(player, layers, view.frame),
                  has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
@@ -308,6 +329,14 @@ void add_render(CLI::App& app, Context& context) {
           std::map<std::string, fields::Unseen>{{"keep", fields::Unseen::kKeep}, {"fade", fields::Unseen::kFade}},
           CLI::ignore_case))
       ->type_name("keep|fade");
+  command
+      .add_option("--exposure", options->exposure,
+                  "even: all pictures as bright as the clip; capture: each as bright, and as white, as the capture's "
+                  "frame was recorded")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ExposureChoice>{{"even", ExposureChoice::kEven}, {"capture", ExposureChoice::kCapture}},
+          CLI::ignore_case))
+      ->type_name("even|capture");
   command.add_option("--layers", options->layers, "Only these layers, such as person,object")
       ->delimiter(',')
       ->type_name("NAMES");

@@ -86,12 +86,17 @@ Json camera_json(const PreparedCapture& prepared) {
   return {{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}};
 }
 
-Json streams_json(const ingest::StreamReport& streams, const ingest::FoundRegistration& registration) {
+Json streams_json(const clip::Exposure& exposure, std::optional<double> depth_delay,
+                  const ingest::FoundRegistration& registration) {
   Json gains = Json::array();
-  for (const double gain : streams.gains) gains.push_back(round4(gain));
-  return {{"exposure_gains", std::move(gains)},
-          {"exposure_changes", streams.exposure_changes},
-          {"depth_behind_color_s", streams.time_offset ? Json(round4(*streams.time_offset)) : Json(nullptr)},
+  for (const auto& [frame, gain] : exposure) {
+    Json colors = Json::array();
+    for (const float factor : gain.factors) colors.push_back(round4(factor));
+    gains.push_back(std::move(colors));
+  }
+  return {{"exposure_changes", !exposure.empty()},
+          {"exposure_gains", std::move(gains)},
+          {"depth_behind_color_s", depth_delay ? Json(round4(*depth_delay)) : Json(nullptr)},
           {"registration", registration_json(registration)}};
 }
 

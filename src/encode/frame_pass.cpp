@@ -33,7 +33,7 @@ FramePass pass_over_frames(ingest::Capture& capture, const EncodeOptions& option
     progress.advance(i + 1, "");
   }
   pass.unlabelled = front_end.unlabelled();
-  pass.streams = front_end.streams();
+  pass.depth_delay = front_end.depth_delay();
   pass.clip = front_end.timeline();
   pass.labels = std::move(front_end).finish(times);
   if (pass.clip.times.empty()) {

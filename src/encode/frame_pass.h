@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 
 #include "clip/clip.h"
 #include "core/progress.h"
@@ -10,7 +11,6 @@
 #include "encode/stage_times.h"
 #include "encode/tracked_label.h"
 #include "fields/sampling/pixel_store.h"
-#include "ingest/calibration/exposure.h"
 #include "ingest/capture/capture.h"
 
 namespace kinora::encode {
@@ -20,7 +20,7 @@ struct FramePass {
   clip::Clip clip;           ///< timeline, camera and its path; no layer yet
   fields::PixelStore pixels; ///< of all frames but those that are only tracked and those without mask
   std::map<int, TrackedLabel> labels;
-  ingest::StreamReport streams;
+  std::optional<double> depth_delay; ///< seconds (ingest::StreamDelay)
   std::size_t unlabelled = 0; ///< frames without mask in a capture with masks: tracked nowhere, trained on nowhere
 };
 

@@ -36,7 +36,7 @@ bool FrontEnd::add(const ingest::Frame& frame, bool held_out, StageTimes& times)
   if (is_first) warn_of_unit(frame, progress_);
   add_to_timeline(frame, held_out, clip_);
   if (is_first || info_.has_poses) clip_.camera_to_world.push_back(frame.camera.camera_to_world);
-  streams_.add(frame);
+  delay_.add(frame);
   scene_.add(frame, times);
   if (!info_.has_masks || frame.has_labels()) return true;
   ++unlabelled_;

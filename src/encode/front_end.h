@@ -8,7 +8,7 @@
 #include "clip/clip.h"
 #include "encode/encode_options.h"
 #include "encode/scene_tracker.h"
-#include "ingest/calibration/exposure.h"
+#include "ingest/calibration/stream_delay.h"
 
 namespace kinora::encode {
 
@@ -25,7 +25,7 @@ public:
   const clip::Clip& timeline() const { return clip_; }
   /// As of the last frame.
   const std::map<int, TrackedLabel>& labels() const { return scene_.labels(); }
-  ingest::StreamReport streams() const { return streams_.report(); }
+  std::optional<double> depth_delay() const { return delay_.seconds(); } ///< seconds (ingest::StreamDelay)
   std::size_t unlabelled() const { return unlabelled_; } ///< frames without mask in a capture with masks
 
   /// SceneTracker::finish.
@@ -35,7 +35,7 @@ private:
   const ingest::CaptureInfo& info_;
   Progress& progress_;
   SceneTracker scene_;
-  ingest::StreamEstimates streams_;
+  ingest::StreamDelay delay_;
   clip::Clip clip_;
   std::size_t unlabelled_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "encode/capture_report.h"
+#include "encode/exposure_gains.h"
 #include "encode/frame_pass.h"
 #include "encode/held_out_poses.h"
 #include "encode/layer_presence.h"
@@ -44,6 +45,9 @@ motion::NodeBirths births_of(const TrackedLabel& label, const clip::Layer& layer
 EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& options, Progress& progress) {
   StageTimes times = std::move(prepared.times);
   FramePass pass = pass_over_frames(*prepared.capture, options, times, progress);
+  progress.stage("comparing exposures", 0);
+  const clip::Exposure exposure = times.measure("compare exposures", [&] { return measure_exposure(pass); });
+  take_out(exposure, pass);
   const std::vector<NotModelled> lost = drop_lost_labels(pass, prepared.capture->info());
   TrainingPlan plan = plan_training(pass, options);
   plan.not_modelled.insert(plan.not_modelled.begin(), lost.begin(), lost.end());
@@ -58,6 +62,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   clip::Clip& clip = pass.clip;
   clip.metadata.update(clip_metadata(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
+  clip::store_exposure(exposure, clip.metadata);
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
     LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress);
@@ -74,7 +79,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
                  {"settings", settings},
                  {"capture", capture_json(prepared, pass)},
                  {"camera", camera_json(prepared)},
-                 {"streams", streams_json(pass.streams, prepared.registration)},
+                 {"streams", streams_json(exposure, pass.depth_delay, prepared.registration)},
                  {"layers", std::move(layers)},
                  {"not_modelled", not_modelled},
                  {"timing", {{"stages", times.json(clip.times.size())}}}};

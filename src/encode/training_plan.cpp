@@ -9,21 +9,28 @@
 namespace kinora::encode {
 namespace {
 
-/// Pixels with reliable depth of each label, in frames where the label's place is known.
-std::map<int, std::size_t> stored_by_label(const FramePass& pass) {
-  std::map<int, std::size_t> counts;
+/// Pixels of a label, in frames where its place is known.
+struct PixelCounts {
+  std::size_t measured = 0; ///< with reliable depth
+  std::size_t extended = 0; ///< with one that is guessed from afar
+};
+
+std::map<int, PixelCounts> stored_by_label(const FramePass& pass) {
+  std::map<int, PixelCounts> counts;
   for (const fields::StoredFrame& frame : pass.pixels.frames()) {
-    std::array<std::size_t, 256> in_frame{};
+    std::array<PixelCounts, 256> in_frame{};
     for (std::size_t i = frame.begin; i < frame.end; ++i) {
       const fields::StoredPixel& pixel = pass.pixels.pixels()[i];
-      if (pixel.depth.is_measured()) ++in_frame[pixel.label];
+      if (pixel.depth.is_measured()) ++in_frame[pixel.label].measured;
+      if (pixel.depth.is_extended()) ++in_frame[pixel.label].extended;
     }
     for (const auto& [number, label] : pass.labels) {
       const auto f = static_cast<std::size_t>(frame.frame);
       const bool lost = f < label.poses.size() && label.poses[f].health == motion::Health::kLost;
-      if (!lost && in_frame[static_cast<std::size_t>(number)] > 0) {
-        counts[number] += in_frame[static_cast<std::size_t>(number)];
-      }
+      const PixelCounts& here = in_frame[static_cast<std::size_t>(number)];
+      if (lost || here.measured == 0) continue;
+      counts[number].measured += here.measured;
+      counts[number].extended += here.extended;
     }
   }
   return counts;
@@ -67,12 +74,15 @@ TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options) 
       continue;
     }
     plan.layers.push_back({&label, unique_name(label.plan.name, names), 0});
-    weights.push_back(std::sqrt(static_cast<double>(found->second)));
+    weights.push_back(std::sqrt(static_cast<double>(found->second.measured)));
     sum += weights.back();
   }
   const std::size_t budget = rays_of_all(pass.clip, options);
   for (std::size_t i = 0; i < plan.layers.size(); ++i) {
-    plan.layers[i].rays = static_cast<std::size_t>(weights[i] / sum * static_cast<double>(budget));
+    // What is guessed from afar is learnt besides: what was measured gets no ray less.
+    const PixelCounts& count = counts.at(plan.layers[i].label->plan.label);
+    const double all = static_cast<double>(count.measured + count.extended) / static_cast<double>(count.measured);
+    plan.layers[i].rays = static_cast<std::size_t>(weights[i] / sum * all * static_cast<double>(budget));
   }
   return plan;
 }

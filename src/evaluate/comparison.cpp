@@ -37,6 +37,19 @@ ColorImage composited(const ColorImage& drawn, const LabelImage& region, bool cu
   return out;
 }
 
+double drawn_share(const ColorImage& drawn, const LabelImage& region) {
+  double sum = 0;
+  double count = 0;
+  for (int v = 0; v < region.height(); ++v) {
+    for (int u = 0; u < region.width(); ++u) {
+      if (region.at(u, v) == 0) continue;
+      sum += drawn.at(u, v, 3) / 255.0;
+      count += 1;
+    }
+  }
+  return sum / count;
+}
+
 double mae_over(const ColorImage& shown, const ColorImage& truth, const LabelImage& region) {
   double sum = 0;
   double count = 0;
@@ -121,6 +134,10 @@ Subject whole_subject(const player::Player& player, bool masks) {
   return whole;
 }
 
+Subject picture_subject(const player::Player& player) {
+  return {"picture", "every pixel", player.all_layers(), {}, false};
+}
+
 std::vector<Subject> moving_subjects(const player::Player& player) {
   return {{"moving", "pixels that move, with measured depth", player.all_layers(), std::set{1}, true},
           {"still", "pixels that keep still, with measured depth", player.all_layers(), std::set{0}, true}};
@@ -152,6 +169,7 @@ void compare(const fields::Picture& picture, const ingest::Frame& frame, const S
   means.add_frame();
   means.add("psnr", psnr_over(on_black, frame.color, region).value());
   means.add("mae", mae_over(on_black, frame.color, region));
+  means.add("coverage", drawn_share(picture.color, region));
   means.add("psnr_box", metrics.psnr_box);
   means.add("ssim_box", metrics.ssim_box);
   means.add("mae_box", metrics.mae_box);

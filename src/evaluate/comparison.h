@@ -43,6 +43,8 @@ struct Subject {
 std::vector<Subject> layer_subjects(const player::Player& player, bool masks);
 /// All layers together: where masks tell which pixels are modelled, else everywhere.
 Subject whole_subject(const player::Player& player, bool masks);
+/// All layers together over every pixel of the picture, measured or not: what a person sees who opens the clip.
+Subject picture_subject(const player::Player& player);
 /// All layers together over moving and over still pixels: `moving` has label 1, `still` label 0.
 std::vector<Subject> moving_subjects(const player::Player& player);
 

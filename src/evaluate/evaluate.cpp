@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "clip/exposure.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "evaluate/comparison.h"
@@ -45,6 +46,7 @@ std::vector<Groups> groups_of(const player::Player& player, bool masks, bool mov
   if (auto foreground = foreground_subject(player); masks && several && foreground) {
     subjects.push_back(std::move(*foreground));
   }
+  subjects.push_back(picture_subject(player));
   if (moving) {
     for (Subject& subject : moving_subjects(player)) subjects.push_back(std::move(subject));
   }
@@ -88,6 +90,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
   const clip::Clip& clip = player.clip();
   require_same_source(clip, capture.info());
   std::vector<Groups> groups = groups_of(player, capture.info().has_masks, moving != nullptr);
+  const clip::Exposure exposure = clip::stored_exposure(clip.metadata);
   const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_trained_frames);
   progress.stage("comparing", chosen.size());
   std::size_t done = 0;
@@ -103,6 +106,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
       progress.check();
       pictures.push_back(
           player.draw(clip.capture_camera(static_cast<double>(i)), static_cast<double>(i), group.subject.layers));
+      if (!exposure.empty()) GainTables(clip::gain_at(exposure, frame->index)).apply_to(pictures.back().color);
     }
     parallel_for(groups.size(), 1, [&](const Chunk& chunk) {
       Groups& group = groups[chunk.index];

@@ -26,14 +26,15 @@ struct EvaluateOptions {
 /// `held_out` and `trained`, each with `frames` and the means of
 /// - `psnr`, `mae`: over the region, the layer drawn alone and composited on black. The region is the layer's label;
 ///   for the background, and for everything in a capture without masks, only pixels with measured depth;
+/// - `coverage`: mean opacity of what is drawn over the region;
 /// - `psnr_box ssim_box mae_box psnr_full ssim_full psnr_inside iou`: as the metrics define them;
 /// - `depth_error_median`: metres, |drawn − measured| over the region's measured pixels, an undrawn one counting as
 ///   infinitely wrong (null if most are); `depth_coverage`: the share of them that is drawn;
 /// and `trained_minus_held_out_db`, of `psnr`. `whole` is the same for all layers drawn together, where masks tell
-/// which pixels are modelled; `foreground` for the labelled layers against everything that is labelled. Without masks
-/// there are no layers to tell apart if the clip has several; a still camera's capture then has `moving` and `still`,
-/// all layers over the pixels of each kind (`moving`, if not null). Throws Error(kUsage) if the capture is not the
-/// clip's.
+/// which pixels are modelled; `picture` over every pixel, with nothing drawn counting as black; `foreground` for the
+/// labelled layers against everything that is labelled. Without masks there are no layers to tell apart if the clip has
+/// several; a still camera's capture then has `moving` and `still`, all layers over the pixels of each kind (`moving`,
+/// if not null). Throws Error(kUsage) if the capture is not the clip's.
 nlohmann::json evaluate(const player::Player& player, ingest::Capture& capture, const MovingPixels* moving,
                         const EvaluateOptions& options, Progress& progress);
 

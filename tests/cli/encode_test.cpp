@@ -148,6 +148,44 @@ TEST_F(Encode, NoMasksIsAsIfThereWereNone) {
   EXPECT_NE(layers_of("a.mkv"), layers_of("c.mkv"));
 }
 
+/// Mean of the colours of a picture.
+double brightness(const std::string& file) {
+  const std::string bytes = contents_of(file);
+  const ColorImage picture = decode_color(std::as_bytes(std::span(bytes)), file);
+  double sum = 0;
+  for (const std::uint8_t value : picture.values()) sum += value;
+  return sum / static_cast<double>(picture.values().size());
+}
+
+TEST_F(Encode, ExposureThatAlternatesIsTakenOutAndCanBePutBack) {
+  const auto whole_picture = [&](const std::string& name) {
+    const Said said = run_kinora(folder_, {"eval", path(name), "--against", capture_.path(), "--json"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    return Json::parse(said.out).at("picture").at("trained").at("psnr").get<double>();
+  };
+  ASSERT_EQ(encode({path("even.mkv")}).code, 0);
+  EXPECT_FALSE(clip::read_clip(path("even.mkv")).metadata.contains("exposure"));
+  const double even = whole_picture("even.mkv");
+
+  BoxScene scene;
+  scene.frames = 4;
+  scene.exposures = {0.7F, 1.2F};
+  write_box_capture(capture_, scene);
+  ASSERT_EQ(encode({path("c.mkv")}).code, 0);
+  EXPECT_GT(whole_picture("c.mkv"), even - 1);
+
+  const auto drawn = [&](const std::string& folder, const std::vector<std::string>& how) {
+    std::vector<std::string> words{"render", path("c.mkv"), path(folder), "--frames", "0:2"};
+    words.insert(words.end(), how.begin(), how.end());
+    const Said said = run_kinora(folder_, words);
+    EXPECT_EQ(said.code, 0) << said.err;
+    return brightness(path(folder + "/000001.png")) / brightness(path(folder + "/000000.png"));
+  };
+  EXPECT_NEAR(drawn("alike", {}), 1, 0.03);
+  EXPECT_GT(drawn("as_recorded", {"--exposure", "capture"}), 1.15);
+  expect_error(run_kinora(folder_, {"render", path("c.mkv"), path("d.png"), "--orbit", "10", "--exposure", "capture"}), 2, "--exposure");
+}
+
 TEST_F(Encode, FramesAreThoseOfTheRange) {
   ASSERT_EQ(encode({path("c.mkv"), "--frames", "1:4:2"}).code, 0);
   const clip::Clip clip = clip::read_clip(path("c.mkv"));

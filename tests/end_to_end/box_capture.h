@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/camera.h"
+#include "core/color_gain.h"
 #include "core/image_codec.h"
 #include "core/random.h"
 #include "core/sensor_noise.h"
@@ -24,7 +25,8 @@ struct BoxScene {
   int box_leaves = 1'000; ///< the first one after that in which it is not
   double color_zoom = 1;  ///< focal length of the colour camera over that of depth, which calibration gives for both
   bool poses = false;     ///< a camera that moves sideways and tells where it is, over a scene that stands still
-  bool moving_camera = false; ///< a camera that moves sideways and does not tell, over a scene that moves too
+  std::array<float, 2> exposures{1, 1}; ///< factors of light, of even and of odd frames
+  bool moving_camera = false;           ///< a camera that moves sideways and does not tell, over a scene that moves too
 
   Intrinsics color_intrinsics() const {
     Intrinsics k = intrinsics();
@@ -133,6 +135,8 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
       labels.at(u, v) = static_cast<std::uint8_t>(hit.label);
     }
   }
+  const float exposure = scene.exposures[static_cast<std::size_t>(frame) % 2];
+  GainTables(ColorGain{{exposure, exposure, exposure}}).apply_to(color);
   const std::string name = six_digits(frame);
   if (scene.poses) {
     const std::string stem = "frame-" + name;

@@ -99,6 +99,18 @@ TEST(Comparison, UndrawnDepthIsInfinitelyWrong) {
   EXPECT_TRUE(undrawn.json().at("depth_error_median").is_null());
 }
 
+TEST(Comparison, OfTheWholePictureWhatIsNotDrawnIsBlack) {
+  ingest::Frame frame = gray_frame();
+  std::fill(frame.depth.values().begin(), frame.depth.values().end(), 0.0F); // nothing measured: judged all the same
+  fields::Picture picture = gray_picture(100, 2);
+  for (int u = 0; u < kWidth; ++u) picture.color.at(u, 0, 3) = 0;
+  const Subject everything{"picture", "every pixel", {0, 1}, {}, false};
+  Means means;
+  compare(picture, frame, everything, means);
+  EXPECT_NEAR(means.mean("mae").value(), 100.0 / kHeight, 1e-9);
+  EXPECT_NEAR(means.mean("coverage").value(), 1 - 1.0 / kHeight, 1e-9);
+}
+
 TEST(Comparison, FrameWithoutTheLabelIsLeftOut) {
   ingest::Frame frame = gray_frame();
   frame.labels = LabelImage(kWidth, kHeight);

@@ -47,7 +47,7 @@ std::size_t touched_cells(const std::vector<LayerPoint>& points, const FieldBox&
 
 FieldConfig choose_field_config(const LayerObservations& layer, FieldRequirements* requirements) {
   constexpr std::size_t kPoints = 400'000;
-  const std::vector<LayerPoint> observed = measured_points(layer, kPoints);
+  const std::vector<LayerPoint> observed = measured_and_extended_points(layer, kPoints);
   if (observed.empty()) {
     throw Error(ErrorCode::kFailure, "a layer without any measured pixel cannot be modelled");
   }

@@ -38,12 +38,12 @@ void warp_back(const BulkWarp& warp, std::vector<LayerPoint>& points, std::size_
   });
 }
 
-} // namespace
-
-std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t max_points) {
+/// Of the layer's pixels whose depth is wanted.
+template <class IsWanted>
+std::vector<LayerPoint> points_of(const LayerObservations& layer, std::size_t max_points, const IsWanted& is_wanted) {
   const PixelStore& store = layer.pixels;
   const motion::Motion& motion = layer.motion;
-  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && pixel.depth.is_measured(); };
+  const auto wanted = [&](const StoredPixel& pixel) { return layer.is_foreground(pixel) && is_wanted(pixel.depth); };
   const auto all = static_cast<std::size_t>(std::count_if(store.pixels().begin(), store.pixels().end(), wanted));
   const std::size_t stride = std::max<std::size_t>(1, all / max_points);
   std::shared_ptr<const motion::InfluenceTable> table;
@@ -77,6 +77,16 @@ std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::siz
   }
   std::erase_if(points, [](const LayerPoint& point) { return !point.canonical.allFinite(); });
   return points;
+}
+
+} // namespace
+
+std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t max_points) {
+  return points_of(layer, max_points, [](StoredDepth depth) { return depth.is_measured(); });
+}
+
+std::vector<LayerPoint> measured_and_extended_points(const LayerObservations& layer, std::size_t max_points) {
+  return points_of(layer, max_points, [](StoredDepth depth) { return depth.is_measured() || depth.is_extended(); });
 }
 
 } // namespace kinora::fields

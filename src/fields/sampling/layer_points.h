@@ -22,4 +22,7 @@ struct LayerPoint {
 /// in which the layer is lost, or where no way back is found.
 std::vector<LayerPoint> measured_points(const LayerObservations& layer, std::size_t max_points);
 
+/// The same of those whose depth is measured or extended: all the space in which the layer is drawn.
+std::vector<LayerPoint> measured_and_extended_points(const LayerObservations& layer, std::size_t max_points);
+
 } // namespace kinora::fields

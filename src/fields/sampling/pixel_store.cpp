@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "fields/sampling/surface_band.h"
+#include "fields/sampling/surface_extension.h"
 
 namespace kinora::fields {
 namespace {
@@ -87,6 +88,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   }
   if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, wanted * expected_frames_));
   const Surroundings surroundings(frame.clean_depth);
+  const DepthImage extended = extend_surfaces(frame, 0);
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
   std::size_t remaining = count;
   std::size_t missing = wanted;
@@ -101,7 +103,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
       const float clean = frame.clean_depth.at(u, v);
       const StoredDepth depth = clean > 0                     ? StoredDepth::measured(clean)
                                 : surroundings.have_any(u, v) ? StoredDepth::guessed(guessed_depth(frame, u, v))
-                                                              : StoredDepth::unknown();
+                                                              : StoredDepth::extended(extended.at(u, v));
       const std::uint8_t* rgb = frame.color.pixel(u, v);
       pixels_.push_back({static_cast<std::uint16_t>(u),
                          static_cast<std::uint16_t>(v),
@@ -117,6 +119,10 @@ void PixelStore::relabel(int from, int to) {
   for (StoredPixel& pixel : pixels_) {
     if (pixel.label == from) pixel.label = static_cast<std::uint8_t>(to);
   }
+}
+
+void PixelStore::change_colors(std::size_t frame, const GainTables& tables) {
+  for (std::size_t i = frames_[frame].begin; i < frames_[frame].end; ++i) pixels_[i].color = tables(pixels_[i].color);
 }
 
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/color_gain.h"
 #include "core/large_buffer.h"
 #include "ingest/frame/frame.h"
 
@@ -18,18 +19,22 @@ class StoredDepth {
 public:
   static StoredDepth measured(float metres) { return StoredDepth(metres); } ///< and clean; more than 0
   static StoredDepth guessed(float metres) { return StoredDepth(-metres); } ///< from clean neighbours; 0: unknown
+  /// From a surface that goes on, with nothing clean near (extend_surfaces); 0: unknown.
+  static StoredDepth extended(float metres) { return StoredDepth(metres > 0 ? -metres - kExtended : 0); }
   static StoredDepth unknown() { return StoredDepth(0); }
 
   bool is_measured() const { return packed_ > 0; }
-  bool is_guessed() const { return packed_ < 0; }
+  bool is_guessed() const { return packed_ < 0; } ///< from near or from afar
+  bool is_extended() const { return packed_ < -kExtended; }
   bool is_known() const { return packed_ != 0; }
-  /// Measured or guessed; 0 if it is not known.
-  float metres() const { return std::abs(packed_); }
+  /// Measured or guessed; 0 if it is not known. One that is extended is rounded to a tenth of a millimetre.
+  float metres() const { return is_extended() ? -packed_ - kExtended : std::abs(packed_); }
 
 private:
+  static constexpr float kExtended = 1000; // metres: farther than any sensor sees
   explicit StoredDepth(float packed) : packed_(packed) {}
 
-  float packed_; // negative: guessed
+  float packed_; // negative: guessed; with kExtended before it: from afar
 };
 
 /// 12 bytes.
@@ -57,6 +62,8 @@ public:
 
   /// The pixels of a label become those of another, 0 to 255.
   void relabel(int from, int to);
+  /// Of a frame, by its number in frames().
+  void change_colors(std::size_t frame, const GainTables& tables);
 
   /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
   /// about `max_pixels`.

@@ -25,11 +25,11 @@ inline float surface_band(const FieldConfig& config, float depth, SensorNoise no
 
 /// Metres: up to where a pixel shows that a layer which is not its own is not there. A guessed depth keeps twice the
 /// distance from its surface. Without any depth, one that is labelled as somebody else's tells nothing; but what is
-/// labelled background and is measured nowhere around is taken to be out of the sensor's reach, behind everything.
+/// labelled background and is measured nowhere around is behind everything: its surface is guessed from afar at best.
 inline float free_space_until(const StoredPixel& pixel, SensorNoise noise = {}) {
   const float depth = pixel.depth.metres();
   if (pixel.depth.is_measured()) return depth - noise.three_sigma(depth);
-  if (pixel.depth.is_guessed()) return depth - 2 * noise.three_sigma(depth);
+  if (pixel.depth.is_guessed() && !pixel.depth.is_extended()) return depth - 2 * noise.three_sigma(depth);
   return pixel.label == 0 ? kFarthest : 0;
 }
 

@@ -70,7 +70,7 @@ struct Votes {
 Votes vote_of(const StoredPixel& pixel, const LayerObservations& layer, float depth, float thickness) {
   const float tolerance = kSensorNoise.three_sigma(depth) + thickness;
   if (!layer.is_foreground(pixel)) return {0, depth + tolerance < free_space_until(pixel) ? 1 : 0};
-  if (!pixel.depth.is_known()) return {};
+  if (!pixel.depth.is_known() || pixel.depth.is_extended()) return {}; // what others measure there stands
   const float beyond = pixel.depth.metres() - depth;
   return {std::abs(beyond) < tolerance ? 1 : 0, beyond >= tolerance ? 1 : 0};
 }

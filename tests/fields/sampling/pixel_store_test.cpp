@@ -1,4 +1,4 @@
-// What is remembered of a pixel's depth: measured, guessed from its neighbours, or not known.
+// What is remembered of a pixel's depth: measured, guessed from its neighbours, extended from afar, or not known.
 #include <gtest/gtest.h>
 
 #include "fields/sampling/pixel_store.h"
@@ -45,9 +45,19 @@ TEST(StoredDepth, IsGuessedBesideCleanDepthOfTheSameLabel) {
   EXPECT_TRUE(stored(frame, kHole + 1).depth.is_guessed());
 }
 
-TEST(StoredDepth, IsUnknownFarFromAllCleanDepth) {
+TEST(StoredDepth, IsExtendedFarFromAllCleanDepthOfTheBackground) {
   const StoredDepth depth = stored(wall(), kFar).depth;
-  EXPECT_FALSE(depth.is_measured() || depth.is_guessed() || depth.is_known());
+  EXPECT_TRUE(depth.is_extended() && depth.is_guessed() && depth.is_known() && !depth.is_measured());
+  EXPECT_NEAR(depth.metres(), 2, 1e-3);
+  EXPECT_FALSE(stored(wall(), kHole).depth.is_extended());
+}
+
+TEST(StoredDepth, IsUnknownFarFromAllCleanDepthOfAThing) {
+  ingest::Frame frame = wall();
+  frame.labels = LabelImage(kWidth, 3);
+  for (int v = 0; v < 3; ++v) frame.labels.at(kFar, v) = 1;
+  const StoredDepth depth = stored(frame, kFar).depth;
+  EXPECT_FALSE(depth.is_measured() || depth.is_guessed() || depth.is_extended() || depth.is_known());
   EXPECT_EQ(depth.metres(), 0);
 }
 

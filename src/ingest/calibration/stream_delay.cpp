@@ -1,4 +1,4 @@
-#include "ingest/calibration/exposure.h"
+#include "ingest/calibration/stream_delay.h"
 
 #include <array>
 
@@ -14,7 +14,6 @@ constexpr std::size_t kMinPixels = 200; ///< to tell a gain
 constexpr float kDark = 0.01F;          ///< linear; darker is noise
 constexpr float kBright = 0.9F;         ///< brighter may be saturated
 constexpr double kMotion = 0.05;        ///< log ratio at which a pixel shows something else
-constexpr double kChange = 0.03;        ///< gain that counts as a change of exposure
 constexpr int kMaxShift = 5;            ///< frames
 constexpr std::size_t kMinFrames = 24;  ///< to tell a time offset
 constexpr double kMinCorrelation = 0.7;
@@ -61,7 +60,7 @@ bool varies(const std::vector<double>& signal) {
 
 } // namespace
 
-StreamEstimates::Sample StreamEstimates::sample_of(const Frame& frame) {
+StreamDelay::Sample StreamDelay::sample_of(const Frame& frame) {
   Sample sample;
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
@@ -77,7 +76,7 @@ StreamEstimates::Sample StreamEstimates::sample_of(const Frame& frame) {
   return sample;
 }
 
-std::optional<double> StreamEstimates::gain_against(const Sample& sample, const Sample& reference) const {
+std::optional<double> StreamDelay::gain_against(const Sample& sample, const Sample& reference) const {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < sample.brightness.size(); ++i) {
     if (!sample.brightness[i] || !reference.brightness[i]) continue;
@@ -90,25 +89,22 @@ std::optional<double> StreamEstimates::gain_against(const Sample& sample, const 
   return std::exp(median_of(ratios));
 }
 
-void StreamEstimates::add(const Frame& frame) {
+void StreamDelay::add(const Frame& frame) {
   Sample sample = sample_of(frame);
   times_.push_back(frame.time);
-  if (gains_.empty()) {
-    gains_.push_back(1);
+  if (times_.size() == 1) {
     reference_ = last_ = std::move(sample);
     return;
   }
-  const double before = gains_.back();
+  const double before = last_gain_;
   std::optional<double> gain = gain_against(sample, reference_);
-  if (gain) {
-    gains_.push_back(reference_gain_ * *gain);
-  } else { // the view has changed: from the last frame on there is another reference
+  if (!gain) { // the view has changed: from the last frame on there is another reference
     reference_ = last_;
     reference_gain_ = before;
     gain = gain_against(sample, reference_);
-    gains_.push_back(gain ? reference_gain_ * *gain : before);
   }
-  const double step = std::log(gains_.back() / before);
+  last_gain_ = gain ? reference_gain_ * *gain : before;
+  const double step = std::log(last_gain_ / before);
   double changed_color = 0, changed_depth = 0;
   for (std::size_t i = 0; i < sample.brightness.size(); ++i) {
     if (sample.brightness[i] && last_.brightness[i]) {
@@ -123,23 +119,18 @@ void StreamEstimates::add(const Frame& frame) {
   last_ = std::move(sample);
 }
 
-StreamReport StreamEstimates::report() const {
-  StreamReport report;
-  report.gains = gains_;
-  report.exposure_changes =
-      std::any_of(gains_.begin(), gains_.end(), [](double gain) { return std::abs(gain - 1) > kChange; });
-  if (times_.size() < kMinFrames || !varies(color_motion_) || !varies(depth_motion_)) return report;
+std::optional<double> StreamDelay::seconds() const {
+  if (times_.size() < kMinFrames || !varies(color_motion_) || !varies(depth_motion_)) return std::nullopt;
   std::array<double, 2 * kMaxShift + 1> scores{};
   for (int shift = -kMaxShift; shift <= kMaxShift; ++shift)
     scores[static_cast<std::size_t>(shift) + kMaxShift] = correlation(color_motion_, depth_motion_, shift);
   const auto best = static_cast<std::size_t>(std::max_element(scores.begin(), scores.end()) - scores.begin());
-  if (scores[best] < kMinCorrelation || best == 0 || best + 1 == scores.size()) return report;
+  if (scores[best] < kMinCorrelation || best == 0 || best + 1 == scores.size()) return std::nullopt;
   const double left = scores[best - 1], middle = scores[best], right = scores[best + 1];
   const double curvature = left - 2 * middle + right;
   const double fraction = curvature < 0 ? 0.5 * (left - right) / curvature : 0;
   const double interval = (times_.back() - times_.front()) / static_cast<double>(times_.size() - 1);
-  report.time_offset = (static_cast<double>(best) - kMaxShift + fraction) * interval;
-  return report;
+  return (static_cast<double>(best) - kMaxShift + fraction) * interval;
 }
 
 } // namespace kinora::ingest

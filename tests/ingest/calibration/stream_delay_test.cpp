@@ -1,4 +1,4 @@
-#include "ingest/calibration/exposure.h"
+#include "ingest/calibration/stream_delay.h"
 
 #include <gtest/gtest.h>
 
@@ -32,38 +32,32 @@ Frame frame_of(int index, double gain, double color_position, double depth_posit
 
 double swing(double frame) { return 96 + 50 * std::sin(0.02 * frame * frame); }
 
-TEST(StreamEstimates, FindTheGainOfEveryFrameThoughSomethingMoves) {
-  StreamEstimates estimates;
-  std::vector<double> truth;
-  for (int i = 0; i < 12; ++i) {
-    truth.push_back(1 + 0.04 * i);
-    estimates.add(frame_of(i, truth.back(), 50 + 4 * i, 50 + 4 * i));
-  }
-  const StreamReport report = estimates.report();
-  ASSERT_EQ(report.gains.size(), truth.size());
-  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_NEAR(report.gains[i], truth[i], 0.015) << i;
-  EXPECT_TRUE(report.exposure_changes);
+TEST(StreamDelay, IsNotToldWhenNothingMoves) {
+  StreamDelay delay;
+  for (int i = 0; i < 30; ++i) delay.add(frame_of(i, 1, 80, 80));
+  EXPECT_FALSE(delay.seconds());
 }
 
-TEST(StreamEstimates, SayNothingOfADelayWhenNothingMoves) {
-  StreamEstimates estimates;
-  for (int i = 0; i < 30; ++i) estimates.add(frame_of(i, 1, 80, 80));
-  EXPECT_FALSE(estimates.report().time_offset);
-  EXPECT_FALSE(estimates.report().exposure_changes);
-}
-
-TEST(StreamEstimates, FindADelayOfTwoFrames) {
-  StreamEstimates estimates;
-  for (int i = 0; i < 45; ++i) estimates.add(frame_of(i, 1, swing(i), swing(i - 2)));
-  const auto offset = estimates.report().time_offset;
+TEST(StreamDelay, OfTwoFramesIsFound) {
+  StreamDelay delay;
+  for (int i = 0; i < 45; ++i) delay.add(frame_of(i, 1, swing(i), swing(i - 2)));
+  const auto offset = delay.seconds();
   ASSERT_TRUE(offset);
   EXPECT_NEAR(*offset, 2 / 30.0, 0.4 / 30);
 }
 
-TEST(StreamEstimates, FindNoDelayWhereThereIsNone) {
-  StreamEstimates estimates;
-  for (int i = 0; i < 45; ++i) estimates.add(frame_of(i, 1, swing(i), swing(i)));
-  const auto offset = estimates.report().time_offset;
+TEST(StreamDelay, IsFoundWhileExposureChanges) {
+  StreamDelay delay;
+  for (int i = 0; i < 45; ++i) delay.add(frame_of(i, 1 + 0.3 * std::sin(2.1 * i), swing(i), swing(i - 2)));
+  const auto offset = delay.seconds();
+  ASSERT_TRUE(offset);
+  EXPECT_NEAR(*offset, 2 / 30.0, 0.4 / 30);
+}
+
+TEST(StreamDelay, IsNoneWhereThereIsNone) {
+  StreamDelay delay;
+  for (int i = 0; i < 45; ++i) delay.add(frame_of(i, 1, swing(i), swing(i)));
+  const auto offset = delay.seconds();
   ASSERT_TRUE(offset);
   EXPECT_NEAR(*offset, 0, 0.3 / 30);
 }

@@ -1,0 +1,18 @@
+// Where colour was seen and no depth: the surfaces around go on.
+#pragma once
+
+#include "ingest/frame/frame.h"
+
+namespace kinora::fields {
+
+/// Guesses of the depths, in metres along the optical axis, of the pixels with a label that have no clean depth; 0 at
+/// all others, and everywhere if no pixel with the label has any. Sensors leave such holes where things are too near,
+/// black or glossy, in the shadow of their projector and along the picture's border.
+///
+/// A pixel continues the plane (linear in inverse depth) of the surface from which it is reached along the shortest
+/// path, where colours that change make a path longer: the nearest surface that looks the same. Where several
+/// neighbours say nearly the same, their mean is taken. Nothing is guessed far before the nearest or behind the
+/// farthest depth of the frame. Thread-safe.
+DepthImage extend_surfaces(const ingest::Frame& frame, std::uint8_t label);
+
+} // namespace kinora::fields
