@@ -183,7 +183,8 @@ TEST_F(Encode, ExposureThatAlternatesIsTakenOutAndCanBePutBack) {
   };
   EXPECT_NEAR(drawn("alike", {}), 1, 0.03);
   EXPECT_GT(drawn("as_recorded", {"--exposure", "capture"}), 1.15);
-  expect_error(run_kinora(folder_, {"render", path("c.mkv"), path("d.png"), "--orbit", "10", "--exposure", "capture"}), 2, "--exposure");
+  expect_error(run_kinora(folder_, {"render", path("c.mkv"), path("d.png"), "--orbit", "10", "--exposure", "capture"}),
+               2, "--exposure");
 }
 
 TEST_F(Encode, FramesAreThoseOfTheRange) {
