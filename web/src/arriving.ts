@@ -22,6 +22,7 @@ export class ArrivingClip {
   #drawer: Drawer | null = null; // that opens the next one; loads what it needs meanwhile
   #opened = -1; // bytes
   #openedAll = false;
+  #coarse = false; // the last was a first look
   #openedAt = -Infinity;
   #complete = false;
   #tried = firstBytes; // then twice as many, until there is something to be seen
@@ -48,13 +49,14 @@ export class ArrivingClip {
       const whole = this.#shows || this.source.bytes <= this.#tried;
       const [bytes, all] = whole ? [this.source.bytes, this.source.all] : [this.#tried, false];
       this.#tried *= 2;
-      if (fault && bytes <= Math.max(this.#opened, 0)) throw fault;
+      if (fault && bytes <= Math.max(this.#opened, 0) && !this.#coarse) throw fault;
       this.#openedAt = performance.now();
       this.#opened = bytes;
       const firstLook = !this.#shows;
-      this.#openedAll = all && !firstLook;
       const opened = await drawer.ask({ ...this.#call(code), clip: this.source.blob().slice(0, bytes), all, firstLook });
       this.#complete = opened.finished;
+      this.#coarse = firstLook && opened.content !== null;
+      this.#openedAll = all && !this.#coarse;
       if (opened.content) {
         this.#drawer = null;
         this.#shows = true;
