@@ -114,6 +114,14 @@ inline constexpr std::array<Expected, 6> kExpected{
       33,
       {{{0xC9089161, 0x46C1D11D, 0x0BDBECF9, 0},
         {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
-        {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}}}};
+        {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
+     {"clip_away.mkv",
+      "layers that are away at times, and nodes that are born late or not at all",
+      12,
+      {{{0xF3BB3F2D, 0xB8A43ED7, 0xD3DBF2EA, 0},
+        {0x2D2E7FC1, 0xD6EECC48, 0xA4B2D7CE, 0x976D45C3},
+        {0xBCA9D0B6, 0x5B8AA68E, 0x66A048B1, 0x20C5D47B}}},
+      "[[[1, 12]], [[0, 3], [4, 5], [8, 12]], []]",
+      "[[], [], [0, 0, 0, 0, 0, 0, 0, 0, 5, 5, 5, 5, 5, 5, 5, 5, 12, 11, 10, 9, 8]]"}}};
 
 } // namespace kinora::conformance

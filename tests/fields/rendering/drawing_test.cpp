@@ -321,7 +321,7 @@ TEST(Drawing, NothingIsDrawnOfNodesThatAreNotBorn) {
       }
     }
     if (from.x() != 0.15) {
-      EXPECT_GT(there, 1000U);
+      EXPECT_GT(there, 500U);
     }
   }
   motion::UnbornNodes none(graph->nodes().size(), true);
