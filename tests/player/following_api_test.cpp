@@ -153,7 +153,7 @@ TEST(Following, WhatHasComeStaysWhenTheSourceBreaksOff) {
   ClipPlayer clip = ClipPlayer::follow(source);
   while (clip.update().message.find("this is all so far") == std::string::npos) std::this_thread::yield();
   const auto picture = picture_of(clip); // not of a first look
-  source.allow(1); // shorter than it was
+  source.allow(1);                       // shorter than it was
   const ClipArrival last = all_of(clip);
   EXPECT_NE(last.message.find("arriving.mkv"), std::string::npos) << last.message;
   EXPECT_EQ(picture_of(clip), picture);
