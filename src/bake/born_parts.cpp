@@ -81,6 +81,10 @@ std::vector<BornPart> born_parts(host::Mesh mesh, const clip::Layer& layer, std:
   }
   const std::vector<std::uint32_t> births = births_of_faces(mesh, layer);
   const std::vector<std::uint32_t> chosen = chosen_births(births, max_parts);
+  if (chosen.size() == 1) {
+    parts.push_back({chosen.front(), std::move(mesh)});
+    return parts;
+  }
   std::vector<std::vector<std::size_t>> faces(chosen.size());
   for (std::size_t f = 0; f < births.size(); ++f) {
     const auto part = std::lower_bound(chosen.begin(), chosen.end(), births[f]);

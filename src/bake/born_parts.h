@@ -17,7 +17,7 @@ struct BornPart {
 
 /// The canonical mesh of a layer in at most `max_parts` pieces, the earliest first; a triangle is there when all its
 /// corners are. Where there are more births than pieces, those between are put off to the next one's. One piece, which
-/// is the mesh, if all of it is there from the start. Names of the later ones end with their frame.
+/// is the mesh, if all of it is there from the same frame on. Names of the later ones end with their frame.
 std::vector<BornPart> born_parts(host::Mesh mesh, const clip::Layer& layer, std::size_t max_parts);
 
 } // namespace kinora::bake

@@ -80,7 +80,8 @@ TEST_F(Encode, ALayerIsInTheClipOnlyWhileItIsThere) {
   };
   run({"encode", capture.path().string(), path("c.mkv"), "--preset", "fast", "--holdout", "6"});
   const auto away_in = [&](const std::string& file) {
-    for (const Json& layer : Json::parse(run({"info", path(file), "--json"})).at("layers"))
+    const Json info = Json::parse(run({"info", path(file), "--json"}));
+    for (const Json& layer : info.at("layers"))
       if (layer.at("name") == "object") return layer.value("away", Json::array());
     return Json("no layer");
   };

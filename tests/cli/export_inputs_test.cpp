@@ -181,7 +181,7 @@ TEST_F(Exports, HoldNothingOfNodesBeforeTheyAreBorn) {
   clip::Clip clip = bake::testing::sample_clip(kFrames);
   clip.layers = {clip.layers[2]};
   std::vector<std::uint32_t> births;
-  for (const Eigen::Vector3d& node : clip.layers[0].motion.graph()->nodes()) births.push_back(node.x() > 0 ? 2 : 0);
+  for (const Eigen::Vector3d& node : clip.layers[0].motion.graph()->nodes()) births.push_back(node.x() > -0.31 ? 2 : 0);
   clip.layers[0].births = motion::NodeBirths(std::move(births));
   write(clip);
   expect_all_written("late");
