@@ -95,6 +95,7 @@ class Player:
 
 
 def check_playing(player, kinora, clip, look):
+    until(player.heard.exists, "no sound is heard")  # so it plays
     player.do("key", "comma")  # it played, or has played to its end: now it pauses
     player.do("key", "Left", "Left", "Left")  # more than the clip has: its start
     first = player.screenshot()

@@ -87,9 +87,11 @@ void Viewer::act(const Action& action) {
   using enum Action::Kind;
   switch (action.kind) {
   case kPlayPause:
+    if (std::exchange(begins_, false)) break;
     clock_->playing() ? clock_->pause() : clock_->play();
     break;
   case kStep:
+    begins_ = false;
     clock_->step(static_cast<int>(action.value));
     break;
   case kSeek:
@@ -184,8 +186,11 @@ PictureRequest Viewer::wanted(bool moving) const {
 }
 
 const Panel& Viewer::panel(int width, int height) {
-  if (std::exchange(begins_, false)) clock_->play();
   take_what_has_come();
+  if (begins_ && so_far_.player->readiness() == Readiness::kWhole) {
+    begins_ = false;
+    clock_->play();
+  }
   sound_.follow(*clock_);
   if (std::string message = sound_.take_message(); !message.empty()) panel_.message = std::move(message);
   const std::size_t frame = clock_->frame();

@@ -72,7 +72,7 @@ private:
   Clock::time_point recorded_;
   Panel panel_;
   int width_ = 1, height_ = 1;
-  bool begins_ = false; ///< it plays from when it is seen
+  bool begins_ = false; ///< it plays as soon as more than a first look is ready: its sound comes with that
   bool changed_ = true; ///< something is to be drawn that was not yet asked for
   bool full_wanted_ = true;
   bool screenshot_wanted_ = false; ///< as soon as more than a first look is ready
