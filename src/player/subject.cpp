@@ -63,7 +63,7 @@ std::optional<Eigen::Vector3d> nearest_centre(const Player& player, std::size_t 
   for (int away = 0; away < count; ++away) {
     for (const int candidate : {frame - away, frame + away}) {
       if (candidate < 0 || candidate >= count) continue;
-      if (const auto centre = player.centre_of(layer, candidate)) return centre;
+      if (auto centre = player.centre_of(layer, candidate)) return centre;
     }
   }
   return std::nullopt;

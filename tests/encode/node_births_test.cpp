@@ -35,6 +35,7 @@ ingest::Frame picture(int index) {
 /// Nodes along the strip, which is 1.6 m long at 50 pixels for each metre; the last ones are never shown.
 motion::Motion motion_of_strip(motion::Health health = motion::Health::kTracked) {
   std::vector<Eigen::Vector3d> nodes;
+  nodes.reserve(18);
   for (int i = 0; i < 18; ++i) nodes.emplace_back(kSpacing * i, 0, 1);
   const motion::Motion::Deformation still{
       std::vector<DualQuaternion>(nodes.size(), DualQuaternion::from(SE3::Identity())), health};
