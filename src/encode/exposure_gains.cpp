@@ -7,6 +7,7 @@
 #include "core/linear_light.h"
 #include "core/parallel.h"
 #include "core/sensor_noise.h"
+#include "core/statistics.h"
 #include "fields/sampling/pixel_map.h"
 
 namespace kinora::encode {
@@ -36,12 +37,6 @@ double log_light(std::uint8_t value) {
     return values;
   }();
   return table[value];
-}
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 bool is_usable(const fields::StoredPixel& pixel) { return pixel.label == 0 && pixel.depth.is_measured(); }
@@ -84,7 +79,7 @@ public:
     for (std::size_t c = 0; c < 3; ++c) {
       fewest = std::min(fewest, ratios[c].size());
       if (fewest < kMinPixels) return std::nullopt;
-      pair.ratios[c] = median_of(ratios[c]);
+      pair.ratios[c] = median(ratios[c]);
     }
     pair.weight = static_cast<double>(fewest) / kSamples;
     return pair;

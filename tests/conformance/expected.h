@@ -102,9 +102,8 @@ inline constexpr std::array<Expected, 6> kExpected{
         {0x23B68E14, 0x7EEEC424, 0xA6EB23F8, 0x1CECBEDA},
         {0xAE3B0047, 0x53FF395F, 0xCCDB6F7D, 0x6242A567}}}},
      {"clip_corner_cases.mkv",
-      "turns with equal, zero and negative largest components, places at the edge, a level of which all entries count "
-      "as "
-      "touched",
+      "turns with equal, zero and negative largest components, places at the edge, a level of which all entries "
+      "count as touched",
       33,
       {{{0x27F2D4EE, 0x9EF6EC58, 0x423C1C93, 0},
         {0xEED45E8D, 0xCAEEED0F, 0x12C219B7, 0x711547F7},

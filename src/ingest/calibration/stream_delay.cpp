@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/linear_light.h"
+#include "core/statistics.h"
 #include "ingest/frame/reduced_view.h"
 
 namespace kinora::ingest {
@@ -28,12 +29,6 @@ float linear_of(std::uint8_t value) {
     return values;
   }();
   return table[value];
-}
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Pearson correlation of depth_motion shifted by `shift` frames against color_motion.
@@ -86,7 +81,7 @@ std::optional<double> StreamDelay::gain_against(const Sample& sample, const Samp
     ratios.push_back(std::log(*sample.brightness[i] / *reference.brightness[i]));
   }
   if (ratios.size() < kMinPixels) return std::nullopt;
-  return std::exp(median_of(ratios));
+  return std::exp(median(ratios));
 }
 
 void StreamDelay::add(const Frame& frame) {
