@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "fields/model/enclosed_cells.h"
 #include "fields/network/field_batch.h"
 #include "fields/network/ray_batch.h"
 #include "fields/network/volume_density.h"
@@ -12,26 +13,33 @@ namespace {
 constexpr std::size_t kG = fields::FieldConfig::kGeometry;
 constexpr std::size_t kF = FieldSamples::kFeatures;
 
+bool is_in(const fields::Occupancy& cells, const fields::FieldBox& box, const Eigen::Vector3d& canonical) {
+  const int n = cells.resolution();
+  const Eigen::Vector3d cell = (canonical - box.origin) * (n / box.side);
+  if (!((cell.array() >= 0).all() && (cell.array() < n).all())) return false;
+  return cells.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z()));
+}
+
 } // namespace
 
-FieldSampler::FieldSampler(const fields::Field& field) : field_(&field), levels_(fields::grid_levels(field.config)) {}
+FieldSampler::FieldSampler(const fields::Field& field)
+    : field_(&field), enclosed_(fields::enclosed_cells(field.occupancy)), levels_(fields::grid_levels(field.config)) {}
 
 bool FieldSampler::occupied(const Eigen::Vector3d& canonical) const {
   const fields::FieldBox& box = field_->config.box;
-  const int n = field_->occupancy.resolution();
-  const Eigen::Vector3d cell = (canonical - box.origin) * (n / box.side);
-  if (!((cell.array() >= 0).all() && (cell.array() < n).all())) return false;
-  return field_->occupancy.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z()));
+  return is_in(field_->occupancy, box, canonical) || is_in(enclosed_, box, canonical);
 }
 
 void FieldSampler::evaluate(std::span<const Eigen::Vector3d> canonical, FieldSamples& samples) const {
   samples.density.assign(canonical.size(), 0.0F);
   samples.features.resize(canonical.size());
   const fields::FieldBox& box = field_->config.box;
+  const float per_metre = 1.0F / static_cast<float>(field_->config.density_length());
   std::vector<std::size_t> inside;
   std::array<std::vector<float>, 3> coordinates;
   for (std::size_t i = 0; i < canonical.size(); ++i) {
-    if (!occupied(canonical[i])) continue;
+    if (is_in(enclosed_, box, canonical[i])) samples.density[i] = std::exp(fields::kMaxRawDensity) * per_metre;
+    if (!is_in(field_->occupancy, box, canonical[i])) continue;
     inside.push_back(i);
     const Eigen::Vector3f p = ((canonical[i] - box.origin) / box.side).cast<float>();
     for (std::size_t a = 0; a < 3; ++a) coordinates[a].push_back(p[static_cast<Eigen::Index>(a)]);
@@ -40,7 +48,6 @@ void FieldSampler::evaluate(std::span<const Eigen::Vector3d> canonical, FieldSam
   fields::PointBatch batch;
   fields::evaluate_points(*field_, levels_,
                           {coordinates[0].data(), coordinates[1].data(), coordinates[2].data(), inside.size()}, batch);
-  const float per_metre = 1.0F / static_cast<float>(field_->config.density_length());
   for (std::size_t k = 0; k < inside.size(); ++k) {
     const float* g = batch.geometry.data() + k * kG;
     samples.density[inside[k]] = std::exp(std::min(g[0], fields::kMaxRawDensity)) * per_metre;

@@ -15,17 +15,17 @@ namespace kinora::bake {
 struct FieldSamples {
   static constexpr std::size_t kFeatures = fields::FieldConfig::kGeometry - 1;
 
-  std::vector<float> density;                         ///< extinction per metre; 0 where the field is not occupied
-  std::vector<std::array<float, kFeatures>> features; ///< of colour; meaningless where the density is 0
+  std::vector<float> density;                         ///< extinction per metre; 0 where the field is empty
+  std::vector<std::array<float, kFeatures>> features; ///< of colour; meaningless where the density is 0 or it is solid
 };
 
-/// Keeps a reference to the field. Thread-safe.
+/// Keeps a reference to the field. What its occupancy encloses is solid, as dense as anything can be. Thread-safe.
 class FieldSampler {
 public:
   explicit FieldSampler(const fields::Field& field);
 
   const fields::Field& field() const { return *field_; }
-  /// Is the point in a cell of the stored occupancy?
+  /// Is the point in an occupied or an enclosed cell?
   bool occupied(const Eigen::Vector3d& canonical) const;
   /// Points in metres. On the calling thread: callers divide the work.
   void evaluate(std::span<const Eigen::Vector3d> canonical, FieldSamples& samples) const;
@@ -34,6 +34,7 @@ public:
 
 private:
   const fields::Field* field_;
+  fields::Occupancy enclosed_;
   std::vector<fields::GridLevel> levels_;
 };
 

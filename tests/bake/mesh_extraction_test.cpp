@@ -43,6 +43,22 @@ TEST(MeshExtraction, OfABallIsClosedAndTurnedOutwards) {
   EXPECT_NEAR(volume, 4.0 / 3 * M_PI * std::pow(kRadius, 3), 0.05 * volume);
 }
 
+TEST(MeshExtraction, WhatIsStoredHollowIsAsSolidAsItWas) {
+  fields::Field field = ball_field();
+  const host::Mesh solid = mesh_of(field);
+  for (int z = 0; z < 64; ++z) {
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const Eigen::Vector3d middle = (Eigen::Vector3d(x, y, z).array() + 0.5 - 32).matrix() / 64;
+        if (middle.norm() < kRadius - 3.0 / 48) field.occupancy.set(x, y, z, false);
+      }
+    }
+  }
+  const host::Mesh hollow = mesh_of(field);
+  EXPECT_EQ(hollow.positions, solid.positions);
+  EXPECT_EQ(hollow.faces, solid.faces);
+}
+
 TEST(MeshExtraction, OfABallHasItsRadiusAndItsNormals) {
   const host::Mesh mesh = mesh_of(ball_field());
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {

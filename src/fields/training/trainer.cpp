@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "fields/network/field_batch.h"
+#include "fields/training/hidden_cells.h"
 #include "fields/training/occupancy_pruning.h"
 #include "fields/training/space_carving.h"
 #include "fields/training/table_growth.h"
@@ -251,6 +252,7 @@ Field train_field(const LayerObservations& layer, const FieldConfig& config, con
   Field field = training_run.release_field();
   prune_occupancy(field);
   if (trainer.carve_free_space) result.carved_cells = carve_free_space(layer, field);
+  empty_hidden_cells(field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;
