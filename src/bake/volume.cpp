@@ -21,14 +21,9 @@ std::vector<Eigen::Vector3d> occupied_centres(const fields::Field& field) {
   const int n = field.occupancy.resolution();
   const double side = field.config.box.side / n;
   std::vector<Eigen::Vector3d> centres;
-  for (int z = 0; z < n; ++z) {
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        if (field.occupancy.at(x, y, z))
-          centres.emplace_back(field.config.box.origin + side * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5));
-      }
-    }
-  }
+  fields::for_each_occupied(field.occupancy, [&](int x, int y, int z) {
+    centres.emplace_back(field.config.box.origin + side * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5));
+  });
   return centres;
 }
 

@@ -11,15 +11,10 @@ std::optional<Eigen::Vector3d> occupied_centre(const fields::Field& field) {
   const int n = field.occupancy.resolution();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::size_t count = 0;
-  for (int z = 0; z < n; ++z) {
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        if (!field.occupancy.at(x, y, z)) continue;
-        sum += Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
-        ++count;
-      }
-    }
-  }
+  fields::for_each_occupied(field.occupancy, [&](int x, int y, int z) {
+    sum += Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+    ++count;
+  });
   if (count == 0) return std::nullopt;
   return field.config.box.origin + sum * (field.config.box.side / (static_cast<double>(count) * n));
 }

@@ -58,25 +58,31 @@ template <class Coder> void code_matrix(Coder& coder, std::span<std::int16_t> va
   for (std::int16_t& value : values) value = code_parameter(coder, model, value, location);
 }
 
+/// Bits 0 to 10: cells x − 2 … x + 8 of a row, 0 outside; x is a multiple of 8.
+inline std::uint32_t cells_about(const fields::Occupancy& cells, int x, int y, int z) {
+  const int side = cells.resolution();
+  if (y < 0 || z < 0 || y >= side || z >= side) return 0;
+  const std::size_t per_row = static_cast<std::size_t>(side) / 64;
+  const std::uint64_t* row =
+      cells.words().data() +
+      (static_cast<std::size_t>(z) * static_cast<std::size_t>(side) + static_cast<std::size_t>(y)) * per_row;
+  const std::size_t w = static_cast<std::size_t>(x) / 64;
+  const int bit = x % 64;
+  std::uint64_t bits = bit == 0 ? row[w] << 2 : row[w] >> (bit - 2);
+  if (bit == 0 && w > 0) bits |= row[w - 1] >> 62;
+  if (bit == 56 && w + 1 < per_row) bits |= (row[w + 1] & 1U) << 10;
+  return static_cast<std::uint32_t>(bits & 0x7FFU);
+}
+
 /// Cells of `source` into `coded`, which is empty at first. Blocks of 8³ cells, x fastest, each with a bit that says
 /// whether any cell is occupied, and then one for each cell, given the ten beside it that may have come before.
 template <class Coder> void code_occupancy(Coder& coder, const fields::Occupancy& source, fields::Occupancy& coded) {
   constexpr int kBlock = 8;
-  constexpr std::array<std::array<int, 3>, 10> kBeside{{{-1, 0, 0},
-                                                        {-2, 0, 0},
-                                                        {0, -1, 0},
-                                                        {1, -1, 0},
-                                                        {-1, -1, 0},
-                                                        {0, 0, -1},
-                                                        {1, 0, -1},
-                                                        {0, 1, -1},
-                                                        {-1, 0, -1},
-                                                        {0, -1, -1}}};
   const int r = coded.resolution();
   const fields::Occupancy blocks = fields::coarsened(source, kBlock);
   fields::Occupancy coded_blocks(blocks.resolution());
   std::array<BitModel, 8> block_models;
-  std::vector<BitModel> cell_models(std::size_t{1} << kBeside.size());
+  std::vector<BitModel> cell_models(1024);
   const auto is_set = [](const fields::Occupancy& cells, int x, int y, int z) {
     const int side = cells.resolution();
     return x >= 0 && y >= 0 && z >= 0 && x < side && y < side && z < side && cells.at(x, y, z);
@@ -84,12 +90,22 @@ template <class Coder> void code_occupancy(Coder& coder, const fields::Occupancy
   const auto code_cells = [&](int block_x, int block_y, int block_z) {
     for (int z = block_z * kBlock; z < (block_z + 1) * kBlock; ++z) {
       for (int y = block_y * kBlock; y < (block_y + 1) * kBlock; ++y) {
-        for (int x = block_x * kBlock; x < (block_x + 1) * kBlock; ++x) {
-          std::size_t context = 0;
-          for (std::size_t b = 0; b < kBeside.size(); ++b) {
-            if (is_set(coded, x + kBeside[b][0], y + kBeside[b][1], z + kBeside[b][2])) context |= std::size_t{1} << b;
-          }
-          if (coder.code(cell_models[context], source.at(x, y, z))) coded.set(x, y, z);
+        const int x = block_x * kBlock;
+        const std::uint32_t wanted = cells_about(source, x, y, z);
+        const std::uint32_t above = cells_about(coded, x, y - 1, z), before = cells_about(coded, x, y, z - 1);
+        const std::uint32_t below_before = cells_about(coded, x, y + 1, z - 1);
+        const std::uint32_t above_before = cells_about(coded, x, y - 1, z - 1);
+        std::uint32_t row = cells_about(coded, x, y, z);
+        for (int i = 0; i < kBlock; ++i) {
+          // By x, y and z from the cell: (−1, 0, 0), (−2, 0, 0); (0, −1, 0), (1, −1, 0), (−1, −1, 0); (0, 0, −1),
+          // (1, 0, −1); (0, 1, −1); (−1, 0, −1); (0, −1, −1).
+          const std::uint32_t context = (row >> (i + 1) & 1U) | (row >> i & 1U) << 1U | (above >> (i + 2) & 3U) << 2U |
+                                        (above >> (i + 1) & 1U) << 4U | (before >> (i + 2) & 3U) << 5U |
+                                        (below_before >> (i + 2) & 1U) << 7U | (before >> (i + 1) & 1U) << 8U |
+                                        (above_before >> (i + 2) & 1U) << 9U;
+          if (!coder.code(cell_models[context], (wanted >> (i + 2) & 1U) != 0)) continue;
+          row |= 4U << i;
+          coded.set(x + i, y, z);
         }
       }
     }

@@ -1,7 +1,7 @@
 #include "clip/payloads/touched_entries.h"
 
-#include <bit>
 #include <numeric>
+#include <optional>
 
 #include "fields/model/grid_vertex.h"
 
@@ -25,14 +25,21 @@ std::vector<CellRange> ranges_of(int resolution, int occupancy_resolution) {
   return ranges;
 }
 
-template <class Visit> void for_each_occupied(const fields::Occupancy& occupancy, const Visit& visit) {
-  const auto r = static_cast<std::size_t>(occupancy.resolution());
-  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
-    for (std::uint64_t left = occupancy.words()[w]; left != 0; left &= left - 1) {
-      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(left));
-      visit(cell % r, cell / r % r, cell / (r * r));
+// Calls `visit` with the first and the last cell of each run of occupied ones along x, and with their y and z.
+template <class Visit> void for_each_run(const fields::Occupancy& occupancy, const Visit& visit) {
+  struct Run {
+    int first, last, y, z;
+  };
+  std::optional<Run> run;
+  fields::for_each_occupied(occupancy, [&](int x, int y, int z) {
+    if (run && run->last + 1 == x && run->y == y && run->z == z) {
+      run->last = x;
+      return;
     }
-  }
+    if (run) visit(run->first, run->last, run->y, run->z);
+    run = Run{x, x, y, z};
+  });
+  if (run) visit(run->first, run->last, run->y, run->z);
 }
 
 } // namespace
@@ -45,19 +52,20 @@ std::vector<std::uint32_t> touched_entries(const fields::GridLevel& level, const
     std::iota(touched.begin(), touched.end(), 0U);
     return touched;
   }
-  std::vector<bool> mask(level.size, false);
+  std::vector<std::uint8_t> mask(level.size, 0);
   const std::vector<CellRange> ranges = ranges_of(level.resolution, occupancy.resolution());
-  for_each_occupied(occupancy, [&](std::size_t i, std::size_t j, std::size_t k) {
-    for (std::uint32_t z = ranges[k].first; z <= ranges[k].last; ++z) {
-      for (std::uint32_t y = ranges[j].first; y <= ranges[j].last; ++y) {
-        for (std::uint32_t x = ranges[i].first; x <= ranges[i].last; ++x) {
-          mask[fields::vertex_entry(level, x, y, z)] = true;
+  const auto range = [&](int cell) { return ranges[static_cast<std::size_t>(cell)]; };
+  for_each_run(occupancy, [&](int first, int last, int j, int k) { // vertices of neighbours overlap
+    for (std::uint32_t z = range(k).first; z <= range(k).last; ++z) {
+      for (std::uint32_t y = range(j).first; y <= range(j).last; ++y) {
+        for (std::uint32_t x = range(first).first; x <= range(last).last; ++x) {
+          mask[fields::vertex_entry(level, x, y, z)] = 1;
         }
       }
     }
   });
   for (std::uint32_t e = 0; e < level.size; ++e) {
-    if (mask[e]) touched.push_back(e);
+    if (mask[e] != 0) touched.push_back(e);
   }
   return touched;
 }

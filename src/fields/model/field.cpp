@@ -1,5 +1,6 @@
 #include "fields/model/field.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -39,10 +40,13 @@ Occupancy coarsened(const Occupancy& occupancy, int factor) {
   const auto r = static_cast<std::size_t>(occupancy.resolution());
   const auto block = static_cast<std::size_t>(factor);
   for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
-    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
-      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+    for (std::uint64_t bits = occupancy.words()[w]; bits != 0;) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
+      const std::size_t cell = w * 64 + bit;
       coarse.set(static_cast<int>(cell % r / block), static_cast<int>(cell / r % r / block),
                  static_cast<int>(cell / (r * r) / block));
+      const std::size_t next = bit + block - cell % r % block; // what is left of the row in this block says no more
+      bits &= next < 64 ? ~std::uint64_t{0} << next : 0;
     }
   }
   return coarse;
@@ -80,5 +84,15 @@ Field::Field(const FieldConfig& field_config)
                 FieldConfig::kColorHidden * FieldConfig::kColorHidden +
                 FieldConfig::kColorHidden * FieldConfig::kColorOutputs),
       occupancy(field_config.occupancy_resolution) {}
+
+std::vector<GridLevel> stored_levels(const Field& field) {
+  std::vector<GridLevel> levels = grid_levels(field.config);
+  const auto is_zero = [&](const GridLevel& level) {
+    const float* first = field.table.data() + std::size_t{level.offset} * FieldConfig::kFeatures;
+    return std::all_of(first, first + std::size_t{level.size} * FieldConfig::kFeatures, [](float v) { return v == 0; });
+  };
+  while (levels.size() > 1 && is_zero(levels.back())) levels.pop_back();
+  return levels;
+}
 
 } // namespace kinora::fields

@@ -3,6 +3,7 @@
 // features go once through the colour MLP), as in Hedman et al., "Baking Neural Radiance Fields", ICCV 2021.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -113,6 +114,17 @@ private:
   std::vector<std::uint64_t> bits_;
 };
 
+/// Calls `visit` with x, y and z of each occupied cell, x fastest.
+template <class Visit> void for_each_occupied(const Occupancy& occupancy, const Visit& visit) {
+  const auto r = static_cast<std::size_t>(occupancy.resolution());
+  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
+    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
+      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      visit(static_cast<int>(cell % r), static_cast<int>(cell / r % r), static_cast<int>(cell / (r * r)));
+    }
+  }
+}
+
 /// Cells of `factor`³ cells, occupied where any of them is. The resolution must be a multiple of the factor.
 Occupancy coarsened(const Occupancy& occupancy, int factor);
 
@@ -143,5 +155,8 @@ struct Field {
   Field() = default;
   std::size_t parameter_count() const { return table.size() + density_net.size() + color_net.size(); }
 };
+
+/// Those of its levels that hold anything, and those before them: of a field that has come in part, the coarse ones.
+std::vector<GridLevel> stored_levels(const Field& field);
 
 } // namespace kinora::fields

@@ -12,6 +12,8 @@ void grow(std::vector<float>& buffer, std::size_t rows, int width) {
   if (buffer.size() < needed) buffer.resize(needed);
 }
 
+int width_of(std::span<const GridLevel> levels) { return static_cast<int>(levels.size()) * FieldConfig::kFeatures; }
+
 void evaluate_colors_from(int inputs, const float* first, const Field& field, std::size_t n, ColorBatch& batch) {
   constexpr int kHidden = FieldConfig::kColorHidden;
   grow(batch.first, n, kHidden);
@@ -28,7 +30,7 @@ void evaluate_colors_from(int inputs, const float* first, const Field& field, st
 
 void evaluate_points(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
                      PointBatch& batch) {
-  const int width = field.config.encoding_width();
+  const int width = width_of(levels);
   grow(batch.encoding, points.count, width);
   grow(batch.hidden, points.count, FieldConfig::kHidden);
   grow(batch.geometry, points.count, FieldConfig::kGeometry);
@@ -41,8 +43,9 @@ void evaluate_points(const Field& field, std::span<const GridLevel> levels, cons
     float* hidden = batch.hidden.data() + begin * FieldConfig::kHidden;
     kernels::encode(levels, field.table.data(), block, encoding);
     kernels::dense(encoding, block.count, width, net, FieldConfig::kHidden, true, hidden);
-    kernels::dense(hidden, block.count, FieldConfig::kHidden, net + width * FieldConfig::kHidden,
-                   FieldConfig::kGeometry, false, batch.geometry.data() + begin * FieldConfig::kGeometry);
+    kernels::dense(hidden, block.count, FieldConfig::kHidden,
+                   net + field.config.encoding_width() * FieldConfig::kHidden, FieldConfig::kGeometry, false,
+                   batch.geometry.data() + begin * FieldConfig::kGeometry);
     if (field.config.geometry == Geometry::kSignedDistance) {
       to_log_densities(field.sharpness, block.count, batch.geometry.data() + begin * FieldConfig::kGeometry,
                        batch.distance.data() + begin);
@@ -85,7 +88,7 @@ std::vector<float> vector_matrix(const Field& field) {
 
 void evaluate_hidden(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
                      PointBatch& batch) {
-  const int width = field.config.encoding_width();
+  const int width = width_of(levels);
   grow(batch.encoding, std::min(points.count, kPointBlock), width);
   grow(batch.hidden, points.count, FieldConfig::kHidden);
   for (std::size_t begin = 0; begin < points.count; begin += kPointBlock) {

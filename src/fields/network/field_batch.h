@@ -27,6 +27,7 @@ struct ColorBatch {
   std::vector<float> output; ///< n × kColorOutputs: before the sigmoid
 };
 
+/// `levels`: the field's, or the first of them if the others are zero (stored_levels()): the same numbers, sooner.
 void evaluate_points(const Field& field, std::span<const GridLevel> levels, const kernels::Points& points,
                      PointBatch& batch);
 void evaluate_colors(const Field& field, std::size_t n, ColorBatch& batch);

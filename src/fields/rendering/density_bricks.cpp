@@ -27,23 +27,19 @@ std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolu
     const int high = static_cast<int>(std::floor(((cell + 1) * lattice_per_cell + 1) / kSide));
     return std::array<int, 2>{std::max(low, 0), std::min(high, per_side - 1)};
   };
-  for (int z = 0; z < occupancy.resolution(); ++z) {
-    for (int y = 0; y < occupancy.resolution(); ++y) {
-      for (int x = 0; x < occupancy.resolution(); ++x) {
-        if (!occupancy.at(x, y, z)) continue;
-        const auto [x0, x1] = range(x);
-        const auto [y0, y1] = range(y);
-        const auto [z0, z1] = range(z);
-        for (int k = z0; k <= z1; ++k) {
-          for (int j = y0; j <= y1; ++j) {
-            const std::size_t row = static_cast<std::size_t>(k * per_side + j) * static_cast<std::size_t>(per_side);
-            std::fill(needed.begin() + static_cast<std::ptrdiff_t>(row) + x0,
-                      needed.begin() + static_cast<std::ptrdiff_t>(row) + x1 + 1, std::uint8_t{1});
-          }
-        }
+  std::vector<std::array<int, 2>> ranges;
+  for (int cell = 0; cell < occupancy.resolution(); ++cell) ranges.push_back(range(cell));
+  for_each_occupied(occupancy, [&](int x, int y, int z) {
+    const auto [x0, x1] = ranges[static_cast<std::size_t>(x)];
+    const auto [y0, y1] = ranges[static_cast<std::size_t>(y)];
+    const auto [z0, z1] = ranges[static_cast<std::size_t>(z)];
+    for (int k = z0; k <= z1; ++k) {
+      for (int j = y0; j <= y1; ++j) {
+        const std::size_t row = static_cast<std::size_t>(k * per_side + j) * static_cast<std::size_t>(per_side);
+        for (int i = x0; i <= x1; ++i) needed[row + static_cast<std::size_t>(i)] = 1;
       }
     }
-  }
+  });
   std::vector<std::array<int, 3>> coordinates;
   for (int z = 0; z < per_side; ++z) {
     for (int y = 0; y < per_side; ++y) {
@@ -64,8 +60,8 @@ std::uint8_t quantised(float raw) {
 /// Samples one brick after the other; buffers are kept.
 class BrickSampler {
 public:
-  BrickSampler(const Field& field, int resolution)
-      : field_(field), levels_(grid_levels(field.config)), resolution_(resolution) {}
+  BrickSampler(const Field& field, std::span<const GridLevel> levels, int resolution)
+      : field_(field), levels_(levels), resolution_(resolution) {}
 
   /// Fills bytes() for the brick; false if it is as good as empty.
   bool sample(const std::array<int, 3>& coordinates) {
@@ -170,7 +166,7 @@ private:
   }
 
   const Field& field_;
-  std::vector<GridLevel> levels_;
+  std::span<const GridLevel> levels_;
   int resolution_;
   std::vector<float> x_, y_, z_;
   std::vector<std::size_t> at_; // the sample that each point is
@@ -194,9 +190,10 @@ DensityBricks::DensityBricks(const Field& field, BrickDetail detail) : resolutio
     std::vector<std::array<int, 3>> coordinates;
     std::vector<std::uint16_t> pairs;
   };
+  const std::vector<GridLevel> levels = stored_levels(field);
   std::vector<Part> parts(chunk_count(candidates.size(), kChunk));
   parallel_for(candidates.size(), kChunk, [&](const Chunk& chunk) {
-    BrickSampler sampler(field, resolution_);
+    BrickSampler sampler(field, levels, resolution_);
     Part& part = parts[chunk.index];
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (!sampler.sample(candidates[i])) continue;

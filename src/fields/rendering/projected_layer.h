@@ -20,7 +20,7 @@ struct DrawableField::Derived {
 
   std::shared_ptr<const Field> shared;
   const Field& field;
-  std::vector<GridLevel> levels;
+  std::vector<GridLevel> levels;                    ///< stored_levels()
   std::vector<float> surface_matrix, vector_matrix; ///< fields/field_batch.h
   DensityBricks bricks;
   ProxyMesh proxy_mesh;

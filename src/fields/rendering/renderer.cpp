@@ -20,7 +20,7 @@ DrawableField::DrawableField(Field field, const motion::DeformationGraph* graph,
 DrawableField::DrawableField(std::shared_ptr<const Field> field, const motion::DeformationGraph* graph,
                              std::optional<Confidence> confidence, BrickDetail detail) {
   auto derived = std::make_shared<Derived>(std::move(field));
-  derived->levels = grid_levels(derived->field.config);
+  derived->levels = stored_levels(derived->field);
   derived->surface_matrix = surface_matrix(derived->field);
   derived->vector_matrix = vector_matrix(derived->field);
   derived->bricks = DensityBricks(derived->field, detail);

@@ -251,7 +251,7 @@ private:
                std::vector<float>(derived.field.table.begin(), derived.field.table.end()));
     layer.nets = texture(GL_TEXTURE_2D, GL_NEAREST);
     fill_table(layer.nets, GL_RGBA32F, GL_RGBA, GL_FLOAT, net_texels(derived));
-    for (const fields::GridLevel& level : derived.levels) {
+    for (const fields::GridLevel& level : fields::grid_levels(derived.field.config)) {
       layer.levels.push_back(
           {level.resolution, static_cast<GLint>(level.offset), static_cast<GLint>(level.size), level.hashed ? 1 : 0});
     }
