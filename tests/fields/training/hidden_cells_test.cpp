@@ -17,8 +17,8 @@ using testing::camera_at;
 using testing::kBox;
 using testing::kCell;
 using testing::kPaintedCells;
-using testing::painted_field;
 using testing::Paint;
+using testing::painted_field;
 using testing::PaintedBall;
 
 Picture draw(const Field& field, const Camera& camera) {
