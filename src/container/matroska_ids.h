@@ -17,6 +17,9 @@ inline constexpr std::uint32_t kCrc32 = 0xBF;
 
 inline constexpr std::uint32_t kSegment = 0x18538067;
 inline constexpr std::uint32_t kSeekHead = 0x114D9B74;
+inline constexpr std::uint32_t kSeek = 0x4DBB;
+inline constexpr std::uint32_t kSeekId = 0x53AB;
+inline constexpr std::uint32_t kSeekPosition = 0x53AC;
 inline constexpr std::uint32_t kInfo = 0x1549A966;
 inline constexpr std::uint32_t kTimestampScale = 0x2AD7B1;
 inline constexpr std::uint32_t kTracks = 0x1654AE6B;
@@ -55,6 +58,12 @@ inline constexpr std::uint32_t kSimpleBlock = 0xA3;
 inline constexpr std::uint32_t kBlockGroup = 0xA0;
 inline constexpr std::uint32_t kBlock = 0xA1;
 inline constexpr std::uint32_t kReferenceBlock = 0xFB;
+
+inline constexpr std::uint32_t kCuePoint = 0xBB;
+inline constexpr std::uint32_t kCueTime = 0xB3;
+inline constexpr std::uint32_t kCueTrackPositions = 0xB7;
+inline constexpr std::uint32_t kCueTrack = 0xF7;
+inline constexpr std::uint32_t kCueClusterPosition = 0xF1;
 
 inline constexpr std::uint32_t kAttachedFile = 0x61A7;
 inline constexpr std::uint32_t kFileDescription = 0x467E;

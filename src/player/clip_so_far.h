@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "player/player.h"
 
@@ -14,6 +15,8 @@ struct ClipSoFar {
   bool complete = false;                ///< nothing more will come
   std::string message;                  ///< what is waited for, missing or wrong; empty: there is nothing to say
   std::uint64_t bytes = 0;              ///< of the file, as far as is known
+  std::vector<double> times = {};       ///< of all frames that the file says it has, seconds; the player has the first
+  std::vector<bool> there = {};         ///< whether each of them has come
 };
 
 } // namespace kinora::player

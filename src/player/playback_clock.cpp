@@ -10,6 +10,13 @@
 
 namespace kinora::player {
 
+namespace {
+
+// Sums of times are no exact numbers: a frame that is due in a nanosecond is due.
+constexpr double kNanosecond = 1e-9;
+
+} // namespace
+
 MasterClock steady_clock() {
   return [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
 }
@@ -24,20 +31,30 @@ double PlaybackClock::end() const {
                    : times_.front() + kSingleFrame;
 }
 
+double PlaybackClock::limit() const {
+  for (std::size_t f = frame_at(start_); f < times_.size(); ++f) {
+    if (!is_there(f)) return std::max(start_, times_[f] - 2 * kNanosecond);
+  }
+  return end();
+}
+
+bool PlaybackClock::starved() const { return playing_ && more_is_awaited_ && position() >= limit(); }
+
 double PlaybackClock::position() const {
   if (!playing_) return start_;
   const double gone = start_ + speed_ * std::max(0.0, master_() - start_master_);
+  if (more_is_awaited_) return std::min(gone, limit());
   if (gone < end()) return gone;
-  if (!loop_ || more_is_awaited_) return end();
+  if (!loop_) return end();
   return times_.front() + std::fmod(gone - times_.front(), end() - times_.front());
 }
 
 bool PlaybackClock::ended() const { return !loop_ && !more_is_awaited_ && position() >= end(); }
 
-std::size_t PlaybackClock::frame() const {
-  // Sums of times are no exact numbers: a frame that is due in a nanosecond is due.
-  constexpr double kNanosecond = 1e-9;
-  const auto next = std::upper_bound(times_.begin(), times_.end(), position() + kNanosecond);
+std::size_t PlaybackClock::frame() const { return frame_at(position()); }
+
+std::size_t PlaybackClock::frame_at(double position) const {
+  const auto next = std::upper_bound(times_.begin(), times_.end(), position + kNanosecond);
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, next - times_.begin() - 1));
 }
 
@@ -85,9 +102,10 @@ void PlaybackClock::set_master(MasterClock master) {
   restart_at(now);
 }
 
-void PlaybackClock::set_times(std::vector<double> times, bool more_is_awaited) {
+void PlaybackClock::set_times(std::vector<double> times, bool more_is_awaited, std::vector<bool> there) {
   const double now = position();
   times_ = std::move(times);
+  there_ = std::move(there);
   more_is_awaited_ = more_is_awaited;
   restart_at(std::clamp(now, times_.front(), end()));
 }

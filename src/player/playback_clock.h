@@ -40,15 +40,22 @@ public:
   void set_loop(bool loop);
   void set_master(MasterClock master);
   /// Other frames, at least one, of the same clip, of which more has come. With `more_is_awaited` it waits at the end,
-  /// playing, and repeats nothing.
-  void set_times(std::vector<double> times, bool more_is_awaited);
+  /// playing, and repeats nothing; and, wherever it stands, before the first frame that is not `there` (one for each
+  /// time; none: all are).
+  void set_times(std::vector<double> times, bool more_is_awaited, std::vector<bool> there = {});
+  /// Plays, and what is to be shown next has not come.
+  bool starved() const;
+  bool is_there(std::size_t frame) const { return !more_is_awaited_ || there_.empty() || there_[frame]; }
 
 private:
-  double end() const; // when the last frame has been shown as long as the others
+  double end() const;   // when the last frame has been shown as long as the others
+  double limit() const; // up to where it can go on from where it started
   bool ended() const;
+  std::size_t frame_at(double position) const;
   void restart_at(double position);
 
   std::vector<double> times_;
+  std::vector<bool> there_;
   MasterClock master_;
   double start_ = 0;        // position at...
   double start_master_ = 0; // ...this time of the master

@@ -147,5 +147,33 @@ TEST_F(Playback, WaitsAtTheEndOfWhatHasComeAndGoesOn) {
   EXPECT_FALSE(clock_.playing());
 }
 
+TEST_F(Playback, WaitsBeforeWhatHasNotComeWhereverItStands) {
+  const std::vector<double> times = {0, 0.1, 0.2, 0.3, 0.4};
+  clock_.set_times(times, true, {true, true, false, true, true});
+  clock_.play();
+  wait(0.15);
+  EXPECT_FALSE(clock_.starved());
+  wait(10);
+  EXPECT_EQ(clock_.frame(), 1);
+  EXPECT_TRUE(clock_.starved());
+  EXPECT_TRUE(clock_.playing());
+  clock_.seek(0.2); // nothing of it is there
+  EXPECT_EQ(clock_.frame(), 2);
+  EXPECT_FALSE(clock_.is_there(clock_.frame()));
+  wait(10);
+  EXPECT_EQ(clock_.frame(), 2);
+  clock_.seek(0.3); // behind the gap
+  wait(0.1);
+  EXPECT_EQ(clock_.frame(), 4);
+  clock_.seek(0.1);
+  wait(10);
+  clock_.set_times(times, true, {true, true, true, true, true});
+  EXPECT_FALSE(clock_.starved());
+  wait(0.11);
+  EXPECT_EQ(clock_.frame(), 3) << "it goes on from where it waited";
+  clock_.set_times(times, false);
+  EXPECT_TRUE(clock_.is_there(2));
+}
+
 } // namespace
 } // namespace kinora::player

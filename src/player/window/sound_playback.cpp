@@ -68,7 +68,7 @@ bool SoundPlayback::can_sound() {
 }
 
 void SoundPlayback::follow(PlaybackClock& clock) {
-  const bool wanted = clock.playing() && clock.speed() == 1 && can_sound();
+  const bool wanted = clock.playing() && !clock.starved() && clock.speed() == 1 && can_sound();
   const bool jumped = std::abs(clock.position() - from_ - heard()) > kJump;
   if (sounding_ && (!wanted || jumped || begin_again_)) stop(clock);
   begin_again_ = false;

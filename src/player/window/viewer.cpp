@@ -34,6 +34,7 @@ void Viewer::start(const std::string& clip) {
   const std::filesystem::path path = clip;
   panel_.title = path.filename().string();
   name_ = path.stem().string();
+  drawn_frame_ = 0;
   panel_.layers.clear();
   panel_.view = 0;
   clock_.reset();
@@ -47,12 +48,13 @@ void Viewer::start(const std::string& clip) {
 void Viewer::take(const ClipSoFar& so_far) {
   const Player& player = *so_far.player;
   const clip::Clip& content = player.clip();
+  const std::vector<double>& times = so_far.complete ? content.times : so_far.times; // what will not come is left out
   if (!clock_) {
-    clock_.emplace(content.times, seconds_);
+    clock_.emplace(times, seconds_);
     camera_.reset();
   }
   if (!camera_ || !camera_->moved()) camera_.emplace(content.capture_camera(0), subject_of(player, 0));
-  clock_->set_times(content.times, !so_far.complete);
+  clock_->set_times(times, !so_far.complete, so_far.there);
   if (content.sound) sound_.set_sound({so_far.player, &*content.sound});
   std::vector<std::pair<std::string, bool>> layers;
   for (const clip::Layer& layer : content.layers) {
@@ -61,9 +63,9 @@ void Viewer::take(const ClipSoFar& so_far) {
     layers.emplace_back(layer.name, known == panel_.layers.end() || known->second);
   }
   panel_.layers = std::move(layers);
-  panel_.first_seconds = content.times.front();
-  panel_.last_seconds = content.times.back();
-  panel_.frame_count = content.times.size();
+  panel_.first_seconds = times.front();
+  panel_.last_seconds = times.back();
+  panel_.frame_count = times.size();
   so_far_ = so_far;
   changed_ = true;
 }
@@ -93,12 +95,15 @@ void Viewer::act(const Action& action) {
   case kStep:
     begins_ = false;
     clock_->step(static_cast<int>(action.value));
+    fetch_what_is_sought();
     break;
   case kSeek:
     clock_->seek(action.value);
+    fetch_what_is_sought();
     break;
   case kSeekBy:
     clock_->seek(clock_->seconds() + action.value);
+    fetch_what_is_sought();
     break;
   case kLoop:
     clock_->set_loop(!clock_->loop());
@@ -136,6 +141,10 @@ void Viewer::act(const Action& action) {
     ended_ = true;
     break;
   }
+}
+
+void Viewer::fetch_what_is_sought() {
+  if (!clock_->is_there(clock_->frame())) feed_->seek(clock_->seconds());
 }
 
 void Viewer::set_view(int view) {
@@ -181,7 +190,7 @@ LayerChoice Viewer::layers() const {
 }
 
 PictureRequest Viewer::wanted(bool moving) const {
-  return {so_far_.player, camera_->camera(width_, height_),      static_cast<double>(panel_.frame),
+  return {so_far_.player, camera_->camera(width_, height_),      static_cast<double>(drawn_frame_),
           layers(),       static_cast<PictureView>(panel_.view), moving};
 }
 
@@ -194,11 +203,13 @@ const Panel& Viewer::panel(int width, int height) {
   sound_.follow(*clock_);
   if (std::string message = sound_.take_message(); !message.empty()) panel_.message = std::move(message);
   const std::size_t frame = clock_->frame();
-  if (width != width_ || height != height_ || frame != panel_.frame) changed_ = true;
+  const bool is_there = clock_->is_there(frame); // until it is, the last picture stays, and turns with the camera
+  if (width != width_ || height != height_ || (is_there && frame != drawn_frame_)) changed_ = true;
+  if (is_there) drawn_frame_ = frame;
   width_ = std::clamp(width, 1, 8192);
   height_ = std::clamp(height, 1, 8192);
   panel_.frame = frame;
-  camera_->set_home(so_far_.player->clip().capture_camera(static_cast<double>(frame)));
+  camera_->set_home(so_far_.player->clip().capture_camera(static_cast<double>(drawn_frame_)));
   panel_.seconds = clock_->seconds();
   panel_.playing = clock_->playing();
   panel_.loop = clock_->loop();
@@ -230,7 +241,7 @@ void Viewer::draw_what_changed() {
 
 void Viewer::save_screenshot() {
   if (std::exchange(screenshot_wanted_, false))
-    worker_.save(wanted(false), folder_, fmt::format("{}-{:06d}", name_, panel_.frame));
+    worker_.save(wanted(false), folder_, fmt::format("{}-{:06d}", name_, drawn_frame_));
 }
 
 void Viewer::count_pictures() {

@@ -48,6 +48,7 @@ private:
   void start(const std::string& clip);
   void take(const ClipSoFar& so_far);
   void take_what_has_come();
+  void fetch_what_is_sought();
   PictureRequest wanted(bool moving) const;
   LayerChoice layers() const;
   void draw_what_changed();
@@ -72,8 +73,9 @@ private:
   Clock::time_point recorded_;
   Panel panel_;
   int width_ = 1, height_ = 1;
-  bool begins_ = false; ///< it plays as soon as more than a first look is ready: its sound comes with that
-  bool changed_ = true; ///< something is to be drawn that was not yet asked for
+  std::size_t drawn_frame_ = 0; ///< the last that was to be shown and had come
+  bool begins_ = false;         ///< it plays as soon as more than a first look is ready: its sound comes with that
+  bool changed_ = true;         ///< something is to be drawn that was not yet asked for
   bool full_wanted_ = true;
   bool screenshot_wanted_ = false; ///< as soon as more than a first look is ready
   Clock::time_point moved_;
