@@ -28,6 +28,7 @@ std::vector<std::array<int, 3>> bricks_of(const Occupancy& occupancy, int resolu
     return std::array<int, 2>{std::max(low, 0), std::min(high, per_side - 1)};
   };
   std::vector<std::array<int, 2>> ranges;
+  ranges.reserve(static_cast<std::size_t>(occupancy.resolution()));
   for (int cell = 0; cell < occupancy.resolution(); ++cell) ranges.push_back(range(cell));
   for_each_occupied(occupancy, [&](int x, int y, int z) {
     const auto [x0, x1] = ranges[static_cast<std::size_t>(x)];
