@@ -32,6 +32,9 @@ ArrivedClip read_arrived(std::span<const std::byte> bytes, const std::string& na
   arrived.layers = arrival.layers;
   arrived.times = std::move(arrival.times);
   arrived.there = std::move(arrival.there);
+  // While nothing that moves has come, nothing says so of a frame.
+  const std::size_t frames = arrived.clip ? arrived.clip->times.size() : 0;
+  for (std::size_t f = frames; f < arrived.there.size(); ++f) arrived.there[f] = false;
   return arrived;
 }
 

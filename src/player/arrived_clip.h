@@ -17,7 +17,7 @@ struct ArrivedClip {
   std::string missing;            ///< one sentence; empty: nothing is missing
   std::size_t layers = 0;         ///< that the file says it has
   std::vector<double> times;      ///< of all frames that the file says it has, seconds; those of `clip` are the first
-  std::vector<bool> there;        ///< whether each of them has come
+  std::vector<bool> there;        ///< whether each of them has come; none behind those of `clip`
 
   bool has_all_layers() const { return clip && clip->layers.size() == layers; }
 };

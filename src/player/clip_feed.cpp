@@ -165,7 +165,6 @@ void ClipFeed::make_ready() {
 
 void ClipFeed::show(ArrivedClip arrived, Readiness readiness) {
   auto player = std::make_shared<const Player>(std::move(*arrived.clip), readiness);
-  for (std::size_t f = player->frame_count(); f < arrived.there.size(); ++f) arrived.there[f] = false;
   readiness_ = readiness;
   const std::lock_guard lock(mutex_);
   newest_.player = std::move(player);
