@@ -1,6 +1,7 @@
 #include "fields/rendering/density_bricks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -66,23 +67,23 @@ public:
 
   /// Fills bytes() for the brick; false if it is as good as empty.
   bool sample(const std::array<int, 3>& coordinates) {
-    for (std::vector<float>* values : {&x_, &y_, &z_}) values->clear();
-    at_.clear();
     bytes_.fill(0);
     const std::array<AxisSamples, 3> axes{samples_along(coordinates[0]), samples_along(coordinates[1]),
                                           samples_along(coordinates[2])};
     find_reached(axes);
-    for (std::size_t i = 0; i < kSamples; ++i) {
-      const std::size_t x = i % kLevels, row = i / kLevels;
-      if ((reached_[row] >> x & 1U) == 0) continue;
-      x_.push_back(axes[0].position[x]);
-      y_.push_back(axes[1].position[row % kLevels]);
-      z_.push_back(axes[2].position[row / kLevels]);
-      at_.push_back(i);
+    std::size_t count = 0;
+    for (std::size_t row = 0; row < reached_.size(); ++row) {
+      for (unsigned bits = reached_[row]; bits != 0; bits &= bits - 1, ++count) {
+        const auto x = static_cast<std::size_t>(std::countr_zero(bits));
+        x_[count] = axes[0].position[x];
+        y_[count] = axes[1].position[row % kLevels];
+        z_[count] = axes[2].position[row / kLevels];
+        at_[count] = static_cast<std::uint16_t>(row * kLevels + x);
+      }
     }
-    evaluate_points(field_, levels_, {x_.data(), y_.data(), z_.data(), x_.size()}, points_);
+    evaluate_points(field_, levels_, {x_.data(), y_.data(), z_.data(), count}, points_);
     std::uint8_t max_byte = 0;
-    for (std::size_t k = 0; k < at_.size(); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       const std::uint8_t byte = quantised(points_.geometry[k * FieldConfig::kGeometry]);
       bytes_[at_[k]] = byte;
       max_byte = std::max(max_byte, byte);
@@ -155,13 +156,18 @@ private:
       }
     }
   }
-  // Of one row of cells along x: a bit for each sample.
+  // Of one row of cells along x: a bit for each sample, which has a few cells about it.
   Reached reached_along(const AxisSamples& x, int row, int layer) const {
+    const std::vector<std::uint64_t>& words = field_.occupancy.words();
+    const auto n = static_cast<std::size_t>(field_.occupancy.resolution());
+    const std::size_t begin = (static_cast<std::size_t>(layer) * n + static_cast<std::size_t>(row)) * n;
     unsigned reached = 0;
     for (std::size_t i = 0; i < kLevels; ++i) {
-      for (int cell = x.low[i]; cell <= x.high[i]; ++cell) {
-        if (field_.occupancy.at(cell, row, layer)) reached |= 1U << i;
-      }
+      if (x.high[i] < x.low[i]) continue;
+      const std::size_t first = begin + static_cast<std::size_t>(x.low[i]);
+      std::uint64_t cells = words[first / 64] >> (first % 64);
+      if (first % 64 != 0 && first / 64 + 1 < words.size()) cells |= words[first / 64 + 1] << (64 - first % 64);
+      if ((cells & ((std::uint64_t{2} << (x.high[i] - x.low[i])) - 1)) != 0) reached |= 1U << i;
     }
     return static_cast<Reached>(reached);
   }
@@ -169,8 +175,8 @@ private:
   const Field& field_;
   std::span<const GridLevel> levels_;
   int resolution_;
-  std::vector<float> x_, y_, z_;
-  std::vector<std::size_t> at_; // the sample that each point is
+  std::array<float, kSamples> x_{}, y_{}, z_{}; // of the points
+  std::array<std::uint16_t, kSamples> at_{};    // the sample that each is
   PointBatch points_;
   std::array<std::uint8_t, kSamples> bytes_{};
   std::array<Reached, std::size_t{kLevels} * kLevels> reached_{}; // by z, then y
