@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "container/ebml.h"
+#include "container/matroska_ids.h"
 #include "container/reader.h"
 #include "sample_file.h"
 
@@ -46,6 +48,10 @@ TEST(CueIndex, NamesTheBytesOfWhatIsShownAtATime) {
   const auto index = index_of(file);
   ASSERT_TRUE(index);
   Reader reader(std::make_unique<MemorySource>(file, "memory.mkv"));
+  const auto is_cluster = [&](std::uint64_t at) {
+    MemorySource source(file, "memory.mkv");
+    return read_element(source, at, file.size()).id == ids::kCluster;
+  };
   std::size_t count = 0;
   for (Payload payload, before{}; reader.next(payload); before = payload, ++count) {
     const ByteRange range = index->bytes_for(static_cast<double>(payload.time_ns) * 1e-9);
@@ -53,6 +59,8 @@ TEST(CueIndex, NamesTheBytesOfWhatIsShownAtATime) {
     if (count > 0) { // the other track shows what it has shown since
       EXPECT_TRUE(range.begin <= before.offset && before.offset < range.end) << payload.time_ns;
     }
+    EXPECT_TRUE(is_cluster(range.begin));
+    EXPECT_TRUE(range.end == file.size() || is_cluster(range.end));
     EXPECT_LT(range.end - range.begin, 3 * 3000U + 2000) << "much more than is needed";
   }
   EXPECT_EQ(count, std::size_t{kPayloads});
