@@ -1,8 +1,11 @@
 #include "evaluate/comparison.h"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "clip/sample_clip.h"
 
 namespace kinora::evaluate {
 namespace {
@@ -118,6 +121,22 @@ TEST(Comparison, FrameWithoutTheLabelIsLeftOut) {
   compare(gray_picture(100, 2), frame, kObject, means);
   EXPECT_EQ(means.frames(), 0);
   EXPECT_FALSE(means.mean("psnr").has_value());
+}
+
+TEST(Comparison, WhatIsNotDrawnOfAPictureIsBlackAlsoWithoutDepth) {
+  const player::Player player(clip::testing::sample_clip(1, 2, false));
+  ingest::Frame frame = gray_frame();
+  fields::Picture picture = gray_picture(100, 2);
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth / 2; ++u) {
+      frame.depth.at(u, v) = 0;
+      picture.color.at(u, v, 3) = 0;
+    }
+  }
+  Means means;
+  compare(picture, frame, picture_subject(player), means);
+  EXPECT_NEAR(means.mean("coverage").value(), 0.5, 1e-9);
+  EXPECT_NEAR(means.mean("psnr").value(), -10 * std::log10(0.5 * 100 * 100 / (255.0 * 255.0)), 1e-4);
 }
 
 } // namespace
