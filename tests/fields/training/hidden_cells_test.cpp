@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/parallel.h"
 #include "fields/model/enclosed_cells.h"
 #include "fields/rendering/renderer.h"
 #include "fields/scenes/drawn_scene.h"
+#include "fields/scenes/same_cells.h"
 
 namespace kinora::fields {
 namespace {
@@ -63,16 +63,8 @@ TEST(HiddenCells, ACavityShowsNobodyItsWalls) {
 }
 
 TEST(HiddenCells, AreTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<std::uint64_t>> words;
-  for (const std::size_t threads : {1, 2, 7}) {
-    set_thread_count(threads);
-    Field field = painted_field(kBox, PaintedBall{});
-    empty_hidden_cells(field);
-    words.push_back(field.occupancy.words());
-  }
-  set_thread_count(0);
-  EXPECT_EQ(words[0], words[1]);
-  EXPECT_EQ(words[0], words[2]);
+  testing::expect_same_cells_for_any_number_of_threads(painted_field(kBox, PaintedBall{}),
+                                                       [](Field& field) { empty_hidden_cells(field); });
 }
 
 } // namespace

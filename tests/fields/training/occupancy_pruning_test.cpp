@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parallel.h"
 #include "fields/scenes/painted_field.h"
+#include "fields/scenes/same_cells.h"
 
 namespace kinora::fields {
 namespace {
@@ -47,16 +47,8 @@ TEST(OccupancyPruning, WhatWasEmptyStaysEmpty) {
 }
 
 TEST(OccupancyPruning, AreTheSameForAnyNumberOfThreads) {
-  std::vector<std::vector<std::uint64_t>> words;
-  for (const std::size_t threads : {1, 2, 7}) {
-    set_thread_count(threads);
-    Field field = full_field(PaintedBall{});
-    prune_occupancy(field);
-    words.push_back(field.occupancy.words());
-  }
-  set_thread_count(0);
-  EXPECT_EQ(words[0], words[1]);
-  EXPECT_EQ(words[0], words[2]);
+  testing::expect_same_cells_for_any_number_of_threads(full_field(PaintedBall{}),
+                                                       [](Field& field) { prune_occupancy(field); });
 }
 
 } // namespace
