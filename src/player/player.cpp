@@ -80,14 +80,33 @@ fields::Picture Player::draw(const Camera& camera, double frame, const LayerChoi
                              const fields::DrawOptions& options) const {
   fields::DrawOptions wanted = options;
   wanted.samples = samples_per_side(camera.intrinsics, clip_.intrinsics);
-  return fields::render(posed_layers(frame, layers), camera, wanted);
+  return drawn(camera, frame, layers, wanted);
 }
 
 fields::Picture Player::preview(const Camera& camera, double frame, const LayerChoice& layers,
                                 const fields::DrawOptions& options) const {
   fields::DrawOptions wanted = options;
   wanted.samples = 1;
-  return fields::render(posed_layers(frame, layers), camera, wanted);
+  return drawn(camera, frame, layers, wanted);
+}
+
+fields::Picture Player::drawn(const Camera& camera, double frame, const LayerChoice& layers,
+                              const fields::DrawOptions& options) const {
+  const LayerChoice shown = drawn_layers(frame, layers);
+  std::vector<fields::PosedField> all, still;
+  StillView view{camera, options, {}};
+  fields::Backdrop backdrop;
+  for (const std::size_t i : shown) {
+    all.push_back(posed(i, frame));
+    if (clip_.layers[i].motion.kind() != motion::MotionKind::kStill) continue;
+    still.push_back(all.back());
+    view.layers.push_back(i);
+    backdrop.layers.push_back(static_cast<std::uint8_t>(all.size() - 1));
+  }
+  if (still.empty() || options.quality == fields::DrawQuality::kFast) return fields::render(all, camera, options);
+  const auto picture = backdrops_.picture_of(view, [&] { return fields::render(still, camera, options); });
+  backdrop.picture = picture.get();
+  return fields::render(all, camera, options, picture != nullptr ? &backdrop : nullptr);
 }
 
 std::vector<motion::Health> Player::drawn_health(double frame, const LayerChoice& layers) const {

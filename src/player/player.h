@@ -9,6 +9,7 @@
 
 #include "clip/layer_choice.h"
 #include "fields/rendering/renderer.h"
+#include "player/backdrops.h"
 
 namespace kinora::player {
 
@@ -25,6 +26,7 @@ enum class Readiness {
 };
 
 /// Holds the clip and, for each layer, the field in the form in which it is drawn. Immutable; may be shared by threads.
+/// What a camera that draws again and again sees of layers that stay where they are is drawn once: no picture differs.
 class Player {
 public:
   explicit Player(clip::Clip clip, Readiness readiness = Readiness::kWhole);
@@ -65,6 +67,8 @@ public:
   std::vector<fields::PosedField> posed_layers(double frame, const LayerChoice& layers) const;
 
 private:
+  fields::Picture drawn(const Camera& camera, double frame, const LayerChoice& layers,
+                        const fields::DrawOptions& options) const;
   bool is_drawn(std::size_t layer, double frame) const { return shown_.at(layer).at(clamped(frame)); }
   double clamped(double frame) const;
   fields::PosedField posed(std::size_t layer, double frame) const;
@@ -81,6 +85,7 @@ private:
   };
   mutable std::mutex last_posed_mutex_;
   mutable std::map<std::size_t, LastPosed> last_posed_; ///< by layer
+  mutable Backdrops backdrops_;
 };
 
 } // namespace kinora::player

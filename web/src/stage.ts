@@ -28,6 +28,7 @@ interface Asked {
   full: boolean;
   number: number;
   at: number; // milliseconds
+  repeats: number; // pictures before it by the same camera and of the same size
 }
 
 /** What has to be the same for two pictures to be the same but for their size. */
@@ -42,8 +43,11 @@ export class Stage {
   #hidden = new Set<string>(); // names of layers
   #view: View | null = null;
   #drawers: Drawer[];
-  #resolution: Resolution;
-  #asked: Asked = { subject: "", full: false, number: 0, at: 0 };
+  // While the camera rests, a drawer's pictures of one size cost less from the third on.
+  #whileCameraMoves: Resolution;
+  #whileCameraRests: Resolution;
+  #asked: Asked = { subject: "", full: false, number: 0, at: 0, repeats: 0 };
+  #askedCamera = "";
   #shown = this.#asked;
   #cameraMoved = -Infinity;
   #lastMilliseconds = 0;
@@ -66,7 +70,9 @@ export class Stage {
     this.sound = new SoundPlayback((why) => console.warn(`Kinora: ${why}`));
     void this.#takeSound();
     this.#drawers = [first.drawer];
-    this.#resolution = new Resolution((0.9 * 1000 * Stage.drawers) / framesPerSecond);
+    const budget = (0.9 * 1000 * Stage.drawers) / framesPerSecond;
+    this.#whileCameraMoves = new Resolution(budget);
+    this.#whileCameraRests = new Resolution(budget);
   }
 
   private static get drawers(): number {
@@ -238,17 +244,26 @@ export class Stage {
 
   #ask(full: Size, moves: boolean, now: number): void {
     const idle = this.#drawers.filter((drawer) => !drawer.busy);
-    const size = moves ? this.#resolution.moving(full) : full;
+    const cameraMoves = this.#cameraMoves(now);
+    const resolution = cameraMoves ? this.#whileCameraMoves : this.#whileCameraRests;
+    const size = moves ? resolution.moving(full) : full;
     const request = this.#request(size, moves);
     const subject = moves ? subjectOf(request) + this.#version : this.#restingSubject(full);
     if (subject === this.#asked.subject) return;
     // Several drawers take turns: their pictures should come evenly.
     const pause = moves && this.#drawers.length > 1 ? (0.8 * this.#lastMilliseconds) / this.#drawers.length : 0;
     if (idle.length === 0 || now - this.#asked.at < pause) return;
-    this.#asked = { subject, full: !moves, number: this.#asked.number + 1, at: now };
+    const camera = JSON.stringify([request.camera, request.visible, request.view, this.#version]);
+    const repeats = camera === this.#askedCamera ? this.#asked.repeats + 1 : 0;
+    this.#askedCamera = camera;
+    this.#asked = { subject, full: !moves, number: this.#asked.number + 1, at: now, repeats };
     const asked = this.#asked;
     idle[0]!.ask({ kind: "draw", request }).then(
-      (picture) => this.#show(picture, asked, moves),
+      (picture) => {
+        const settled = cameraMoves || asked.repeats >= 2 * this.#drawers.length;
+        if (moves && settled) resolution.drawn(picture.camera, picture.milliseconds);
+        this.#show(picture, asked, moves);
+      },
       (fault: Fault) => {
         if (fault.code !== FaultCode.aborted) this.events.failed(fault);
       },
@@ -257,7 +272,11 @@ export class Stage {
 
   /** The first picture is one that is soon there. */
   #moves(now: number): boolean {
-    return this.#shown.number === 0 || this.clock.playing || now - this.#cameraMoved < restsAfter;
+    return this.#shown.number === 0 || this.clock.playing || this.#cameraMoves(now);
+  }
+
+  #cameraMoves(now: number): boolean {
+    return now - this.#cameraMoved < restsAfter;
   }
 
   #restingSubject(full: Size): string {
@@ -270,10 +289,7 @@ export class Stage {
   }
 
   #show(picture: Picture, asked: Asked, moves: boolean): void {
-    if (moves) {
-      this.#resolution.drawn(picture.camera, picture.milliseconds);
-      this.#lastMilliseconds = picture.milliseconds;
-    }
+    if (moves) this.#lastMilliseconds = picture.milliseconds;
     if (asked.number < this.#shown.number) return; // a later one was faster
     this.#shown = asked;
     this.#byGpu = picture.by === "webgl";

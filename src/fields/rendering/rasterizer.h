@@ -59,8 +59,8 @@ private:
   std::vector<std::uint32_t> members_;
 };
 
-/// Up to kMax values for each pixel of a tile, nearest first; of more the farthest are dropped. The nearest of all
-/// pixels lie together, as most have few.
+/// Up to kMax values for each pixel of a tile, nearest first as `<` tells; of more the farthest are dropped. The
+/// nearest of all pixels lie together, as most have few.
 template <class T, int kMax> class PixelLists {
 public:
   static constexpr std::size_t kPixels = TriangleBins::kTile * TriangleBins::kTile;
@@ -69,16 +69,16 @@ public:
   void clear() { counts_.fill(0); }
   std::size_t count(std::size_t pixel) const { return counts_[pixel]; }
   const T& at(std::size_t pixel, std::size_t number) const { return values_[number * kPixels + pixel]; }
-  /// T has a member `depth`.
+  /// Of equals the one that came first is nearer.
   void insert(std::size_t pixel, const T& value) {
     std::size_t number = counts_[pixel];
     if (number == kMax) {
-      if (!(value.depth < at(pixel, number - 1).depth)) return;
+      if (!(value < at(pixel, number - 1))) return;
       --number;
     } else {
       ++counts_[pixel];
     }
-    for (; number > 0 && value.depth < at(pixel, number - 1).depth; --number) {
+    for (; number > 0 && value < at(pixel, number - 1); --number) {
       values_[number * kPixels + pixel] = at(pixel, number - 1);
     }
     values_[number * kPixels + pixel] = value;
@@ -93,6 +93,7 @@ private:
 struct Entry {
   float depth;            ///< metres along the optical axis
   std::uint32_t triangle; ///< index into TriangleBins::triangles()
+  bool operator<(const Entry& farther) const { return depth < farther.depth; }
 };
 using Entries = PixelLists<Entry, 8>;
 

@@ -87,10 +87,21 @@ struct DrawOptions {
   /// Colours are averaged by their opacity, in sRGB; depth is that of the sample in the middle of all from near to
   /// far, so that it is never averaged across an edge; `front` is the same sample's.
   int samples = 1;
+
+  bool operator==(const DrawOptions&) const = default;
+};
+
+/// What some of the layers look like alone, drawn by the same camera with the same options.
+struct Backdrop {
+  const Picture* picture; ///< must outlive its use
+  /// Indices of its layers among all that are drawn, ascending; they are posed as they were there.
+  std::vector<std::uint8_t> layers;
 };
 
 /// Draws with all threads. Any camera is allowed: inside a layer, behind it, looking away. Same bits for any thread
-/// count. Throws Error(kUsage) for a picture of no pixels or more than 16384 on a side.
-Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options = {});
+/// count, and with a `backdrop`, from which pixels are taken that no other layer comes near. Throws Error(kUsage) for a
+/// picture of no pixels or more than 16384 on a side.
+Picture render(std::span<const PosedField> layers, const Camera& camera, const DrawOptions& options = {},
+               const Backdrop* backdrop = nullptr);
 
 } // namespace kinora::fields

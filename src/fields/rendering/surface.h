@@ -15,6 +15,11 @@ struct Surface {
   std::array<float, 3> position;   ///< relative to the field's box, where the light is taken away in the mean
   std::array<float, 3> sigma;      ///< its standard deviation along the ray
   Rotation rotation = kNoRotation; ///< of the layer there
+
+  /// Nearer; of layers that meet at one depth, whichever was marched to first, the first.
+  bool operator<(const Surface& farther) const {
+    return depth < farther.depth || (depth == farther.depth && layer < farther.layer);
+  }
 };
 
 } // namespace kinora::fields

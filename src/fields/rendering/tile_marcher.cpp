@@ -48,6 +48,7 @@ void TileMarcher::begin(const PixelRay& pixel_ray, std::uint32_t pixel) {
 }
 
 void TileMarcher::march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces) {
+  anchored_ = true;
   cells_.clear();
   for (const std::uint32_t p : SmoothCells::anchors()) {
     if (entries_.count(p) > 0) begin(pixel_rays[p], p);
@@ -56,10 +57,18 @@ void TileMarcher::march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces)
   cells_.find_smooth_cells(view_->step() / static_cast<float>(view_->layer().field.config.box.side));
 }
 
-void TileMarcher::march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, Surfaces& surfaces) {
+// Whatever the layer has lies no nearer than a step before its first entry.
+bool TileMarcher::enters_behind(const Surfaces& surfaces, std::uint32_t pixel) const {
+  return transmittance_before(surfaces, pixel, entries_.at(pixel, 0).depth - view_->step()) <= kOpaque;
+}
+
+void TileMarcher::march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, bool only_visible,
+                        Surfaces& surfaces) {
   const float reach = kProxyReach * view_->lattice_step();
   for (const std::uint32_t p : pixels) {
-    if (entries_.count(p) == 0 || SmoothCells::is_anchor(p)) continue;
+    if (entries_.count(p) == 0 || (only_visible && enters_behind(surfaces, p))) continue;
+    if (!anchored_) march_anchors(pixel_rays, surfaces);
+    if (SmoothCells::is_anchor(p)) continue;
     const auto surface = cells_.at(p);
     if (surface && surface->depth - entries_.at(p, 0).depth < reach) {
       surfaces.insert(p, *surface);

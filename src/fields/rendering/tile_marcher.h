@@ -25,6 +25,17 @@ struct PixelRay {
 using PixelRays = std::array<PixelRay, Entries::kPixels>;
 using Surfaces = PixelLists<Surface, 8>;
 
+/// Of the light behind a pixel's surfaces up to a depth, front to back; nothing after kOpaque is looked at.
+inline float transmittance_before(const Surfaces& surfaces, std::size_t pixel, float depth) {
+  float transmittance = 1;
+  for (std::size_t i = 0; i < surfaces.count(pixel) && transmittance > kOpaque; ++i) {
+    const Surface& surface = surfaces.at(pixel, i);
+    if (!(surface.depth < depth)) break;
+    transmittance -= transmittance * surface.opacity;
+  }
+  return transmittance;
+}
+
 /// Finds the surfaces of one layer in a tile.
 class TileMarcher {
 public:
@@ -34,10 +45,10 @@ public:
 
   /// To be filled before anything is marched.
   Entries& entries() { return entries_; }
-  /// First in each tile: adds the surfaces at the anchors of SmoothCells.
-  void march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces);
-  /// Adds the surfaces of those pixels that are no anchors.
-  void march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, Surfaces& surfaces);
+  void begin_tile() { anchored_ = false; }
+  /// Adds the surfaces of those pixels, and before the first of a tile those at all anchors of SmoothCells. With
+  /// `only_visible` none need be added where rays enter this layer behind surfaces that are opaque together.
+  void march(const PixelRays& pixel_rays, std::span<const std::uint32_t> pixels, bool only_visible, Surfaces& surfaces);
 
 private:
   struct Ray {
@@ -52,6 +63,8 @@ private:
   // Stands the ray at its next entry that is not one of where it comes from; false if there is none.
   bool enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, float& begin) const;
 
+  void march_anchors(const PixelRays& pixel_rays, Surfaces& surfaces);
+  bool enters_behind(const Surfaces& surfaces, std::uint32_t pixel) const;
   void begin(const PixelRay& pixel_ray, std::uint32_t pixel);
   void follow(const PixelRays& pixel_rays, Surfaces& surfaces);
 
@@ -60,6 +73,7 @@ private:
   std::uint32_t layer_;
   Entries entries_;
   SmoothCells cells_;
+  bool anchored_ = false; // they are found
   std::vector<Ray> rays_;
   std::vector<MarchRay> march_rays_;
   std::vector<float> begin_;

@@ -7,6 +7,7 @@ namespace kinora::player::window {
 class MovingResolution {
 public:
   static constexpr double kWantedMilliseconds = 30; ///< of a picture: as often as a clip's frames come
+  static constexpr double kLeastOfWanted = 0.7, kMostOfWanted = 1.05; ///< so little is worth no other size
   static constexpr double kSmallest = 1.0 / 8, kLargest = 1;
 
   /// Of a picture's sides, as a fraction of the window's.

@@ -85,15 +85,20 @@ void PictureWorker::work(const std::stop_token& stop) {
 void PictureWorker::draw(const PictureRequest& request) {
   PictureRequest smaller = request;
   const Intrinsics& full = request.camera.intrinsics;
+  const bool rests = is_same(request.camera, last_camera_);
+  last_camera_ = request.camera;
+  MovingResolution& resolution = rests ? while_camera_rests_ : while_camera_moves_;
   if (request.moving) {
-    const double scale = resolution_.scale();
+    const double scale = resolution.scale();
     smaller.camera.intrinsics = full.resized(std::max(1, static_cast<int>(std::lrint(scale * full.width))),
                                              std::max(1, static_cast<int>(std::lrint(scale * full.height))));
   }
   const auto start = Clock::now();
   auto image = std::make_shared<const ColorImage>(window::drawn(smaller));
   const double milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-  if (request.moving) resolution_.took(milliseconds);
+  drawn_from_there_ = is_same(smaller.camera, last_drawn_camera_) ? drawn_from_there_ + 1 : 1;
+  last_drawn_camera_ = smaller.camera;
+  if (request.moving && (!rests || drawn_from_there_ > 2)) resolution.took(milliseconds);
   const std::lock_guard lock(mutex_);
   newest_ = {std::move(image), milliseconds, !request.moving};
   ++drawn_;

@@ -64,7 +64,10 @@ private:
   DrawnPicture newest_;
   std::size_t drawn_ = 0;
   std::string message_;
-  MovingResolution resolution_; // the worker's own
+  // The worker's own. While the camera rests, pictures of one size cost less from the third on (player/backdrops.h).
+  MovingResolution while_camera_moves_, while_camera_rests_;
+  Camera last_camera_, last_drawn_camera_;
+  int drawn_from_there_ = 0;
   std::jthread thread_;
 };
 
