@@ -1,6 +1,6 @@
 // An open clip on a canvas: asks its drawers for the picture that is wanted now, and shows what they bring.
 import type { ArrivingClip, OpenClip } from "./arriving.js";
-import { poseOf, type Camera, type Vector, type View } from "./camera.js";
+import { fitted, poseOf, type Camera, type Vector, type View } from "./camera.js";
 import { frameAt, PlaybackClock } from "./clock.js";
 import type { Drawer } from "./drawer.js";
 import { asFault, Fault, FaultCode } from "./faults.js";
@@ -12,6 +12,7 @@ const mostDrawers = 2;
 const framesPerSecond = 30; // wanted while something moves
 const restsAfter = 100; // milliseconds without a new camera
 const lateAfter = 500; // milliseconds
+const fewestRows = 64; // of a picture that several drawers share
 const firstAlone = 500; // milliseconds for which nothing else is done while the first picture is drawn
 
 export interface StageEvents {
@@ -252,13 +253,15 @@ export class Stage {
     if (subject === this.#asked.subject) return;
     // Several drawers take turns: their pictures should come evenly.
     const pause = moves && this.#drawers.length > 1 ? (0.8 * this.#lastMilliseconds) / this.#drawers.length : 0;
-    if (idle.length === 0 || now - this.#asked.at < pause) return;
+    const inOne = moves || this.#byGpu || request.view === "depth" || size.height < fewestRows; // depths: relative to all
+    const parts = inOne ? 1 : this.#drawers.length;
+    if (idle.length < parts || now - this.#asked.at < pause) return;
     const camera = JSON.stringify([request.camera, request.visible, request.view, this.#version]);
     const repeats = camera === this.#askedCamera ? this.#asked.repeats + 1 : 0;
     this.#askedCamera = camera;
     this.#asked = { subject, full: !moves, number: this.#asked.number + 1, at: now, repeats };
     const asked = this.#asked;
-    idle[0]!.ask({ kind: "draw", request }).then(
+    this.#drawn(request, idle.slice(0, parts)).then(
       (picture) => {
         const settled = cameraMoves || asked.repeats >= 2 * this.#drawers.length;
         if (moves && settled) resolution.drawn(picture.camera, picture.milliseconds);
@@ -268,6 +271,27 @@ export class Stage {
         if (fault.code !== FaultCode.aborted) this.events.failed(fault);
       },
     );
+  }
+
+  /** By these drawers at once: each draws a strip of the picture. */
+  async #drawn(request: DrawRequest, drawers: Drawer[]): Promise<Picture> {
+    if (drawers.length === 1) return drawers[0]!.ask({ kind: "draw", request });
+    const { pose, width, height } = request.camera;
+    const camera = fitted(this.capture, width, height, pose ?? this.capture.cameraToWorld);
+    const rowsOfEach = Math.ceil(height / drawers.length);
+    const strips = await Promise.all(
+      drawers.map((drawer, i) => {
+        const top = i * rowsOfEach;
+        const rows = Math.min(rowsOfEach, height - top);
+        const { fx, fy, cx, cy } = camera;
+        const strip = { pose, width, height: rows, intrinsics: { fx, fy, cx, cy: cy - top } };
+        return drawer.ask({ kind: "draw", request: { ...request, camera: strip } });
+      }),
+    );
+    const color = new Uint8ClampedArray(4 * width * height);
+    strips.forEach((strip, i) => color.set(strip.color, 4 * width * rowsOfEach * i));
+    const milliseconds = Math.max(...strips.map((strip) => strip.milliseconds));
+    return { ...strips[0]!, camera: { ...strips[0]!.camera, height, cy: camera.cy }, color, milliseconds };
   }
 
   /** The first picture is one that is soon there. */

@@ -209,9 +209,14 @@ DensityBricks::DensityBricks(const Field& field, BrickDetail detail) : resolutio
       sampler.write_pairs(part.pairs.data() + part.pairs.size() - kPairs);
     }
   });
-  for (const Part& part : parts) {
+  std::size_t count = 0;
+  for (const Part& part : parts) count += part.coordinates.size();
+  coordinates_.reserve(count);
+  pairs_.reserve(count * kPairs);
+  for (Part& part : parts) {
     coordinates_.insert(coordinates_.end(), part.coordinates.begin(), part.coordinates.end());
     pairs_.insert(pairs_.end(), part.pairs.begin(), part.pairs.end());
+    part = {};
   }
   const auto per_side = static_cast<std::size_t>(bricks_per_side());
   index_.assign(per_side * per_side * per_side, -1);

@@ -42,6 +42,7 @@ ProxyMesh::ProxyMesh(const DensityBricks& bricks, const FieldBox& box)
   const auto corners_per_side = 2 * static_cast<std::uint64_t>(bricks.bricks_per_side()) + 1;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers;
   numbers.reserve(2 * positions.size());
+  cells_.reserve(positions.size());
   for (const auto& [x, y, z] : positions) {
     Cell cell{};
     for (int c = 0; c < 8; ++c) {
@@ -67,6 +68,11 @@ ProxyMesh::ProxyMesh(const DensityBricks& bricks, const FieldBox& box)
       cell_of_face_.push_back(static_cast<std::uint32_t>(c));
     }
   }
+}
+
+void ProxyMesh::forget_cells() {
+  cells_ = {};
+  cell_of_face_ = {};
 }
 
 std::int32_t ProxyMesh::cell_at(const DensityBricks& bricks, int x, int y, int z) const {

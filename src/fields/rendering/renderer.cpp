@@ -22,7 +22,11 @@ DrawableField::DrawableField(std::shared_ptr<const Field> field, const motion::D
   derived->vector_matrix = vector_matrix(derived->field);
   derived->bricks = DensityBricks(derived->field, detail);
   derived->proxy_mesh = ProxyMesh(derived->bricks, derived->field.config.box);
-  if (graph != nullptr) derived->proxy_mesh.bind_to(*graph);
+  if (graph != nullptr) {
+    derived->proxy_mesh.bind_to(*graph);
+  } else {
+    derived->proxy_mesh.forget_cells();
+  }
   derived->confidence = std::move(confidence);
   derived_ = std::move(derived);
 }
