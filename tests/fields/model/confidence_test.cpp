@@ -159,6 +159,19 @@ TEST_F(DrawnConfidence, FadesWhatWasNeverSeenAndKeepsTheRest) {
   EXPECT_LT(opacity(180, Unseen::kFade), 0.05 * opacity(180, Unseen::kKeep));
 }
 
+TEST_F(DrawnConfidence, ShowsWhatLiesBehindWhatFades) {
+  const DrawableField unknown(ball_field());
+  SE3 behind = SE3::Identity();
+  behind.translate(-0.9 * rotated(180));
+  const std::vector<PosedField> posed{{&field_}, {&unknown, behind}};
+  const Camera camera = camera_at(kScene.centre + 1.2 * rotated(180), kScene.centre);
+  const Picture kept = render(posed, camera);
+  const Picture faded = render(posed, camera, {.unseen = Unseen::kFade});
+  EXPECT_EQ(kept.front.at(48, 36), 1);
+  EXPECT_EQ(faded.front.at(48, 36), 2);
+  EXPECT_GT(faded.color.at(48, 36, 3), 240);
+}
+
 TEST_F(DrawnConfidence, FadesNoFieldOfWhichItIsNotKnown) {
   const DrawableField unknown(ball_field());
   const PosedField posed{&unknown};
