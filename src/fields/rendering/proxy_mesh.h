@@ -51,7 +51,7 @@ public:
   const std::vector<motion::Influence>& middle_influences() const { return middle_influences_; }
   /// Prepares for being posed by this graph. Uses all threads.
   void bind_to(const motion::DeformationGraph& graph);
-  /// Gives back the memory of what only a layer that deforms needs: cells() is empty then, and faces_of() not to be called.
+  /// Gives back the memory of what only a layer that deforms needs: cells() is empty then, faces_of() not to be called.
   void forget_cells();
   /// Per brick 0 where most of what moves its cells is not born yet, else 1; empty if no node is unborn. Only after
   /// bind_to().

@@ -60,7 +60,8 @@ void TileRenderer::draw(int column, int row) {
   }
   for (int v = 0; v < kTile; v += per_side_) {
     for (int u = 0; u < kTile; u += per_side_) {
-      if (changes_.changed(static_cast<std::size_t>(v * kTile + u))) write(u, v);
+      const int sample = v * kTile + u;
+      if (changes_.changed(static_cast<std::size_t>(sample))) write(u, v);
     }
   }
 }
