@@ -1,9 +1,11 @@
 #include "container/cue_index.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "container/ebml.h"
 #include "container/matroska_ids.h"
@@ -19,7 +21,7 @@ constexpr std::int64_t kStep = 40'000'000; // ns
 
 /// Two tracks that take turns, every payload a key, in many clusters.
 Bytes file_with_many_clusters() {
-  const auto path = std::filesystem::path(::testing::TempDir()) / "cue_index.mkv";
+  const auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("cue_index_{}.mkv", getpid());
   Random random(3);
   FileHead head;
   head.kind = "clip";
