@@ -281,6 +281,14 @@ std::string live_text(const Json& live) {
       live["frames_per_second"].get<double>(), latency["median"].get<double>(), latency["p95"].get<double>());
 }
 
+/// What half as much training again would have brought, where its length was chosen.
+std::string next_step(const Json& training) {
+  const auto length = training.find("length");
+  if (length == training.end() || !length->contains("next")) return "";
+  const Json& next = length->at("next");
+  return fmt::format("{:+.2f} dB for {:.1f} s", next["gain_db"].get<double>(), next["processor_s"].get<double>());
+}
+
 std::string summary(const Json& report) {
   const Json& capture = report["capture"];
   const Json& file = report["file"];
@@ -290,13 +298,14 @@ std::string summary(const Json& report) {
                   format_bytes(file["bytes"].get<std::size_t>()), frames, capture["frames_held_out"].get<int>(),
                   capture["skipped"].size(), report["timing"]["total_s"].get<double>() / static_cast<double>(frames));
   if (report.contains("live")) text += live_text(report["live"]);
-  Table table({"layer", "motion", "bytes", "parameters", "why"});
+  Table table({"layer", "motion", "bytes", "rays", "more would gain", "why"});
   for (const Json& layer : report["layers"]) {
     table.add({layer["name"], layer["motion"]["kind"], format_bytes(layer["bytes"].get<std::size_t>()),
-               layer["parameters"].dump(), layer["why"]});
+               fmt::format("{:.1f} M", 1e-6 * layer["training"]["rays"].get<double>()), next_step(layer["training"]),
+               layer["why"]});
   }
   for (const Json& left_out : report["not_modelled"]) {
-    table.add({left_out["name"], "none", "", "", left_out["why"]});
+    table.add({left_out["name"], "none", "", "", "", left_out["why"]});
   }
   text += table.str();
   if (report.contains("evaluation")) text += quality_table(report["evaluation"]);

@@ -93,7 +93,19 @@ Json views_json(const fields::ViewConsistency& consistency) {
           {"noise", round4(consistency.noise)}};
 }
 
-Json training_json(const fields::TrainingReport& training) {
+Json length_json(const fields::ExchangeRate& rate, const fields::TrainingReport& training) {
+  Json out = {{"why", fields::reason_of(training.length)}};
+  if (training.looks.empty()) return out;
+  for (const fields::TrainingLook& look : training.looks)
+    out["psnr_held_apart"].push_back({{"rays", look.rays}, {"psnr", psnr(look.error)}});
+  out["next"] = {{"rays", training.outlook.rays},
+                 {"gain_db", round4(training.outlook.decibels)},
+                 {"processor_s", round4(training.outlook.seconds)},
+                 {"asked_db", round4(rate.decibels_per_second * training.outlook.seconds)}};
+  return out;
+}
+
+Json training_json(const fields::ExchangeRate& rate, const fields::TrainingReport& training) {
   Json reasons = Json::array();
   for (const fields::Collapse collapse : training.restarts) reasons.push_back(name_of(collapse));
   return {{"rays", training.rays},
@@ -103,7 +115,8 @@ Json training_json(const fields::TrainingReport& training) {
           {"final_loss", training.final_loss},
           {"restarts", training.restarts.size()},
           {"restarted_because", std::move(reasons)},
-          {"stray_cells", training.carved_cells}};
+          {"stray_cells", training.carved_cells},
+          {"length", length_json(rate, training)}};
 }
 
 } // namespace
@@ -121,7 +134,7 @@ Json layer_json(const TrackedLabel& tracked, const LayerOutcome& outcome) {
               {"field", config_json(layer.field.config)},
               {"size", size_json(outcome.requirements, outcome.config, layer.field, outcome.training)},
               {"geometry", geometry_json(outcome.geometry)},
-              {"training", training_json(outcome.training)}};
+              {"training", training_json(outcome.trainer.exchange, outcome.training)}};
   if (outcome.draft) out["refinement"] = refinement_json(*outcome.draft);
   const std::vector<std::uint32_t>& births = layer.births.frames();
   if (!births.empty())

@@ -1,5 +1,7 @@
 #include "encode/layer_training.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "encode/motion_smoothing.h"
@@ -18,16 +20,19 @@ struct Draft {
 /// With what was chosen for the layer so far.
 Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
                const MotionRefinementConfig& refinement, StageTimes& times, Progress& progress) {
-  constexpr double kDraftRays = 0.3; // of the layer's (docs/experiments/fields.md)
+  constexpr double kDraftRays = 0.2; // of the layer's (docs/experiments/fields.md)
   const std::string& name = outcome.layer.name;
   fields::TrainerConfig shorter = outcome.trainer;
   shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
+  shorter.exchange.decibels_per_second /= kDraftRays;
   shorter.max_log2_table_size = 0;
   shorter.quantisation = {};
-  progress.stage("training a draft of " + name, shorter.rays);
-  fields::Field field = times.measure(
-      "train a draft of " + name, [&] { return fields::train_field(observations, outcome.config, shorter, progress); });
-  DraftReport report{shorter.rays, {}};
+  progress.stage("training a draft of " + name, 0);
+  fields::TrainingReport training;
+  fields::Field field = times.measure("train a draft of " + name, [&] {
+    return fields::train_field(observations, outcome.config, shorter, progress, &training);
+  });
+  DraftReport report{training.rays, {}};
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
   motion::Motion motion = times.measure("refine the motion of " + name, [&] {
     return smoothed_in_time(refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing,
@@ -39,7 +44,8 @@ Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& obs
 // The training after a draft begins with its field, of which nearly all is right.
 void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
   constexpr float kRate = 0.3F;
-  trainer.rays -= draft.rays;
+  trainer.rays -= std::min(draft.rays, trainer.rays);
+  trainer.exchange.min_rays = std::max(trainer.exchange.min_rays, draft.rays / 2); // it learns slowly at first
   trainer.learning_rates.table *= kRate;
   trainer.learning_rates.nets *= kRate;
 }
@@ -78,7 +84,10 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
   outcome.config = fields::choose_field_config(as_tracked, &outcome.requirements);
   const FieldSettings& settings = options.settings.fields;
   outcome.trainer = settings.trainer;
-  if (outcome.trainer.rays == 0) outcome.trainer.rays = job.rays;
+  if (outcome.trainer.rays == 0) {
+    outcome.trainer.rays = job.rays;
+    outcome.trainer.exchange.decibels_per_second = job.decibels_per_second;
+  }
   compare_views(as_tracked, settings.trainer, outcome);
   if (options.settings.budget.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
@@ -96,7 +105,7 @@ LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, 
     compare_views(observations, settings.trainer, outcome);
     go_on_from(draft->report, outcome.trainer);
   }
-  progress.stage("training " + layer.name, outcome.trainer.rays);
+  progress.stage("training " + layer.name, 0);
   layer.field = times.measure("train " + layer.name, [&] {
     return fields::train_field(observations, outcome.config, outcome.trainer, progress, &outcome.training,
                                draft ? &draft->field : nullptr);

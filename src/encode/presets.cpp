@@ -12,16 +12,14 @@ namespace {
 struct NamedPreset {
   Preset preset;
   const char* name;
-  double rays_per_pixel;
-  std::size_t min_rays;
-  std::size_t max_rays;
+  double decibels_per_second;
   bool try_geometries;
 };
 
 constexpr std::array<NamedPreset, 3> kPresets{{
-    {Preset::kFast, "fast", 0.2, 500'000, 20'000'000, false},
-    {Preset::kBalanced, "balanced", 1.2, 2'000'000, 80'000'000, false},
-    {Preset::kBest, "best", 4.8, 8'000'000, 400'000'000, true},
+    {Preset::kFast, "fast", 10, false},
+    {Preset::kBalanced, "balanced", 2, false},
+    {Preset::kBest, "best", 0.25, true},
 }};
 
 const NamedPreset& entry_of(Preset preset) {
@@ -45,9 +43,7 @@ std::string name_of(Preset preset) { return entry_of(preset).name; }
 TrainingBudget budget_of(Preset preset) {
   const NamedPreset& entry = entry_of(preset);
   TrainingBudget budget;
-  budget.rays_per_pixel = entry.rays_per_pixel;
-  budget.min_rays = entry.min_rays;
-  budget.max_rays = entry.max_rays;
+  budget.decibels_per_second = entry.decibels_per_second;
   budget.try_geometries = entry.try_geometries;
   return budget;
 }

@@ -26,7 +26,7 @@ struct TrackingSettings {
   tracking::DeformingTrackerConfig deforming;
 };
 
-/// The trainer's rays are those of each layer; 0: its share of the budget. Tables end as a file stores them.
+/// The trainer's rays are those of each layer; 0: what the budget allows. Tables end as a file stores them.
 inline fields::TrainerConfig trainer_within_budget() {
   fields::TrainerConfig trainer;
   trainer.rays = 0;
@@ -42,10 +42,13 @@ struct FieldSettings {
 /// How much is trained; presets differ in this alone.
 struct TrainingBudget {
   std::size_t max_stored_pixels = 24'000'000; ///< bound of what training remembers; 12 bytes each
-  /// Rays that train all layers together: rays_per_pixel × pixels of all frames, kept within the bounds.
-  double rays_per_pixel = 0;
-  std::size_t min_rays = 0;
-  std::size_t max_rays = 0;
+  /// What a layer must gain, in dB, to be trained another second of a processor for each frame of the capture
+  /// (fields::ExchangeRate); 0: as long as rays_per_pixel says.
+  double decibels_per_second = 0;
+  /// How often each stored pixel of a layer is looked at, at most. What deforms is followed less exactly than others
+  /// are: more looks teach its field each frame's error, which rays held apart of the same frames do not tell.
+  double rays_per_pixel = 40;
+  double deforming_rays_per_pixel = 5;
   bool try_geometries = false; ///< whether each layer takes the geometry that draws it better (geometry_trial.h)
 };
 

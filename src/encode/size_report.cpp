@@ -5,14 +5,12 @@
 #include <fmt/format.h>
 
 #include "clip/payloads/touched_entries.h"
+#include "encode/rounding.h"
 
 namespace kinora::encode {
 namespace {
 
 using Json = nlohmann::json;
-
-// Of a mean of ‖C − C*‖², to hundredths of a decibel.
-double psnr(double error) { return std::round(-1000 * std::log10(std::max(error, 1e-12) / 3)) / 100; }
 
 Json levels_json(const fields::Field& field) {
   const auto touched = clip::touched_entries(field.config, field.occupancy);

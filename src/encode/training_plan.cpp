@@ -9,10 +9,10 @@
 namespace kinora::encode {
 namespace {
 
-/// Pixels of a label, in frames where its place is known.
+/// Pixels of each label that are measured, in frames where its place is known, and that were guessed from afar there.
 struct PixelCounts {
-  std::size_t measured = 0; ///< with reliable depth
-  std::size_t extended = 0; ///< with one that is guessed from afar
+  std::size_t measured = 0;
+  std::size_t extended = 0;
 };
 
 std::map<int, PixelCounts> stored_by_label(const FramePass& pass) {
@@ -36,13 +36,9 @@ std::map<int, PixelCounts> stored_by_label(const FramePass& pass) {
   return counts;
 }
 
-std::size_t rays_of_all(const clip::Clip& clip, const EncodeOptions& options) {
-  const Intrinsics& camera = clip.intrinsics;
-  const double pixels = static_cast<double>(camera.width) * camera.height * static_cast<double>(clip.times.size());
-  const TrainingBudget& budget = options.settings.budget;
-  return std::clamp(static_cast<std::size_t>(budget.rays_per_pixel * pixels), budget.min_rays,
-                    std::max(budget.min_rays, budget.max_rays));
-}
+/// A second for each frame is worth the same in captures of different lengths; what is very short is not hurried, and
+/// of what is very long more can be learnt in any case.
+double frames_to_pay_for(std::size_t frames) { return std::clamp(static_cast<double>(frames), 30.0, 300.0); }
 
 } // namespace
 
@@ -62,10 +58,10 @@ std::string unique_name(const std::string& wanted, std::set<std::string>& taken)
 
 TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options) {
   const auto counts = stored_by_label(pass);
+  const TrainingBudget& budget = options.settings.budget;
+  const double price = budget.decibels_per_second / frames_to_pay_for(pass.clip.times.size());
   TrainingPlan plan;
-  std::vector<double> weights;
   std::set<std::string> names;
-  double sum = 0;
   for (const auto& [number, label] : pass.labels) {
     const auto found = counts.find(number);
     const std::string why = found == counts.end() ? "it is in no frame that is trained on" : why_not_followed(label);
@@ -73,16 +69,10 @@ TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options) 
       plan.not_modelled.push_back({label.plan.name, number, why});
       continue;
     }
-    plan.layers.push_back({&label, unique_name(label.plan.name, names), 0});
-    weights.push_back(std::sqrt(static_cast<double>(found->second.measured)));
-    sum += weights.back();
-  }
-  const std::size_t budget = rays_of_all(pass.clip, options);
-  for (std::size_t i = 0; i < plan.layers.size(); ++i) {
-    // What is guessed from afar is learnt besides: what was measured gets no ray less.
-    const PixelCounts& count = counts.at(plan.layers[i].label->plan.label);
-    const double all = static_cast<double>(count.measured + count.extended) / static_cast<double>(count.measured);
-    plan.layers[i].rays = static_cast<std::size_t>(weights[i] / sum * all * static_cast<double>(budget));
+    const auto pixels = static_cast<double>(found->second.measured + found->second.extended);
+    const double looks = label.layer ? budget.deforming_rays_per_pixel : budget.rays_per_pixel;
+    plan.layers.push_back(
+        {&label, unique_name(label.plan.name, names), static_cast<std::size_t>(looks * pixels), price});
   }
   return plan;
 }

@@ -11,9 +11,10 @@
 namespace kinora::encode {
 
 struct LayerJob {
-  const TrackedLabel* label; ///< of the pass
-  std::string name;          ///< of the layer, unique: two labels may have been given one name
-  std::size_t rays;          ///< of its whole training
+  const TrackedLabel* label;  ///< of the pass
+  std::string name;           ///< of the layer, unique: two labels may have been given one name
+  std::size_t rays;           ///< of its whole training, at most
+  double decibels_per_second; ///< that it must gain to go on: fields::ExchangeRate
 };
 
 struct NotModelled {
@@ -32,9 +33,8 @@ std::string why_not_followed(const TrackedLabel& label);
 /// `wanted`, or that with a number if it is taken; it is taken then.
 std::string unique_name(const std::string& wanted, std::set<std::string>& taken);
 
-/// Shares the rays of all layers (EncodeOptions::rays_per_pixel) among those that can be modelled: a layer's share
-/// grows with the square root of its pixels, so that small layers are looked at more closely. The pass must outlive the
-/// plan.
+/// What can be modelled, and what each layer's training may cost: each is asked for the same gain, so that time goes to
+/// where most is still to be learnt. The pass must outlive the plan.
 TrainingPlan plan_training(const FramePass& pass, const EncodeOptions& options);
 
 } // namespace kinora::encode

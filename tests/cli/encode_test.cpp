@@ -365,7 +365,7 @@ TEST_F(Encode, TellsInTheClipHowItWasMade) {
   const std::string sample = (source_folder() / "samples/carry_box").string();
   const auto made_with = [&](const std::string& name, std::vector<std::string> words) {
     words.insert(words.begin(), {"encode", sample, path(name), "--preset", "fast", "--frames", "0:12:4", "--set",
-                                 "budget.min_rays=1000", "--set", "budget.max_rays=20000"});
+                                 "budget.decibels_per_second=0", "--set", "budget.rays_per_pixel=0.1"});
     const Said said = run_kinora(folder_, words);
     EXPECT_EQ(said.code, 0) << said.err;
     return Json::parse(run_kinora(folder_, {"info", path(name), "--json"}).out);
@@ -376,7 +376,7 @@ TEST_F(Encode, TellsInTheClipHowItWasMade) {
   EXPECT_EQ(settings.at("tracking").at("deforming").at("in_view").at("solver").at("iterations"),
             Json::array({0, 0, 0}));
   EXPECT_EQ(settings.at("fields").at("trainer").at("seed"), 5);
-  EXPECT_EQ(settings.at("budget").at("max_rays"), 20000);
+  EXPECT_EQ(settings.at("budget").at("rays_per_pixel"), 0.1);
   const Json difference = Json::diff(usual.at("metadata").at("encoder").at("settings"), settings);
   EXPECT_EQ(difference.size(), 4U) << difference;
   const auto motion_of = [](const Json& info) {

@@ -35,7 +35,7 @@ LayerOutcome trained(const Performance& performance, const TrackedLabel& label, 
   options.settings.fields.trainer.rays_per_step = 1024;
   StageTimes times;
   Progress progress;
-  return train_layer({&label, "sheet", rays}, performance.store, options, times, progress);
+  return train_layer({&label, "sheet", rays, 0}, performance.store, options, times, progress);
 }
 
 TEST(LayerTraining, LeavesAMotionThatWasRefinedThroughTheField) {

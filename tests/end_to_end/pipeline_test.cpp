@@ -32,8 +32,9 @@ public:
 /// Small budgets: a test has seconds.
 encode::EncodeOptions quick_options() {
   auto options = encode::EncodeOptions::of(encode::Preset::kFast);
-  options.settings.budget.rays_per_pixel = 5;
-  options.settings.budget.min_rays = 0;
+  options.settings.budget.decibels_per_second = 0;
+  options.settings.budget.rays_per_pixel = 8;
+  options.settings.budget.deforming_rays_per_pixel = 8;
   return options;
 }
 

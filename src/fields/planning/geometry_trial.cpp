@@ -100,6 +100,7 @@ GeometryTrial try_geometries(const LayerObservations& layer, const FieldConfig& 
   const PixelStore part = layer.pixels.thinned(validation_frames, kTrialPixels);
   TrainerConfig shorter = trainer;
   shorter.quantisation = {};
+  shorter.exchange.decibels_per_second /= kShareOfRays;
   shorter.rays = std::max(kMinRays, static_cast<std::size_t>(kShareOfRays * static_cast<double>(trainer.rays)));
   for (auto [geometry, error] :
        {std::pair(Geometry::kDensity, &trial.density), std::pair(Geometry::kSignedDistance, &trial.signed_distance)}) {

@@ -61,16 +61,22 @@ private:
 
   /// Means of 3×3 pixels: a sensor's noise is no edge.
   static ColorImage smoothed(const ColorImage& color) {
-    ColorImage out(color.width(), color.height(), 3);
-    for (int v = 0; v < color.height(); ++v) {
-      for (int u = 0; u < color.width(); ++u) {
+    const int width = color.width(), height = color.height();
+    ColorImage out(width, height, 3);
+    std::vector<int> columns(3 * static_cast<std::size_t>(width)); // sums of up to three rows
+    for (int v = 0; v < height; ++v) {
+      const int top = std::max(v - 1, 0), bottom = std::min(v + 1, height - 1);
+      std::ranges::fill(columns, 0);
+      for (int y = top; y <= bottom; ++y) {
+        const std::uint8_t* row = color.pixel(0, y);
+        for (std::size_t i = 0; i < columns.size(); ++i) columns[i] += row[i];
+      }
+      for (int u = 0; u < width; ++u) {
+        const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
+        const int count = (right - left + 1) * (bottom - top + 1);
         for (int c = 0; c < 3; ++c) {
-          int sum = 0, count = 0;
-          for (int y = std::max(v - 1, 0); y <= std::min(v + 1, color.height() - 1); ++y) {
-            for (int x = std::max(u - 1, 0); x <= std::min(u + 1, color.width() - 1); ++x, ++count) {
-              sum += color.at(x, y, c);
-            }
-          }
+          int sum = 0;
+          for (int x = left; x <= right; ++x) sum += columns[static_cast<std::size_t>(3 * x + c)];
           out.at(u, v, c) = static_cast<std::uint8_t>(sum / count);
         }
       }

@@ -67,19 +67,24 @@ class TrainingRun {
 public:
   /// `warm`: the field has parameters already; otherwise they are random numbers.
   TrainingRun(const RaySampler& sampler, const TrainerConfig& trainer, Field field, bool warm)
-      : sampler_(&sampler), trainer_(&trainer), field_(std::make_unique<Field>(std::move(field))),
-        is_warm_start_(warm) {
+      : sampler_(&sampler), trainer_(&trainer),
+        length_(trainer.exchange, trainer.rays, sampler.validation_ray_count() >= trainer.min_validation_rays),
+        field_(std::make_unique<Field>(std::move(field))), is_warm_start_(warm) {
     start();
   }
 
   /// The same with twice the entries in the tables.
   TrainingRun with_growth() const {
     TrainingRun larger(*this, std::make_unique<Field>(with_doubled_tables(*field_)));
+    larger.length_.forget();
     larger.draw();
     return larger;
   }
 
   std::size_t rays() const { return rays_; }
+  bool is_done() const { return rays_ >= length_.rays(); }
+  const TrainingLength& length() const { return length_; }
+  void look(double seconds_per_ray) { length_.look({rays_, validation_error()}, seconds_per_ray); }
   const Field& field() const { return *field_; }
   double table_fill() const { return optimizer_->table_fill(); }
   bool is_quantising() const { return optimizer_->is_quantising(); }
@@ -130,13 +135,14 @@ private:
   static constexpr std::size_t kMaxRestarts = 3;
 
   TrainingRun(const TrainingRun& before, std::unique_ptr<Field> field)
-      : sampler_(before.sampler_), trainer_(before.trainer_), field_(std::move(field)),
+      : sampler_(before.sampler_), trainer_(before.trainer_), length_(before.length_), field_(std::move(field)),
         optimizer_(std::make_unique<FieldOptimizer>(*field_, *before.optimizer_)), rays_(before.rays_),
         steps_(before.steps_), restarts_(before.restarts_), is_warm_start_(before.is_warm_start_), rate_(before.rate_),
         collapse_detector_(before.collapse_detector_) {}
 
   void start() {
     rays_ = steps_ = 0;
+    length_.restart();
     collapse_detector_ = {};
     if (!is_warm_start_) initialise(*field_, trainer_->seed + restarts_);
     optimizer_ = std::make_unique<FieldOptimizer>(*field_, trainer_->loss, trainer_->min_gradient);
@@ -144,9 +150,7 @@ private:
   }
 
   void draw() { optimizer_->draw(next_rays()); }
-  double share_done() const {
-    return static_cast<double>(rays_) / static_cast<double>(std::max<std::size_t>(trainer_->rays, 1));
-  }
+  double share_done() const { return static_cast<double>(rays_) / static_cast<double>(length_.rays()); }
   /// What a training from nothing would have done by now to know the shape as well.
   double maturity() const { return is_warm_start_ ? std::max(0.5, share_done()) : share_done(); }
   StepRays next_rays() const {
@@ -164,6 +168,7 @@ private:
 
   const RaySampler* sampler_;
   const TrainerConfig* trainer_;
+  TrainingLength length_;
   std::unique_ptr<Field> field_; // its optimizer knows its address
   std::unique_ptr<FieldOptimizer> optimizer_;
   std::size_t rays_ = 0; // since the last start
@@ -174,11 +179,15 @@ private:
   CollapseDetector collapse_detector_;
 };
 
-// Whether a training has what a trial needs: rays to judge by, enough of them to learn what larger tables hold, tables
-// that are full, and an error that can be seen.
+// Whether there are rays enough to learn what larger tables hold.
+bool is_long_enough_to_grow(const TrainingRun& training_run, const TrainerConfig& trainer) {
+  return training_run.length().rays() >> training_run.field().config.log2_table_size >=
+         trainer.table_growth.rays_per_entry;
+}
+
+// Whether a training has what a trial needs: rays to judge by, tables that are full, and an error that can be seen.
 bool may_grow_tables(TrainingRun& training_run, const RaySampler& sampler, const TrainerConfig& trainer) {
-  return trainer.rays >> training_run.field().config.log2_table_size >= trainer.table_growth.rays_per_entry &&
-         sampler.validation_ray_count() >= trainer.table_growth.min_validation_rays &&
+  return sampler.validation_ray_count() >= trainer.min_validation_rays &&
          can_double_tables(training_run.field().config) &&
          training_run.field().config.log2_table_size < trainer.max_log2_table_size &&
          training_run.table_fill() > trainer.table_growth.min_fill &&
@@ -208,7 +217,8 @@ bool try_table_growth(TrainingRun& training_run, const TrainerConfig& trainer, P
   trial.bytes = bytes_of(training_run.field());
   TrainingRun larger = training_run.with_growth();
   trial.grown_bytes = bytes_of(larger.field());
-  const std::size_t end = training_run.rays() + std::min(trainer.rays / 8, trainer.table_growth.max_rays);
+  const std::size_t end =
+      training_run.rays() + std::min(training_run.length().rays() / 8, trainer.table_growth.max_rays);
   TrainingReport aside;
   trial.error = error_after(end, training_run, progress, report);
   trial.grown_error = error_after(end, larger, progress, aside);
@@ -217,6 +227,10 @@ bool try_table_growth(TrainingRun& training_run, const TrainerConfig& trainer, P
   if (trial.kept) training_run = std::move(larger);
   report.table_growth.push_back(trial);
   return trial.kept;
+}
+
+double seconds_per_ray(const FieldConfig& config, const TrainingReport& report) {
+  return seconds_per_sample(config) * static_cast<double>(report.samples) / static_cast<double>(report.rays);
 }
 
 } // namespace
@@ -237,18 +251,24 @@ Field train_field(const LayerObservations& layer, const FieldConfig& config, con
   TrainingReport result;
   TrainingRun training_run(sampler, trainer, std::move(untrained), begin_with != nullptr);
   bool growing = true;
-  std::size_t next_trial = trainer.rays / 4;
-  for (std::size_t step = 1; training_run.rays() < std::max<std::size_t>(trainer.rays, 1); ++step) {
+  std::size_t next_trial = training_run.length().rays() / 4;
+  for (std::size_t step = 1; !training_run.is_done(); ++step) {
     progress.check();
-    if (growing && training_run.rays() >= next_trial && !training_run.is_quantising()) {
+    if (growing && training_run.rays() >= next_trial && is_long_enough_to_grow(training_run, trainer) &&
+        !training_run.is_quantising()) {
       growing =
           may_grow_tables(training_run, sampler, trainer) && try_table_growth(training_run, trainer, progress, result);
-      next_trial += trainer.rays / 8;
+      next_trial += training_run.length().rays() / 8;
     }
+    if (training_run.length().is_open() && training_run.rays() >= training_run.length().next_look())
+      training_run.look(seconds_per_ray(training_run.field().config, result));
     const StepResult taken = training_run.step(progress, result);
     if (step % 64 == 0) progress.advance(training_run.rays(), fmt::format("loss {:.4f}", taken.loss));
   }
   progress.advance(training_run.rays(), fmt::format("loss {:.4f}", result.final_loss));
+  result.length = training_run.length().verdict();
+  result.looks = training_run.length().looks();
+  result.outlook = training_run.length().outlook();
   Field field = training_run.release_field();
   prune_occupancy(field);
   if (trainer.carve_free_space) result.carved_cells = carve_free_space(layer, field);

@@ -12,24 +12,26 @@
 #include "fields/training/collapse.h"
 #include "fields/training/field_optimizer.h"
 #include "fields/training/loss.h"
+#include "fields/training/training_length.h"
 
 namespace kinora::fields {
 
 /// When tables are tried with twice the entries (TableGrowthTrial), and kept.
 struct GrowthConfig {
-  std::size_t rays_per_entry = 192;      ///< of the whole training: shorter ones end before larger tables pay
-  std::size_t min_validation_rays = 256; ///< to judge by
-  double min_fill = 0.5;                 ///< share of the entries in use
-  double min_error = 3e-4;               ///< mean squared error of the colour of validation rays that is worth a trial
-  double worthwhile = 0.96;              ///< of the error; less is not worth the memory
-  std::size_t max_rays = 500'000;        ///< of a trial
+  std::size_t rays_per_entry = 192; ///< of the whole training: shorter ones end before larger tables pay
+  double min_fill = 0.5;            ///< share of the entries in use
+  double min_error = 3e-4;          ///< mean squared error of the colour of validation rays that is worth a trial
+  double worthwhile = 0.96;         ///< of the error; less is not worth the memory
+  std::size_t max_rays = 500'000;   ///< of a trial
 };
 
 /// Every number a run depends on; written into the clip. Lengths in metres, learning rates for Adam.
 struct TrainerConfig {
   std::uint64_t seed = 1;
-  std::size_t rays = 20'000'000; ///< rays in the whole training of the layer
-  int rays_per_step = 4096;      ///< of the later steps, a multiple of kRaysPerChunk; the first ones take a quarter
+  std::size_t rays = 20'000'000; ///< rays in the whole training of the layer; at most, if `exchange` asks for a gain
+  ExchangeRate exchange;
+  std::size_t min_validation_rays = 256; ///< to judge length and tables by
+  int rays_per_step = 4096; ///< of the later steps, a multiple of kRaysPerChunk; the first ones take a quarter
   LearningRates learning_rates;
   float final_learning_rate =
       0.02F; ///< share that is left at the end; constant for the first half, then falling evenly
@@ -80,6 +82,9 @@ struct TrainingReport {
   std::vector<Collapse> restarts; ///< why the field was begun anew, each time
   std::size_t carved_cells = 0;   ///< that were dropped
   std::vector<TableGrowthTrial> table_growth;
+  LengthVerdict length = LengthVerdict::kAsked; ///< why it ended
+  std::vector<TrainingLook> looks;              ///< at its error, if its length was chosen
+  TrainingOutlook outlook;                      ///< at the last of them
 };
 
 /// Returns the trained field with its occupancy; its tables may have grown (TableGrowthTrial). `begin_with`: a field of
