@@ -3,7 +3,8 @@
 //   bench_oracles CAPTURE [PRESET [SEEDS]]        (default: balanced, 1 seed)
 // - masks: the capture's labels, which are exact; without them labels come from what moves;
 // - depth: without noise, holes and range (gt/depth_clean);
-// - motion: poses of things from gt/object_pose.txt; nodes of people corrected by gt/tracks.csv.gz;
+// - motion: poses of things from gt/object_pose.txt; nodes of people corrected by gt/tracks.csv.gz, and refined through
+//   the field as ever;
 // - bytes: fields are not rounded.
 // Prints means: PSNR of everything that is labelled over its box, in frames of the capture that were tracked and not
 // trained on (every tenth), and from the truth's other cameras, there also within the silhouette; seen points' error.
@@ -118,7 +119,6 @@ void run(const char* folder, const char* preset, int seeds) {
       encode::EncodeOptions options = encode::EncodeOptions::of(encode::parse_preset(preset));
       options.holdout_tracked = 10;
       options.settings.fields.trainer.seed = static_cast<std::uint64_t>(seed);
-      if (known.motion) options.settings.fields.refinement.rounds = 0;
       if (known.bytes) options.settings.fields.trainer.quantisation = {};
       Progress progress;
       reports.push_back(evaluated(folder, encoded(folder, known, options, progress), progress));

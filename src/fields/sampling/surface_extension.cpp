@@ -74,10 +74,10 @@ private:
       for (int u = 0; u < width; ++u) {
         const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
         const int count = (right - left + 1) * (bottom - top + 1);
-        for (int c = 0; c < 3; ++c) {
+        for (std::size_t c = 0; c < 3; ++c) {
           int sum = 0;
-          for (int x = left; x <= right; ++x) sum += columns[static_cast<std::size_t>(3 * x + c)];
-          out.at(u, v, c) = static_cast<std::uint8_t>(sum / count);
+          for (int x = left; x <= right; ++x) sum += columns[3 * static_cast<std::size_t>(x) + c];
+          out.pixel(u, v)[c] = static_cast<std::uint8_t>(sum / count);
         }
       }
     }
