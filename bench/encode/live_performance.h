@@ -74,7 +74,7 @@ inline void train_live(const LivePerformance& performance, const evaluate::Groun
     ++looks;
     const std::vector<encode::KeyFrame> frames =
         refines ? pool.frames_for(camera.camera.camera_to_world, snapshot) : pool.frames();
-    trainer.train(snapshot, frames, config.view_rays, progress);
+    trainer.refine(snapshot, frames, config.view_rays, progress);
     look(trainer.clip(snapshot), last, camera, truth.novel_view(camera, number));
   }
 }

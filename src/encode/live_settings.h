@@ -21,11 +21,12 @@ struct KeyFrameConfig {
 };
 
 struct LiveTrainingConfig {
-  std::size_t first_rays = 24'000;        ///< of all layers together, in the first round: a picture is wanted soon
-  std::size_t rays = 96'000;              ///< in every later one
-  std::size_t view_rays = 24'000;         ///< in a burst for a view that is asked for
-  std::size_t pixels_per_frame = 100'000; ///< that are looked at
-  double spare = 0.1;                     ///< of a box's side: room for surface that comes into view
+  std::size_t first_rays = 24'000;       ///< of all layers together, in the first round: a picture is wanted soon
+  std::size_t rays = 200'000;            ///< in every later one
+  std::size_t view_rays = 50'000;        ///< in a burst for a view that is asked for
+  int rays_per_step = 256;               ///< a round has few rays: many small steps learn more of them
+  std::size_t pixels_per_frame = 50'000; ///< that are looked at
+  double spare = 0.1;                    ///< of a box's side: room for surface that comes into view
 };
 
 struct LiveSettings {

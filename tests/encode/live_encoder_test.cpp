@@ -63,7 +63,7 @@ EncodeResult encode(ingest::Capture& capture, const LiveRequest& request) {
   Progress quiet;
   EncodeOptions options = EncodeOptions::of(Preset::kFast);
   options.settings.live.key_frames.capacity = 4;
-  options.settings.live.training = {1024, 1024, 512, 2000, 0.1};
+  options.settings.live.training = {1024, 1024, 512, 256, 2000, 0.1};
   return encode_live(capture, request, options, quiet);
 }
 
@@ -198,7 +198,7 @@ TEST(LiveEncoder, TakesInALayerThatAppearsLateAndOneThatLeaves) {
 TEST(LiveEncoder, ATrainerThatGetsHardlyAnyTimeGivesAllFramesAndLayers) {
   Progress quiet;
   EncodeOptions options = EncodeOptions::of(Preset::kFast);
-  options.settings.live.training = {16, 16, 0, 200, 0.1};
+  options.settings.live.training = {16, 16, 0, 256, 200, 0.1};
   ingest::testing::FramesCapture capture(sliding_box());
   const EncodeResult result = encode_live(capture, quick_request(), options, quiet);
   expect_whole(result, kFrames);

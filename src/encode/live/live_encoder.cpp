@@ -129,7 +129,7 @@ private:
     if (!request_.asked_view || config_.view_rays == 0 || stop.cancelled()) return;
     const std::optional<SE3> camera_to_world = request_.asked_view();
     if (!camera_to_world) return;
-    trainer_.train(snapshot, pool_.frames_for(*camera_to_world, snapshot), config_.view_rays, stop);
+    trainer_.refine(snapshot, pool_.frames_for(*camera_to_world, snapshot), config_.view_rays, stop);
     ++views_refined_;
   }
 

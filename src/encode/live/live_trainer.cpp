@@ -65,15 +65,23 @@ double LiveTrainer::loss_of(int label) const {
   return loss > kLeast ? std::min(loss, 1.0) : kLeast; // also where it is not a number
 }
 
-bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,
-                        Progress& progress) {
+fields::PixelStore LiveTrainer::pixels_of(const std::vector<KeyFrame>& frames, const LiveSnapshot& snapshot) {
+  constexpr std::size_t kRemembered = 4; // rounds in which a frame is not asked for
   fields::PixelStore pixels(config_.pixels_per_frame * frames.size(), frames.size());
-  times_.measure("store pixels", [&] {
-    for (const KeyFrame& key_frame : frames) {
-      const bool is_known = static_cast<std::size_t>(key_frame.number) < snapshot.timeline.times.size();
-      if (is_known) pixels.add(*key_frame.frame, key_frame.number);
-    }
-  });
+  for (const KeyFrame& key_frame : frames) {
+    if (static_cast<std::size_t>(key_frame.number) >= snapshot.timeline.times.size()) continue; // not known yet
+    const auto [stored, is_new] =
+        stored_.try_emplace(key_frame.number, StoredKeyFrame{{config_.pixels_per_frame, 1}, rounds_});
+    if (is_new) stored->second.pixels.add(*key_frame.frame, key_frame.number);
+    stored->second.last_round = rounds_;
+    pixels.add(stored->second.pixels);
+  }
+  std::erase_if(stored_, [&](const auto& entry) { return rounds_ - entry.second.last_round > kRemembered; });
+  return pixels;
+}
+
+std::vector<LiveTrainer::Share> LiveTrainer::shares_of(const fields::PixelStore& pixels,
+                                                       const LiveSnapshot& snapshot) const {
   std::vector<Share> shares;
   double sum = 0;
   for (const auto& [label, known] : snapshot.labels) {
@@ -83,6 +91,50 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
     sum += shares.back().part;
   }
   for (Share& share : shares) share.part /= sum;
+  return shares;
+}
+
+bool LiveTrainer::has_field_of(const LiveSnapshot& snapshot, int label) const {
+  const auto found = outcomes_.find(label);
+  return found != outcomes_.end() &&
+         has_same_canonical_space(found->second.layer.motion, snapshot.labels.at(label).motion);
+}
+
+std::vector<LiveTrainer::Share> LiveTrainer::next_turn(const std::vector<Share>& shares, const LiveSnapshot& snapshot) {
+  std::vector<Share> without_field;
+  std::ranges::copy_if(shares, std::back_inserter(without_field),
+                       [&](const Share& share) { return !has_field_of(snapshot, share.label); });
+  if (!without_field.empty()) {
+    double sum = 0;
+    for (const Share& share : without_field) sum += share.part;
+    for (Share& share : without_field) share.part /= sum;
+    return without_field;
+  }
+  for (const Share& share : shares) owed_[share.label] += share.part;
+  const auto most = std::ranges::max_element(shares, {}, [&](const Share& share) { return owed_[share.label]; });
+  if (most == shares.end()) return {};
+  owed_[most->label] -= 1;
+  return {{most->label, 1}};
+}
+
+bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,
+                        Progress& progress) {
+  const fields::PixelStore pixels = times_.measure("store pixels", [&] { return pixels_of(frames, snapshot); });
+  const std::vector<Share> shares = shares_of(pixels, snapshot);
+  train_layers(snapshot.is_last ? shares : next_turn(shares, snapshot), rays, snapshot, pixels, progress);
+  return !shares.empty();
+}
+
+bool LiveTrainer::refine(const LiveSnapshot& snapshot, const std::vector<KeyFrame>& frames, std::size_t rays,
+                         Progress& progress) {
+  const fields::PixelStore pixels = times_.measure("store pixels", [&] { return pixels_of(frames, snapshot); });
+  const std::vector<Share> shares = shares_of(pixels, snapshot);
+  train_layers(shares, rays, snapshot, pixels, progress);
+  return !shares.empty();
+}
+
+void LiveTrainer::train_layers(const std::vector<Share>& shares, std::size_t rays, const LiveSnapshot& snapshot,
+                               const fields::PixelStore& pixels, Progress& progress) {
   for (const Share& share : shares) {
     times_.measure("train " + snapshot.labels.at(share.label).name, [&] {
       train_layer(share.label, static_cast<std::size_t>(share.part * static_cast<double>(rays)), snapshot, pixels,
@@ -98,15 +150,13 @@ bool LiveTrainer::train(const LiveSnapshot& snapshot, const std::vector<KeyFrame
     entry = stays ? std::next(entry) : outcomes_.erase(entry);
   }
   ++rounds_;
-  return !shares.empty();
 }
 
 void LiveTrainer::train_layer(int label, std::size_t rays, const LiveSnapshot& snapshot,
                               const fields::PixelStore& pixels, Progress& progress) {
   const LabelSnapshot& known = snapshot.labels.at(label);
   const auto found = outcomes_.find(label);
-  const bool is_of_this_space =
-      found != outcomes_.end() && has_same_canonical_space(found->second.layer.motion, known.motion);
+  const bool is_of_this_space = has_field_of(snapshot, label);
   const bool is_needed = snapshot.is_last && !is_of_this_space; // else the last clip would not have the layer
   if (progress.cancelled() && !is_needed) return;
   const fields::LayerObservations observations{pixels, label, known.motion};
@@ -120,11 +170,13 @@ void LiveTrainer::train_layer(int label, std::size_t rays, const LiveSnapshot& s
   next.trainer = settings_.trainer;
   next.trainer.rays = progress.cancelled() ? std::min(rays, config_.first_rays) : rays;
   next.trainer.seed += rounds_;
+  next.trainer.rays_per_step = config_.rays_per_step;
   next.trainer.max_log2_table_size = 0; // tables stay as they are
   next.trainer.quantisation = {};       // and the next round goes on from them
   next.consistency = fields::measure_view_consistency(observations);
   fields::adapt_to(next.consistency, settings_.trainer, next.trainer);
   next.trainer.carve_free_space = false; // it is slow, and a later round may see otherwise
+  next.trainer.empty_hidden_cells = snapshot.is_last;
   next.layer = {known.name, label, {}, known.motion, std::nullopt, std::nullopt};
   Progress to_the_end;
   try {

@@ -83,10 +83,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   const std::size_t begin = pixels_.size();
   const std::size_t count = frame.color.pixel_count();
   const std::size_t wanted = std::min(count, pixels_per_frame_);
-  if (begin + wanted > max_pixels_) {
-    throw Error(ErrorCode::kFailure, "more frames arrived than the store of training pixels was made for");
-  }
-  if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, wanted * expected_frames_));
+  make_room(wanted);
   const Surroundings surroundings(frame.clean_depth);
   const DepthImage extended = extend_surfaces(frame, 0);
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
@@ -113,6 +110,23 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
     }
   }
   frames_.push_back({timeline_index, frame.camera, begin, pixels_.size()});
+}
+
+void PixelStore::add(const PixelStore& other) {
+  make_room(other.pixels_.size());
+  for (StoredFrame frame : other.frames_) {
+    frame.begin += pixels_.size();
+    frame.end += pixels_.size();
+    frames_.push_back(frame);
+  }
+  pixels_.insert(pixels_.end(), other.pixels_.begin(), other.pixels_.end());
+}
+
+void PixelStore::make_room(std::size_t count) {
+  if (pixels_.size() + count > max_pixels_) {
+    throw Error(ErrorCode::kFailure, "more frames arrived than the store of training pixels was made for");
+  }
+  if (pixels_.empty()) pixels_.reserve(std::min(max_pixels_, count * expected_frames_));
 }
 
 void PixelStore::relabel(int from, int to) {

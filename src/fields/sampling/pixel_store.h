@@ -59,6 +59,8 @@ public:
   PixelStore(std::size_t max_pixels, std::size_t expected_frames);
   /// `timeline_index`: the frame's place in the clip's timeline. Throws Error(kFailure) if `max_pixels` are exceeded.
   void add(const ingest::Frame& frame, int timeline_index);
+  /// All that another store has. Throws as above.
+  void add(const PixelStore& other);
 
   /// The pixels of a label become those of another, 0 to 255.
   void relabel(int from, int to);
@@ -73,6 +75,8 @@ public:
   const LargeBuffer<StoredPixel>& pixels() const { return pixels_; }
 
 private:
+  void make_room(std::size_t count);
+
   std::size_t max_pixels_;
   std::size_t expected_frames_;
   std::size_t pixels_per_frame_;

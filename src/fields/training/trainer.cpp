@@ -272,7 +272,7 @@ Field train_field(const LayerObservations& layer, const FieldConfig& config, con
   Field field = training_run.release_field();
   prune_occupancy(field);
   if (trainer.carve_free_space) result.carved_cells = carve_free_space(layer, field);
-  empty_hidden_cells(field);
+  if (trainer.empty_hidden_cells) empty_hidden_cells(field);
   result.bytes = bytes_of(field);
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   if (report != nullptr) *report = result;

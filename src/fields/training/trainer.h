@@ -42,6 +42,7 @@ struct TrainerConfig {
   GrowthConfig table_growth;
   TableQuantisation quantisation; ///< while it goes on no tables grow
   bool carve_free_space = true;   ///< in the end; finds nothing where all views agree
+  bool empty_hidden_cells = true; ///< in the end: what nobody sees takes room in the file
   bool exact_depth = false;       ///< later steps sample closely about measured depths; else these are refined first
 
   static constexpr int kRaysPerChunk = 128;

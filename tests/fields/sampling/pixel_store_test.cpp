@@ -1,6 +1,7 @@
 // What is remembered of a pixel's depth: measured, guessed from its neighbours, extended from afar, or not known.
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "fields/sampling/pixel_store.h"
 
 namespace kinora::fields {
@@ -59,6 +60,33 @@ TEST(StoredDepth, IsUnknownFarFromAllCleanDepthOfAThing) {
   const StoredDepth depth = stored(frame, kFar).depth;
   EXPECT_FALSE(depth.is_measured() || depth.is_guessed() || depth.is_extended() || depth.is_known());
   EXPECT_EQ(depth.metres(), 0);
+}
+
+TEST(PixelStore, OfStoresIsTheStoreOfTheirFrames) {
+  ingest::Frame next = wall();
+  next.camera.camera_to_world = SE3(Eigen::Translation3d(1, 2, 3));
+  next.color.pixel(5, 1)[0] = 77;
+  PixelStore direct(1000, 2), first(1000, 1), second(1000, 1), both(1000, 2);
+  direct.add(wall(), 4);
+  direct.add(next, 7);
+  first.add(wall(), 4);
+  second.add(next, 7);
+  both.add(first);
+  both.add(second);
+  ASSERT_EQ(both.frames().size(), 2U);
+  for (std::size_t f = 0; f < 2; ++f) {
+    EXPECT_EQ(both.frames()[f].frame, direct.frames()[f].frame);
+    EXPECT_EQ(both.frames()[f].begin, direct.frames()[f].begin);
+    EXPECT_EQ(both.frames()[f].end, direct.frames()[f].end);
+    EXPECT_TRUE(both.frames()[f].camera.camera_to_world.isApprox(direct.frames()[f].camera.camera_to_world));
+  }
+  ASSERT_EQ(both.pixels().size(), direct.pixels().size());
+  for (std::size_t i = 0; i < both.pixels().size(); ++i) {
+    EXPECT_EQ(both.pixels()[i].u, direct.pixels()[i].u);
+    EXPECT_EQ(both.pixels()[i].color, direct.pixels()[i].color);
+  }
+  PixelStore small(100, 1);
+  EXPECT_THROW(small.add(first), Error);
 }
 
 } // namespace
