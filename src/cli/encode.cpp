@@ -381,8 +381,8 @@ void add_encode(CLI::App& app, Context& context) {
       ->required()
       ->type_name("PATH");
   command.add_option("CLIP", options->clip, "The clip to write, a Matroska file")->required()->type_name("FILE");
-  command.add_option("--preset", options->preset, "How long to train: fast, balanced or best")
-      ->check(CLI::IsMember({"fast", "balanced", "best"}))
+  command.add_option("--preset", options->preset, "How long to train: fast or balanced")
+      ->check(CLI::IsMember({"fast", "balanced"}))
       ->type_name("NAME")
       ->capture_default_str();
   command.add_option("--frames", options->frames, "Only these frames; counts from 0, B is excluded")

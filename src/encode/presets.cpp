@@ -13,13 +13,11 @@ struct NamedPreset {
   Preset preset;
   const char* name;
   double decibels_per_second;
-  bool try_geometries;
 };
 
-constexpr std::array<NamedPreset, 3> kPresets{{
-    {Preset::kFast, "fast", 10, false},
-    {Preset::kBalanced, "balanced", 2, false},
-    {Preset::kBest, "best", 0.25, true},
+constexpr std::array<NamedPreset, 2> kPresets{{
+    {Preset::kFast, "fast", 10},
+    {Preset::kBalanced, "balanced", 2},
 }};
 
 const NamedPreset& entry_of(Preset preset) {
@@ -35,7 +33,7 @@ Preset parse_preset(const std::string& name) {
   for (const NamedPreset& entry : kPresets) {
     if (name == entry.name) return entry.preset;
   }
-  throw Error(ErrorCode::kUsage, fmt::format("there is no preset \"{}\"; use fast, balanced or best", name));
+  throw Error(ErrorCode::kUsage, fmt::format("there is no preset \"{}\"; use fast or balanced", name));
 }
 
 std::string name_of(Preset preset) { return entry_of(preset).name; }
@@ -44,7 +42,6 @@ TrainingBudget budget_of(Preset preset) {
   const NamedPreset& entry = entry_of(preset);
   TrainingBudget budget;
   budget.decibels_per_second = entry.decibels_per_second;
-  budget.try_geometries = entry.try_geometries;
   return budget;
 }
 

@@ -7,9 +7,9 @@
 
 namespace kinora::encode {
 
-enum class Preset { kFast, kBalanced, kBest };
+enum class Preset { kFast, kBalanced };
 
-/// "fast", "balanced" or "best"; throws Error(kUsage) for anything else.
+/// "fast" or "balanced"; throws Error(kUsage) for anything else.
 Preset parse_preset(const std::string& name);
 std::string name_of(Preset preset);
 

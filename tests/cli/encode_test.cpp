@@ -288,7 +288,8 @@ TEST_F(Encode, SameBytesForOneThreadAndTwo) {
 
 TEST_F(Encode, InterruptionLeavesNothingAndHarmsNothing) {
   folder_.write("c.mkv", "mine");
-  Running running(folder_.path(), {"encode", capture_.path(), path("c.mkv"), "--overwrite", "--preset", "best"});
+  Running running(folder_.path(),
+                  {"encode", capture_.path(), path("c.mkv"), "--overwrite", "--set", "budget.decibels_per_second=0.1"});
   ASSERT_TRUE(running.wait_for("training"));
   running.interrupt();
   const Said said = running.finish();

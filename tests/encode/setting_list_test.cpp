@@ -197,10 +197,10 @@ TEST(Settings, AreNotZeroWhereThatIsDividedBy) {
 }
 
 TEST(Settings, ComeFromThePresetFirst) {
-  EncodeOptions options = EncodeOptions::of(Preset::kBest);
-  EXPECT_TRUE(options.settings.budget.try_geometries);
-  list_settings(options.settings).change("budget.try_geometries=false");
-  EXPECT_FALSE(options.settings.budget.try_geometries);
+  EncodeOptions options = EncodeOptions::of(Preset::kFast);
+  EXPECT_EQ(options.settings.budget.decibels_per_second, 10);
+  list_settings(options.settings).change("budget.decibels_per_second=3");
+  EXPECT_EQ(options.settings.budget.decibels_per_second, 3);
 }
 
 } // namespace
