@@ -25,22 +25,35 @@ struct Row {
   AllMeans captured;
 };
 
-void compare_fused(const clip::Clip& clip, const bench::LivePerformance& performance, int last,
-                   const ingest::Frame& view, AllMeans& means) {
+/// Depth fusion's picture of what the trainer follows by then.
+struct FusedLayer {
+  evaluate::Subject subject;
+  host::Mesh mesh;
+  motion::Motion motion;
+};
+
+std::vector<FusedLayer> fuse(const clip::Clip& clip, const bench::LivePerformance& performance, int last) {
   std::vector<std::pair<int, std::shared_ptr<const ingest::Frame>>> frames;
   for (int f = 0; f <= last; f += 3) frames.emplace_back(f, performance.frames[static_cast<std::size_t>(f)]);
-  const player::Player player(clip);
-  for (const evaluate::Subject& subject : evaluate::layer_subjects(player, true)) {
+  std::vector<FusedLayer> fused;
+  for (const evaluate::Subject& subject : evaluate::layer_subjects(player::Player(clip), true)) {
     const auto layer = std::ranges::find(clip.layers, subject.name, &clip::Layer::name);
     if (layer->label == 0) continue;
     auto mesh = bench::fused_mesh(*layer);
     if (!mesh) continue;
     bench::color_vertices(layer->motion, layer->label, frames, *mesh);
-    const Intrinsics& size = view.camera.intrinsics;
+    fused.push_back({subject, std::move(*mesh), layer->motion});
+  }
+  return fused;
+}
+
+void compare_fused(const std::vector<FusedLayer>& fused, int last, const ingest::Frame& view, AllMeans& means) {
+  const Intrinsics& size = view.camera.intrinsics;
+  for (const FusedLayer& layer : fused) {
     fields::Picture picture{ColorImage(size.width, size.height, 4), DepthImage(size.width, size.height),
                             LabelImage(size.width, size.height)};
-    bench::draw_mesh(*mesh, layer->motion.warp(last), view.camera, picture);
-    evaluate::compare(picture, view, subject, means[subject.name]);
+    bench::draw_mesh(layer.mesh, layer.motion.warp(last), view.camera, picture);
+    evaluate::compare(picture, view, layer.subject, means[layer.subject.name]);
   }
 }
 
@@ -93,8 +106,9 @@ void run(const char* path, int count, int seeds) {
             compare_drawn(clip, last, novel, rows[r].second.novel);
             compare_drawn(clip, last, captured, rows[r].second.captured);
             if (!is_last) return;
-            compare_fused(clip, performance, last, novel, fused.novel);
-            compare_fused(clip, performance, last, captured, fused.captured);
+            const std::vector<FusedLayer> meshes = fuse(clip, performance, last);
+            compare_fused(meshes, last, novel, fused.novel);
+            compare_fused(meshes, last, captured, fused.captured);
           });
     }
   }
