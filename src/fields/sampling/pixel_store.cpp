@@ -85,7 +85,7 @@ void PixelStore::add(const ingest::Frame& frame, int timeline_index) {
   const std::size_t wanted = std::min(count, pixels_per_frame_);
   make_room(wanted);
   const Surroundings surroundings(frame.clean_depth);
-  const DepthImage extended = extend_surfaces(frame, 0);
+  const DepthImage extended = extend_surfaces(frame, 0, [&](int u, int v) { return !surroundings.have_any(u, v); });
   Random random(0x5EED, static_cast<std::uint64_t>(timeline_index));
   std::size_t remaining = count;
   std::size_t missing = wanted;

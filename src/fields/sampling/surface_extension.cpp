@@ -1,10 +1,12 @@
 #include "fields/sampling/surface_extension.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
-#include <queue>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/sensor_noise.h"
 
@@ -24,22 +26,30 @@ constexpr std::array<std::array<int, 2>, 8> kNeighbours = {
 /// Of one frame; used once.
 class Extension {
 public:
-  Extension(const ingest::Frame& frame, std::uint8_t label)
+  Extension(const ingest::Frame& frame, std::uint8_t label, const std::function<bool(int, int)>& is_wanted)
       : frame_(frame), label_(label), width_(frame.color.width()), height_(frame.color.height()),
-        radius_(std::max(3, width_ / kWindowsPerWidth)), smooth_(smoothed(frame.color)),
-        planes_(frame.color.pixel_count()), costs_(frame.color.pixel_count(), kNotReached) {}
+        radius_(std::max(3, width_ / kWindowsPerWidth)), holes_(frame.color.pixel_count()) {
+    find_holes(is_wanted);
+  }
 
   DepthImage depths() {
     DepthImage guessed(width_, height_);
-    if (!find_range()) return guessed;
+    if (!has_hole_ || !find_range()) return guessed;
+    smooth_ = smoothed(frame_.color);
+    planes_.resize(holes_.size());
+    costs_.assign(holes_.size(), kNotReached);
     begin_at_surfaces();
-    while (!front_.empty()) {
-      const auto [cost, at] = front_.top();
-      front_.pop();
-      if (settled_[at]) continue; // by a shorter way
-      settle(at);
-      guessed.data()[at] = 1 / planes_[at].value;
-      go_on_from(at, cost);
+    // No step is shorter than a pixel: what is reached from these pixels comes in later turns (Dial, CACM 12(11),
+    // 1969).
+    for (std::size_t turn = 0; turn < front_.size(); ++turn) {
+      std::vector<Reached> reached = std::move(front_[turn]);
+      std::ranges::sort(reached);
+      for (const auto& [cost, at] : reached) {
+        if (settled_[at]) continue; // by a shorter way
+        settle(at);
+        guessed.data()[at] = 1 / planes_[at].value;
+        go_on_from(at, cost);
+      }
     }
     return guessed;
   }
@@ -57,7 +67,34 @@ private:
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
   }
   bool is_measured(int u, int v) const { return frame_.clean_depth.at(u, v) > 0 && frame_.label_at(u, v) == label_; }
-  bool is_hole(int u, int v) const { return !(frame_.clean_depth.at(u, v) > 0) && frame_.label_at(u, v) == label_; }
+  bool is_hole(int u, int v) const { return holes_[index(u, v)] != 0; }
+
+  // Those with a pixel that is wanted: most holes are a few pixels wide, and none of theirs is.
+  void find_holes(const std::function<bool(int, int)>& is_wanted) {
+    const auto is_missing = [&](int u, int v) {
+      return !(frame_.clean_depth.at(u, v) > 0) && frame_.label_at(u, v) == label_;
+    };
+    std::vector<std::pair<int, int>> front;
+    for (int v = 0; v < height_; ++v) {
+      for (int u = 0; u < width_; ++u) {
+        if (is_hole(u, v) || !is_missing(u, v) || !is_wanted(u, v)) continue;
+        holes_[index(u, v)] = 1;
+        front.emplace_back(u, v);
+        while (!front.empty()) {
+          const auto [x, y] = front.back();
+          front.pop_back();
+          for (const auto& step : kNeighbours) {
+            const int next_x = x + step[0], next_y = y + step[1];
+            if (!frame_.color.contains(next_x, next_y) || is_hole(next_x, next_y) || !is_missing(next_x, next_y))
+              continue;
+            holes_[index(next_x, next_y)] = 1;
+            front.emplace_back(next_x, next_y);
+          }
+        }
+        has_hole_ = true;
+      }
+    }
+  }
 
   /// Means of 3×3 pixels: a sensor's noise is no edge.
   static ColorImage smoothed(const ColorImage& color) {
@@ -150,11 +187,25 @@ private:
     return plane;
   }
 
-  float color_change(std::size_t a, std::size_t b) const {
+  /// The largest of the channels'.
+  std::size_t color_change(std::size_t a, std::size_t b) const {
     int most = 0;
     for (std::size_t c = 0; c < 3; ++c)
       most = std::max(most, std::abs(smooth_.data()[3 * a + c] - smooth_.data()[3 * b + c]));
-    return static_cast<float>(most) / 255.0F;
+    return static_cast<std::size_t>(most);
+  }
+
+  struct ColorChange {
+    float way;    ///< pixels that it is worth
+    float weight; ///< of what is told across it
+  };
+  static std::array<ColorChange, 256> color_changes() {
+    std::array<ColorChange, 256> changes{};
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      const float change = static_cast<float>(i) / 255.0F;
+      changes[i] = {kPathPerColor * change, std::exp(-kPathPerColor * change)};
+    }
+    return changes;
   }
 
   void go_on_from(std::size_t from, float cost) {
@@ -166,10 +217,12 @@ private:
       const std::size_t to = index(x, y);
       if (settled_[to]) continue;
       const float length = step[0] != 0 && step[1] != 0 ? 1.41421356F : 1.0F;
-      const float there = cost + length * (1 + kPathPerColor * color_change(from, to));
+      const float there = cost + length * (1 + changes_[color_change(from, to)].way);
       if (there >= costs_[to]) continue;
       costs_[to] = there;
-      front_.emplace(there, to);
+      const auto turn = static_cast<std::size_t>(there);
+      if (turn >= front_.size()) front_.resize(turn + 1);
+      front_[turn].emplace_back(there, static_cast<std::uint32_t>(to));
     }
   }
 
@@ -191,13 +244,13 @@ private:
       if (!settled_[from]) continue;
       Plane plane = planes_[from];
       plane.value -= plane.per_u * static_cast<float>(step[0]) + plane.per_v * static_cast<float>(step[1]);
-      const float change = color_change(from, at);
-      const float way = costs_[from] + 1 + kPathPerColor * change;
+      const ColorChange& change = changes_[color_change(from, at)];
+      const float way = costs_[from] + 1 + change.way;
       if (way < least) {
         least = way;
         first = count;
       }
-      told[count++] = {plane, std::exp(-kPathPerColor * change)};
+      told[count++] = {plane, change.weight};
     }
     Plane sum;
     float weights = 0;
@@ -219,17 +272,23 @@ private:
   std::uint8_t label_;
   int width_, height_;
   int radius_;
+  std::vector<char> holes_; ///< of each pixel: whether it is to be guessed
+  bool has_hole_ = false;
   ColorImage smooth_;
   std::vector<Plane> planes_;
   std::vector<float> costs_; ///< lengths of the shortest ways so far
   std::vector<bool> settled_;
-  using Reached = std::pair<float, std::size_t>; ///< by how long a way, and which pixel
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front_;
+  using Reached = std::pair<float, std::uint32_t>; ///< by how long a way, and which pixel
+  std::vector<std::vector<Reached>> front_;        ///< by whole pixels of way
   float min_value_ = 0, max_value_ = 0;
+  std::array<ColorChange, 256> changes_ = color_changes(); ///< by differences of bytes
 };
 
 } // namespace
 
-DepthImage extend_surfaces(const ingest::Frame& frame, std::uint8_t label) { return Extension(frame, label).depths(); }
+DepthImage extend_surfaces(const ingest::Frame& frame, std::uint8_t label,
+                           const std::function<bool(int, int)>& is_wanted) {
+  return Extension(frame, label, is_wanted).depths();
+}
 
 } // namespace kinora::fields

@@ -120,5 +120,22 @@ TEST(ExtendSurfaces, WhateverIsMeasuredGuessesStayInItsRange) {
   }
 }
 
+TEST(ExtendSurfaces, HolesOfWhichNothingIsWantedChangeNothingElse) {
+  const auto is_missing = [](int u, int v) {
+    return (u >= 10 && u < 14 && v >= 10 && v < 14) || (u == 14 && v == 14) || u >= 60; // one, by a corner, and a strip
+  };
+  const ingest::Frame frame = frame_of(table, is_missing);
+  const DepthImage all = extend_surfaces(frame, 0);
+  const DepthImage strip = extend_surfaces(frame, 0, [](int u, int v) { return u == 79 && v == 0; });
+  const DepthImage spot = extend_surfaces(frame, 0, [](int u, int v) { return u == 14 && v == 14; });
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      EXPECT_EQ(strip.at(u, v), u >= 60 ? all.at(u, v) : 0) << u << ", " << v;
+      EXPECT_EQ(spot.at(u, v), u < 60 ? all.at(u, v) : 0) << u << ", " << v;
+    }
+  }
+  EXPECT_GT(all.at(12, 12), 0);
+}
+
 } // namespace
 } // namespace kinora::fields
