@@ -8,25 +8,22 @@
 // - bytes: fields are not rounded.
 // Prints means: PSNR of everything that is labelled over its box, in frames of the capture that were tracked and not
 // trained on (every tenth), and from the truth's other cameras, there also within the silhouette; seen points' error.
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
 
 #include "encode/capture_preparation.h"
 #include "encode/layer_presence.h"
 #include "encode/layer_training.h"
 #include "encode/training_plan.h"
-#include "evaluate/evaluate.h"
 #include "evaluate/ground_truth.h"
 #include "host/plugin_table.h"
 #include "true_depth_capture.h"
 #include "true_motion.h"
+#include "truth_measures.h"
 
 namespace {
 
 using namespace kinora;
-using Json = nlohmann::json;
 
 struct Known {
   const char* name;
@@ -77,53 +74,20 @@ clip::Clip encoded(const std::filesystem::path& folder, const Known& known, cons
   return std::move(pass.clip);
 }
 
-Json evaluated(const std::filesystem::path& folder, clip::Clip clip, Progress& progress) {
-  evaluate::EvaluateOptions options;
-  options.max_trained_frames = 1;
-  options.ground_truth = true;
-  const player::Player player(std::move(clip));
-  return evaluate::evaluate_against(folder, host::PluginTable::builtin(), player, options, progress);
-}
-
-double mean(const std::vector<double>& values) {
-  return values.empty() ? std::nan("")
-                        : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-/// Means over the seeds.
-void print(const Known& known, const std::vector<Json>& reports) {
-  std::vector<double> held_out, novel_box, novel_inside, tracks;
-  for (const Json& report : reports) {
-    held_out.push_back(report.at("foreground").at("held_out").at("psnr_box"));
-    for (const Json& camera : report.at("ground_truth").at("novel_cameras")) {
-      for (const Json& layer : camera.at("layers")) {
-        if (layer.at("name") != "foreground") continue;
-        novel_box.push_back(layer.at("psnr_box"));
-        novel_inside.push_back(layer.at("psnr_inside"));
-      }
-    }
-    const Json& points = report.at("ground_truth").at("tracks");
-    if (!points.is_null()) tracks.push_back(1000 * points.at("visible").at("error_m_mean").get<double>());
-  }
-  std::printf("| %s | %.2f | %.2f | %.2f | %.1f |\n", known.name, mean(held_out), mean(novel_box), mean(novel_inside),
-              mean(tracks));
-  std::fflush(stdout);
-}
-
 void run(const char* folder, const char* preset, int seeds) {
   std::printf("| known | held out, box dB | other cameras, box dB | inside dB | points mm |\n");
   std::printf("| --- | --- | --- | --- | --- |\n");
   for (const Known& known : kRows) {
-    std::vector<Json> reports;
+    bench::TruthMeasures measures;
     for (int seed = 1; seed <= seeds; ++seed) {
       encode::EncodeOptions options = encode::EncodeOptions::of(encode::parse_preset(preset));
       options.holdout_tracked = 10;
       options.settings.fields.trainer.seed = static_cast<std::uint64_t>(seed);
       if (known.bytes) options.settings.fields.trainer.quantisation = {};
       Progress progress;
-      reports.push_back(evaluated(folder, encoded(folder, known, options, progress), progress));
+      measures.add(folder, encoded(folder, known, options, progress), progress);
     }
-    print(known, reports);
+    measures.print(known.name);
   }
 }
 

@@ -10,7 +10,6 @@
 // and how far nodes and net displace (mm, median) in frames that are trained on, and the net's difference to the nodes.
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
 
 #include "core/statistics.h"
 #include "encode/capture_preparation.h"
@@ -18,14 +17,13 @@
 #include "encode/layer_training.h"
 #include "encode/node_correction.h"
 #include "encode/training_plan.h"
-#include "evaluate/evaluate.h"
 #include "host/plugin_table.h"
 #include "residual_net.h"
+#include "truth_measures.h"
 
 namespace {
 
 using namespace kinora;
-using Json = nlohmann::json;
 using Deformations = std::vector<motion::Motion::Deformation>;
 
 /// 24 joints in the frame of the first one's place, as the parts of a pose.
@@ -105,38 +103,12 @@ motion::Motion corrected_by_net(const motion::Motion& tracked, const motion::Mot
   return motion::Motion::deforming(tracked.graph(), std::move(corrected));
 }
 
-Json evaluated(const std::filesystem::path& folder, clip::Clip clip, Progress& progress) {
-  evaluate::EvaluateOptions options;
-  options.max_trained_frames = 1;
-  options.ground_truth = true;
-  const player::Player player(std::move(clip));
-  return evaluate::evaluate_against(folder, host::PluginTable::builtin(), player, options, progress);
-}
-
-/// Sums over seeds.
 struct Row {
   const char* name;
   bool by_net;
   int rounds; ///< of the refinement through the field
-  std::map<std::string, std::vector<double>> values;
+  bench::TruthMeasures measures;
 };
-
-void note(const Json& report, std::map<std::string, std::vector<double>>& values) {
-  values["held out"].push_back(report.at("foreground").at("held_out").at("psnr_box"));
-  for (const Json& camera : report.at("ground_truth").at("novel_cameras")) {
-    for (const Json& layer : camera.at("layers")) {
-      if (layer.at("name") != "foreground") continue;
-      values["box"].push_back(layer.at("psnr_box"));
-      values["inside"].push_back(layer.at("psnr_inside"));
-    }
-  }
-  const Json& points = report.at("ground_truth").at("tracks");
-  if (!points.is_null()) values["points"].push_back(1000 * points.at("visible").at("error_m_mean").get<double>());
-}
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 void run(const char* folder, int seeds) {
   const host::PluginTable plugins = host::PluginTable::builtin();
@@ -189,15 +161,12 @@ void run(const char* folder, int seeds) {
       clip::Clip clip = pass.clip;
       clip.layers = others;
       clip.layers.push_back(std::move(layer));
-      note(evaluated(folder, std::move(clip), progress), row.values);
+      row.measures.add(folder, std::move(clip), progress);
     }
   }
   std::printf("| corrected by | held out, box dB | other cameras, box dB | inside dB | points mm |\n");
   std::printf("| --- | --- | --- | --- | --- |\n");
-  for (Row& row : rows) {
-    std::printf("| %s | %.2f | %.2f | %.2f | %.1f |\n", row.name, mean(row.values["held out"]), mean(row.values["box"]),
-                mean(row.values["inside"]), mean(row.values["points"]));
-  }
+  for (const Row& row : rows) row.measures.print(row.name);
   std::printf("\nnodes %.2f mm, net %.2f mm, difference %.2f mm\n", 1000 * sum.nodes / seeds, 1000 * sum.net / seeds,
               1000 * sum.difference / seeds);
 }
