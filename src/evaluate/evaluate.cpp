@@ -101,16 +101,19 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
     if (match == chosen.end()) continue;
     if (moving != nullptr) frame->labels = moving->in(frame->color);
     const std::size_t i = match->second;
-    std::vector<fields::Picture> pictures;
+    std::map<std::vector<std::size_t>, fields::Picture> pictures; // of layers: several groups show the same ones
     for (const Groups& group : groups) {
+      const auto [drawn, is_new] = pictures.try_emplace(group.subject.layers);
+      if (!is_new) continue;
       progress.check();
-      pictures.push_back(
-          player.draw(clip.capture_camera(static_cast<double>(i)), static_cast<double>(i), group.subject.layers));
-      if (!exposure.empty()) GainTables(clip::gain_at(exposure, frame->index)).apply_to(pictures.back().color);
+      drawn->second =
+          player.draw(clip.capture_camera(static_cast<double>(i)), static_cast<double>(i), group.subject.layers);
+      if (!exposure.empty()) GainTables(clip::gain_at(exposure, frame->index)).apply_to(drawn->second.color);
     }
     parallel_for(groups.size(), 1, [&](const Chunk& chunk) {
       Groups& group = groups[chunk.index];
-      compare(pictures[chunk.index], *frame, group.subject, clip.held_out[i] ? group.held_out : group.trained);
+      compare(pictures.at(group.subject.layers), *frame, group.subject,
+              clip.held_out[i] ? group.held_out : group.trained);
     });
     progress.advance(++done, "");
   }
