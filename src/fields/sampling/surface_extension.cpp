@@ -13,41 +13,44 @@
 namespace kinora::fields {
 namespace {
 
-/// Inverse depth about a pixel, 1/m and 1/m per pixel: a plane of space is linear in it.
+/// Inverse depth about a place, 1/m and 1/m per pixel: a plane of space is linear in it.
 struct Plane {
-  float value = 0; ///< at the pixel; 0: none
+  float value = 0; ///< at the place; 0: none
   float per_u = 0;
   float per_v = 0;
+
+  float at(float du, float dv) const { return value + per_u * du + per_v * dv; } ///< pixels from the place
 };
 
 constexpr std::array<std::array<int, 2>, 8> kNeighbours = {
     {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
 
-/// Of one frame; used once.
+/// Of one frame; used once. What goes on are cells: squares of as many pixels as make a picture of about kCellsPerSide.
 class Extension {
 public:
   Extension(const ingest::Frame& frame, std::uint8_t label, const std::function<bool(int, int)>& is_wanted)
-      : frame_(frame), label_(label), width_(frame.color.width()), height_(frame.color.height()),
-        radius_(std::max(3, width_ / kWindowsPerWidth)), holes_(frame.color.pixel_count()) {
-    find_holes(is_wanted);
+      : frame_(frame), label_(label),
+        size_(std::max({1, frame.color.width() / kCellsPerSide, frame.color.height() / kCellsPerSide})),
+        width_((frame.color.width() + size_ - 1) / size_), height_((frame.color.height() + size_ - 1) / size_),
+        radius_(std::max(3, frame.color.width() / kWindowsPerWidth)), cells_(width_, height_) {
+    look(is_wanted);
   }
 
   DepthImage depths() {
-    DepthImage guessed(width_, height_);
+    DepthImage guessed(frame_.color.width(), frame_.color.height());
     if (!has_hole_ || !find_range()) return guessed;
     smooth_ = smoothed(frame_.color);
-    planes_.resize(holes_.size());
-    costs_.assign(holes_.size(), kNotReached);
+    planes_.resize(cells_.pixel_count());
+    costs_.assign(cells_.pixel_count(), kNotReached);
     begin_at_surfaces();
-    // No step is shorter than a pixel: what is reached from these pixels comes in later turns (Dial, CACM 12(11),
-    // 1969).
+    // No step is shorter than a pixel: what is reached from these cells comes in later turns (Dial, CACM 12(11), 1969).
     for (std::size_t turn = 0; turn < front_.size(); ++turn) {
       std::vector<Reached> reached = std::move(front_[turn]);
       std::ranges::sort(reached);
       for (const auto& [cost, at] : reached) {
-        if (settled_[at]) continue; // by a shorter way
+        if (cells_.data()[at] != Cell::kHole) continue; // by a shorter way
         settle(at);
-        guessed.data()[at] = 1 / planes_[at].value;
+        write(at, guessed);
         go_on_from(at, cost);
       }
     }
@@ -55,6 +58,7 @@ public:
   }
 
 private:
+  static constexpr int kCellsPerSide = 320;
   static constexpr int kWindowsPerWidth = 40; // a plane is fitted to a window that reaches so far to each side
   static constexpr float kPathPerColor = 30;  // pixels of way that a change from black to white is worth
   static constexpr float kSameSurface = 0.1F; // relative difference of depths in a window
@@ -63,57 +67,93 @@ private:
   static constexpr float kBeyondRange = 2;    // factor from the nearest and the farthest depth
   static constexpr float kNotReached = 1e30F;
 
+  enum class Cell : std::uint8_t {
+    kOther,    ///< has no pixel of the label
+    kMeasured, ///< has a clean depth
+    kMissing,  ///< has none, and nothing in its hole is wanted
+    kHole,     ///< has none yet
+    kSettled,  ///< by a guess, or measured beside a hole
+  };
+
   std::size_t index(int u, int v) const {
     return static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u);
   }
   bool is_measured(int u, int v) const { return frame_.clean_depth.at(u, v) > 0 && frame_.label_at(u, v) == label_; }
-  bool is_hole(int u, int v) const { return holes_[index(u, v)] != 0; }
+  bool is_missing(int u, int v) const { return !(frame_.clean_depth.at(u, v) > 0) && frame_.label_at(u, v) == label_; }
 
-  // Those with a pixel that is wanted: most holes are a few pixels wide, and none of theirs is.
-  void find_holes(const std::function<bool(int, int)>& is_wanted) {
-    const auto is_missing = [&](int u, int v) {
-      return !(frame_.clean_depth.at(u, v) > 0) && frame_.label_at(u, v) == label_;
-    };
-    std::vector<std::pair<int, int>> front;
+  /// Calls with each pixel of a cell.
+  template <class Function> void for_pixels(int cell_u, int cell_v, const Function& function) const {
+    const int right = std::min((cell_u + 1) * size_, frame_.color.width());
+    const int bottom = std::min((cell_v + 1) * size_, frame_.color.height());
+    for (int v = cell_v * size_; v < bottom; ++v) {
+      for (int u = cell_u * size_; u < right; ++u) function(u, v);
+    }
+  }
+  float middle() const { return 0.5F * static_cast<float>(size_ - 1); } ///< of a cell, pixels from its first one
+
+  // Holes are those with a pixel that is wanted: most are a few pixels wide, and none of theirs is.
+  void look(const std::function<bool(int, int)>& is_wanted) {
+    std::vector<std::size_t> wanted;
     for (int v = 0; v < height_; ++v) {
       for (int u = 0; u < width_; ++u) {
-        if (is_hole(u, v) || !is_missing(u, v) || !is_wanted(u, v)) continue;
-        holes_[index(u, v)] = 1;
-        front.emplace_back(u, v);
-        while (!front.empty()) {
-          const auto [x, y] = front.back();
-          front.pop_back();
-          for (const auto& step : kNeighbours) {
-            const int next_x = x + step[0], next_y = y + step[1];
-            if (!frame_.color.contains(next_x, next_y) || is_hole(next_x, next_y) || !is_missing(next_x, next_y))
-              continue;
-            holes_[index(next_x, next_y)] = 1;
-            front.emplace_back(next_x, next_y);
-          }
-        }
-        has_hole_ = true;
+        bool measured = false, missing = false, is_asked = false;
+        for_pixels(u, v, [&](int x, int y) {
+          if (is_measured(x, y)) measured = true;
+          if (!is_missing(x, y)) return;
+          missing = true;
+          is_asked = is_asked || is_wanted(x, y);
+        });
+        cells_.at(u, v) = measured ? Cell::kMeasured : missing ? Cell::kMissing : Cell::kOther;
+        if (is_asked && !measured) wanted.push_back(index(u, v));
       }
+    }
+    has_hole_ = !wanted.empty();
+    for (const std::size_t from : wanted) fill(from);
+  }
+
+  void fill(std::size_t from) {
+    if (cells_.data()[from] != Cell::kMissing) return;
+    cells_.data()[from] = Cell::kHole;
+    std::vector<std::size_t> front = {from};
+    while (!front.empty()) {
+      const std::size_t at = front.back();
+      front.pop_back();
+      for_neighbours(at, [&](std::size_t next, const auto& /*step*/) {
+        if (cells_.data()[next] != Cell::kMissing) return;
+        cells_.data()[next] = Cell::kHole;
+        front.push_back(next);
+      });
     }
   }
 
-  /// Means of 3×3 pixels: a sensor's noise is no edge.
-  static ColorImage smoothed(const ColorImage& color) {
+  /// Calls with the number of each cell beside one, and the step there.
+  template <class Function> void for_neighbours(std::size_t at, const Function& function) const {
+    const int u = static_cast<int>(at % static_cast<std::size_t>(width_));
+    const int v = static_cast<int>(at / static_cast<std::size_t>(width_));
+    for (const auto& step : kNeighbours) {
+      if (cells_.contains(u + step[0], v + step[1])) function(index(u + step[0], v + step[1]), step);
+    }
+  }
+
+  /// Means of the pixels of a cell, of at least 3×3: a sensor's noise is no edge.
+  ColorImage smoothed(const ColorImage& color) const {
     const int width = color.width(), height = color.height();
-    ColorImage out(width, height, 3);
-    std::vector<int> columns(3 * static_cast<std::size_t>(width)); // sums of up to three rows
-    for (int v = 0; v < height; ++v) {
-      const int top = std::max(v - 1, 0), bottom = std::min(v + 1, height - 1);
+    const int beyond = size_ < 3 ? 1 : 0; // pixels on each side
+    ColorImage out(width_, height_, 3);
+    std::vector<int> columns(3 * static_cast<std::size_t>(width)); // sums of a cell's rows
+    for (int v = 0; v < height_; ++v) {
+      const int top = std::max(v * size_ - beyond, 0), bottom = std::min((v + 1) * size_ + beyond, height);
       std::ranges::fill(columns, 0);
-      for (int y = top; y <= bottom; ++y) {
+      for (int y = top; y < bottom; ++y) {
         const std::uint8_t* row = color.pixel(0, y);
         for (std::size_t i = 0; i < columns.size(); ++i) columns[i] += row[i];
       }
-      for (int u = 0; u < width; ++u) {
-        const int left = std::max(u - 1, 0), right = std::min(u + 1, width - 1);
-        const int count = (right - left + 1) * (bottom - top + 1);
+      for (int u = 0; u < width_; ++u) {
+        const int left = std::max(u * size_ - beyond, 0), right = std::min((u + 1) * size_ + beyond, width);
+        const int count = (right - left) * (bottom - top);
         for (std::size_t c = 0; c < 3; ++c) {
           int sum = 0;
-          for (int x = left; x <= right; ++x) sum += columns[3 * static_cast<std::size_t>(x) + c];
+          for (int x = left; x < right; ++x) sum += columns[3 * static_cast<std::size_t>(x) + c];
           out.pixel(u, v)[c] = static_cast<std::uint8_t>(sum / count);
         }
       }
@@ -124,8 +164,8 @@ private:
   // What inverse depths are guessed at all; false if there is nothing to guess from.
   bool find_range() {
     std::vector<float> values;
-    for (int v = 0; v < height_; ++v) {
-      for (int u = 0; u < width_; ++u) {
+    for (int v = 0; v < frame_.color.height(); v += size_) {
+      for (int u = 0; u < frame_.color.width(); u += size_) {
         if (is_measured(u, v)) values.push_back(1 / frame_.clean_depth.at(u, v));
       }
     }
@@ -140,23 +180,35 @@ private:
   }
 
   void begin_at_surfaces() {
-    settled_.assign(planes_.size(), false);
     std::vector<std::size_t> edge;
     for (int v = 0; v < height_; ++v) {
       for (int u = 0; u < width_; ++u) {
-        if (!is_measured(u, v)) continue;
-        const bool is_beside_hole = std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](const auto& step) {
-          return frame_.color.contains(u + step[0], v + step[1]) && is_hole(u + step[0], v + step[1]);
+        const std::size_t at = index(u, v);
+        if (cells_.data()[at] != Cell::kMeasured) continue;
+        bool is_beside_hole = false;
+        for_neighbours(at, [&](std::size_t next, const auto& /*step*/) {
+          is_beside_hole = is_beside_hole || cells_.data()[next] == Cell::kHole;
         });
         if (!is_beside_hole) continue;
-        const std::size_t at = index(u, v);
-        planes_[at] = plane_at(u, v);
-        settled_[at] = true;
+        planes_[at] = plane_of_cell(u, v);
         costs_[at] = 0;
         edge.push_back(at);
       }
     }
+    for (const std::size_t at : edge) cells_.data()[at] = Cell::kSettled;
     for (const std::size_t at : edge) go_on_from(at, 0);
+  }
+
+  /// Through the first of its measured pixels, at its middle.
+  Plane plane_of_cell(int cell_u, int cell_v) const {
+    int first_u = -1, first_v = -1;
+    for_pixels(cell_u, cell_v, [&](int u, int v) {
+      if (first_u < 0 && is_measured(u, v)) first_u = u, first_v = v;
+    });
+    Plane plane = plane_at(first_u, first_v);
+    plane.value = plane.at(static_cast<float>(cell_u * size_ - first_u) + middle(),
+                           static_cast<float>(cell_v * size_ - first_v) + middle());
+    return plane;
   }
 
   /// That of the surface around a measured pixel, as far as it hangs together.
@@ -209,27 +261,20 @@ private:
   }
 
   void go_on_from(std::size_t from, float cost) {
-    const int u = static_cast<int>(from % static_cast<std::size_t>(width_));
-    const int v = static_cast<int>(from / static_cast<std::size_t>(width_));
-    for (const auto& step : kNeighbours) {
-      const int x = u + step[0], y = v + step[1];
-      if (!frame_.color.contains(x, y) || !is_hole(x, y)) continue;
-      const std::size_t to = index(x, y);
-      if (settled_[to]) continue;
-      const float length = step[0] != 0 && step[1] != 0 ? 1.41421356F : 1.0F;
-      const float there = cost + length * (1 + changes_[color_change(from, to)].way);
-      if (there >= costs_[to]) continue;
+    for_neighbours(from, [&](std::size_t to, const auto& step) {
+      if (cells_.data()[to] != Cell::kHole) return;
+      const float length = static_cast<float>(size_) + changes_[color_change(from, to)].way;
+      const float there = cost + length * (step[0] != 0 && step[1] != 0 ? 1.41421356F : 1.0F);
+      if (there >= costs_[to]) return;
       costs_[to] = there;
       const auto turn = static_cast<std::size_t>(there);
       if (turn >= front_.size()) front_.resize(turn + 1);
       front_[turn].emplace_back(there, static_cast<std::uint32_t>(to));
-    }
+    });
   }
 
   // From its settled neighbours: the one on the shortest way, and those that say nearly the same.
   void settle(std::size_t at) {
-    const int u = static_cast<int>(at % static_cast<std::size_t>(width_));
-    const int v = static_cast<int>(at / static_cast<std::size_t>(width_));
     struct Told {
       Plane plane;
       float weight;
@@ -237,21 +282,18 @@ private:
     std::array<Told, kNeighbours.size()> told;
     std::size_t count = 0, first = 0;
     float least = kNotReached;
-    for (const auto& step : kNeighbours) {
-      const int x = u + step[0], y = v + step[1];
-      if (!frame_.color.contains(x, y)) continue;
-      const std::size_t from = index(x, y);
-      if (!settled_[from]) continue;
+    for_neighbours(at, [&](std::size_t from, const auto& step) {
+      if (cells_.data()[from] != Cell::kSettled) return;
       Plane plane = planes_[from];
-      plane.value -= plane.per_u * static_cast<float>(step[0]) + plane.per_v * static_cast<float>(step[1]);
+      plane.value = plane.at(static_cast<float>(-step[0] * size_), static_cast<float>(-step[1] * size_));
       const ColorChange& change = changes_[color_change(from, at)];
-      const float way = costs_[from] + 1 + change.way;
+      const float way = costs_[from] + static_cast<float>(size_) + change.way;
       if (way < least) {
         least = way;
         first = count;
       }
       told[count++] = {plane, change.weight};
-    }
+    });
     Plane sum;
     float weights = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -265,20 +307,32 @@ private:
     }
     const float value = sum.value / weights;
     planes_[at] = {std::clamp(value, min_value_, max_value_), sum.per_u / weights, sum.per_v / weights};
-    settled_[at] = true;
+    cells_.data()[at] = Cell::kSettled;
+  }
+
+  /// The depths of a cell's pixels.
+  void write(std::size_t at, DepthImage& guessed) const {
+    const int cell_u = static_cast<int>(at % static_cast<std::size_t>(width_));
+    const int cell_v = static_cast<int>(at / static_cast<std::size_t>(width_));
+    for_pixels(cell_u, cell_v, [&](int u, int v) {
+      if (!is_missing(u, v)) return;
+      const float value = planes_[at].at(static_cast<float>(u - cell_u * size_) - middle(),
+                                         static_cast<float>(v - cell_v * size_) - middle());
+      guessed.at(u, v) = 1 / std::clamp(value, min_value_, max_value_);
+    });
   }
 
   const ingest::Frame& frame_;
   std::uint8_t label_;
-  int width_, height_;
-  int radius_;
-  std::vector<char> holes_; ///< of each pixel: whether it is to be guessed
+  int size_;           ///< of a cell, pixels
+  int width_, height_; ///< cells
+  int radius_;         ///< pixels
+  Image<Cell> cells_;
   bool has_hole_ = false;
-  ColorImage smooth_;
-  std::vector<Plane> planes_;
-  std::vector<float> costs_; ///< lengths of the shortest ways so far
-  std::vector<bool> settled_;
-  using Reached = std::pair<float, std::uint32_t>; ///< by how long a way, and which pixel
+  ColorImage smooth_;                              ///< a pixel for each cell
+  std::vector<Plane> planes_;                      ///< about the middles of cells
+  std::vector<float> costs_;                       ///< lengths of the shortest ways so far, pixels
+  using Reached = std::pair<float, std::uint32_t>; ///< by how long a way, and which cell
   std::vector<std::vector<Reached>> front_;        ///< by whole pixels of way
   float min_value_ = 0, max_value_ = 0;
   std::array<ColorChange, 256> changes_ = color_changes(); ///< by differences of bytes
