@@ -182,7 +182,12 @@ double cost(const FrameView& view, double color_sigma) {
   return sum;
 }
 
-/// Refines one frame after the other.
+/// Typical difference of colour (FrameView::color_sigma) before and after.
+struct ColorFit {
+  double before, after;
+};
+
+/// Refines any frame, from any thread.
 class Refiner {
 public:
   Refiner(const fields::Field& field, const fields::LayerObservations& layer,
@@ -193,8 +198,8 @@ public:
     for (const Eigen::Vector3d& node : graph_->nodes()) nodes_.emplace_back(node - table_->origin());
   }
 
-  /// Whether nodes were moved.
-  bool refine(const fields::StoredFrame& frame, std::vector<DualQuaternion>& nodes, MotionRefinement& report) const {
+  /// Nothing if no node was moved.
+  std::optional<ColorFit> refine(const fields::StoredFrame& frame, std::vector<DualQuaternion>& nodes) const {
     FrameView view(field_, layer_, frame);
     std::vector<DualQuaternion> best = nodes;
     double best_cost = 0;
@@ -203,7 +208,7 @@ public:
     bool moved = false;
     for (int round = 0; round <= config_.rounds; ++round) {
       const BulkWarp warp(table_, motion::Warp(graph_, nodes));
-      view.evaluate(warp, round < config_.rounds);
+      view.evaluate(warp, round == 0);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
       if (round == 0) first_sigma = *sigma;
@@ -216,11 +221,8 @@ public:
       if (round < config_.rounds && !step(view, warp, *sigma, nodes)) break;
     }
     nodes = std::move(best);
-    if (!moved) return false;
-    ++report.frames;
-    report.color_before += first_sigma;
-    report.color_after += best_sigma;
-    return true;
+    if (!moved) return std::nullopt;
+    return ColorFit{first_sigma, best_sigma};
   }
 
 private:
@@ -345,14 +347,27 @@ motion::Motion refine_motion(const fields::Field& field, const fields::LayerObse
   const std::vector<fields::StoredFrame>& frames = layer.pixels.frames();
   std::vector<motion::Motion::Deformation> refined = motion.deformations();
   std::vector<bool> is_refined(refined.size(), false);
+  // Frames do not know of each other: some side by side leave no thread waiting where one alone would.
+  constexpr std::size_t kAtOnce = 8;
+  std::vector<std::optional<ColorFit>> fits(frames.size());
+  for (std::size_t begin = 0; begin < frames.size(); begin += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, frames.size() - begin);
+    parallel_for(count, 1, [&](const Chunk& chunk) {
+      progress.check();
+      const std::size_t k = begin + chunk.index;
+      motion::Motion::Deformation& deformation = refined[static_cast<std::size_t>(frames[k].frame)];
+      if (deformation.health == motion::Health::kTracked)
+        fits[k] = refiner.refine(frames[k], deformation.node_to_world);
+    });
+    progress.advance(begin + count, "");
+  }
   MotionRefinement result;
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    progress.check();
-    const auto f = static_cast<std::size_t>(frames[k].frame);
-    if (refined[f].health == motion::Health::kTracked) {
-      is_refined[f] = refiner.refine(frames[k], refined[f].node_to_world, result);
-    }
-    progress.advance(k + 1, "");
+    if (!fits[k]) continue;
+    is_refined[static_cast<std::size_t>(frames[k].frame)] = true;
+    ++result.frames;
+    result.color_before += fits[k]->before;
+    result.color_after += fits[k]->after;
   }
   correct_others(motion, is_refined, refined);
   if (result.frames > 0) {

@@ -17,14 +17,17 @@ struct Seen {
   std::array<std::uint8_t, 3> color;
 };
 
-/// What `seen(u, v)` tells of each pixel; nothing was measured where `missing(u, v)`.
-template <class SeenAt, class Missing> ingest::Frame frame_of(const SeenAt& seen, const Missing& missing) {
+/// What `seen(u, v)` tells of each pixel, or of the place of so many times as many; nothing was measured where
+/// `missing(u, v)`.
+template <class SeenAt, class Missing>
+ingest::Frame frame_of(const SeenAt& seen, const Missing& missing, int times = 1) {
   ingest::Frame frame;
-  frame.camera.intrinsics = {kWidth, kHeight, 70, 70, 40, 30};
-  frame.color = ColorImage(kWidth, kHeight, 3);
-  frame.clean_depth = DepthImage(kWidth, kHeight);
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
+  const int width = times * kWidth, height = times * kHeight;
+  frame.camera.intrinsics = {width, height, 70.0 * times, 70.0 * times, 40.0 * times, 30.0 * times};
+  frame.color = ColorImage(width, height, 3);
+  frame.clean_depth = DepthImage(width, height);
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
       const Seen at = seen(u, v);
       std::copy(at.color.begin(), at.color.end(), frame.color.pixel(u, v));
       if (!missing(u, v)) frame.clean_depth.at(u, v) = at.depth;
@@ -49,6 +52,28 @@ TEST(ExtendSurfaces, ATableGoesOnAsAPlaneToTheBorder) {
         EXPECT_EQ(guessed.at(u, v), 0) << "measured at " << u << ", " << v;
       } else {
         EXPECT_NEAR(guessed.at(u, v), table(u, v).depth, 0.02F * table(u, v).depth) << u << ", " << v;
+      }
+    }
+  }
+}
+
+// 1280×960: cells of 4×4 pixels.
+TEST(ExtendSurfaces, InALargePictureCellsGoOn) {
+  constexpr int kTimes = 16;
+  const auto seen = [](int u, int v) {
+    const float below = (static_cast<float>(v) / kTimes - 20) / 70;
+    return Seen{below > 0 ? std::min(3.0F, 0.4F / below) : 3.0F, u < 640 ? kWhite : kBrown};
+  };
+  const auto is_missing = [](int u, int v) { return v >= 45 * kTimes + 2 || (u == 401 && v == 401); };
+  const ingest::Frame frame = frame_of(seen, is_missing, kTimes);
+  const DepthImage guessed = extend_surfaces(frame, 0);
+  EXPECT_EQ(guessed.at(401, 401), 0) << "its cell has measured pixels";
+  for (int v = 36 * kTimes; v < frame.color.height(); ++v) {
+    for (int u = 0; u < frame.color.width(); ++u) {
+      if (v < 45 * kTimes + 4) { // the cells of the edge have measured pixels
+        ASSERT_EQ(guessed.at(u, v), 0) << u << ", " << v;
+      } else {
+        ASSERT_NEAR(guessed.at(u, v), seen(u, v).depth, 0.02F * seen(u, v).depth) << u << ", " << v;
       }
     }
   }
