@@ -1,6 +1,7 @@
 #include "encode/capture_report.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -84,6 +85,15 @@ Json camera_json(const PreparedCapture& prepared) {
   }
   if (!prepared.capture->info().has_poses) return {{"path", "still"}, {"why", "nobody looked whether it moves"}};
   return {{"path", "moving"}, {"why", "the capture brings one camera pose per frame"}};
+}
+
+Json refinement_json(const CameraRefinement& refinement) {
+  return {{"draft_rays", refinement.draft.rays},
+          {"frames", refinement.frames},
+          {"color_difference_before", round4(refinement.color_before)},
+          {"color_difference_after", round4(refinement.color_after)},
+          {"moved_m", round4(refinement.metres)},
+          {"turned_degrees", round4(refinement.radians * 180 / std::numbers::pi)}};
 }
 
 Json streams_json(const clip::Exposure& exposure, std::optional<double> depth_delay,

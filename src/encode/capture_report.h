@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clip/exposure.h"
+#include "encode/camera_refinement.h"
 #include "encode/capture_preparation.h"
 #include "encode/frame_pass.h"
 
@@ -16,6 +17,7 @@ nlohmann::json clip_metadata(const ingest::CaptureInfo& info, const nlohmann::js
                              const nlohmann::json& settings);
 /// Whether the camera moves, and why.
 nlohmann::json camera_json(const PreparedCapture& prepared);
+nlohmann::json refinement_json(const CameraRefinement& refinement);
 /// Exposure, delay (seconds, if it could be told) and registration of colour and depth, as estimated.
 nlohmann::json streams_json(const clip::Exposure& exposure, std::optional<double> depth_delay,
                             const ingest::FoundRegistration& registration);

@@ -69,6 +69,13 @@ LayerState state_at(const clip::Layer& layer, const std::vector<double>& times, 
   return state;
 }
 
+// How cameras were moved about then.
+SE3 correction_at(const std::vector<SE3>& corrections, const clip::Clip& clip, double time) {
+  if (corrections.empty()) return SE3::Identity();
+  const PathSupport support = path_support(clip.times, time, [](std::size_t) { return true; });
+  return pose_on(support, [&](std::size_t frame) { return corrections[frame]; });
+}
+
 SE3 camera_at(const clip::Clip& clip, double time) {
   if (clip.camera_to_world.size() == 1) return clip.camera_to_world.front();
   const PathSupport support = path_support(clip.times, time, [](std::size_t) { return true; });
@@ -130,13 +137,16 @@ motion::NodeBirths with_frames(const motion::NodeBirths& births, const std::vect
 
 } // namespace
 
-void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frames_know_camera, Progress& progress) {
+void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out,
+                         const std::optional<std::vector<SE3>>& camera_corrections, Progress& progress) {
   std::vector<AddedFrame> added;
   while (const auto frame = held_out.next()) {
     progress.check();
     const double time = frame->time - clip.metadata.at("start_seconds").get<double>();
-    AddedFrame& now = added.emplace_back(
-        AddedFrame{time, frame->index, frames_know_camera ? frame->camera.camera_to_world : camera_at(clip, time), {}});
+    const SE3 camera = camera_corrections
+                           ? correction_at(*camera_corrections, clip, time) * frame->camera.camera_to_world
+                           : camera_at(clip, time);
+    AddedFrame& now = added.emplace_back(AddedFrame{time, frame->index, camera, {}});
     for (const clip::Layer& layer : clip.layers) now.layers.push_back(state_at(layer, clip.times, time));
     progress.advance(added.size(), "");
   }
@@ -153,7 +163,7 @@ void add_held_out_frames(clip::Clip& clip, ingest::Capture& held_out, bool frame
   }
   clip.times = merged(order, clip.times, [&](std::size_t k) { return added[k].time; });
   clip.capture_frames = merged(order, clip.capture_frames, [&](std::size_t k) { return added[k].capture_frame; });
-  if (clip.camera_to_world.size() > 1 || frames_know_camera) {
+  if (clip.camera_to_world.size() > 1 || camera_corrections) {
     clip.camera_to_world = merged(order, clip.camera_to_world, [&](std::size_t k) { return added[k].camera_to_world; });
   }
   clip.held_out = merged(order, clip.held_out, [](std::size_t) { return true; });

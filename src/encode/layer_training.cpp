@@ -1,6 +1,7 @@
 #include "encode/layer_training.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,41 +12,40 @@ namespace kinora::encode {
 namespace {
 
 /// What a draft leaves behind.
-struct Draft {
-  fields::Field field;
+struct RefinedDraft {
+  FieldDraft draft;
   motion::Motion motion; ///< the layer's, refined and smoothed
-  DraftReport report;
+  MotionRefinement refinement;
 };
 
 /// With what was chosen for the layer so far.
-Draft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations, const TrackedLabel& tracked,
-               const MotionRefinementConfig& refinement, StageTimes& times, Progress& progress) {
-  constexpr double kDraftRays = 0.2; // of the layer's (docs/experiments/fields.md)
+RefinedDraft draft_of(const LayerOutcome& outcome, const fields::LayerObservations& observations,
+                      const TrackedLabel& tracked, const MotionRefinementConfig& refinement, StageTimes& times,
+                      Progress& progress) {
   const std::string& name = outcome.layer.name;
-  fields::TrainerConfig shorter = outcome.trainer;
-  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(outcome.trainer.rays));
-  shorter.exchange.decibels_per_second /= kDraftRays;
-  shorter.max_log2_table_size = 0;
-  shorter.quantisation = {};
   progress.stage("training a draft of " + name, 0);
   fields::TrainingReport training;
   fields::Field field = times.measure("train a draft of " + name, [&] {
-    return fields::train_field(observations, outcome.config, shorter, progress, &training);
+    return fields::train_field(observations, outcome.config, draft_trainer(outcome.trainer), progress, &training);
   });
-  DraftReport report{training.rays, {}};
   progress.stage("refining the motion of " + name, observations.pixels.frames().size());
+  MotionRefinement report;
   motion::Motion motion = times.measure("refine the motion of " + name, [&] {
     return smoothed_in_time(refine_motion(field, observations, tracked.layer->edges, tracked.layer->node_spacing,
-                                          progress, &report.refinement, refinement));
+                                          progress, &report, refinement));
   });
-  return {std::move(field), std::move(motion), report};
+  return {{std::move(field), training.rays}, std::move(motion), report};
 }
 
-// The training after a draft begins with its field, of which nearly all is right.
-void go_on_from(const DraftReport& draft, fields::TrainerConfig& trainer) {
-  constexpr float kRate = 0.3F;
+// The training after a draft begins with its field.
+void go_on_from(const FieldDraft& draft, fields::TrainerConfig& trainer) {
   trainer.rays -= std::min(draft.rays, trainer.rays);
   trainer.exchange.min_rays = std::max(trainer.exchange.min_rays, draft.rays / 2); // it learns slowly at first
+}
+
+// If nodes were moved, nearly all of the draft is right, and it is kept best so.
+void learn_slowly(fields::TrainerConfig& trainer) {
+  constexpr float kRate = 0.3F;
   trainer.learning_rates.table *= kRate;
   trainer.learning_rates.nets *= kRate;
 }
@@ -70,45 +70,68 @@ std::string why_it_moves_so(const TrackedLabel& label, const motion::Motion& mot
                                              : "so the bending of a graph is tracked instead");
 }
 
-LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
-                         StageTimes& times, Progress& progress) {
-  const TrackedLabel& tracked = *job.label;
-  const motion::Motion tracked_motion = tracked.motion();
-  const fields::LayerObservations as_tracked{pixels, tracked.plan.label, tracked_motion};
+LayerOutcome prepare_layer(const LayerJob& job, const fields::LayerObservations& observations,
+                           const EncodeOptions& options) {
   LayerOutcome outcome;
-  clip::Layer& layer = outcome.layer;
-  layer.name = job.name;
-  layer.label = tracked.plan.label;
-  layer.joints = tracked.joints();
-  outcome.why = why_it_moves_so(tracked, tracked_motion);
-  outcome.config = fields::choose_field_config(as_tracked, &outcome.requirements);
+  outcome.layer.name = job.name;
+  outcome.layer.label = job.label->plan.label;
+  outcome.config = fields::choose_field_config(observations, &outcome.requirements);
   const FieldSettings& settings = options.settings.fields;
   outcome.trainer = settings.trainer;
   if (outcome.trainer.rays == 0) {
     outcome.trainer.rays = job.rays;
     outcome.trainer.exchange.decibels_per_second = job.decibels_per_second;
   }
-  compare_views(as_tracked, settings.trainer, outcome);
-  if (options.settings.budget.try_geometries) {
+  compare_views(observations, settings.trainer, outcome);
+  return outcome;
+}
+
+fields::TrainerConfig draft_trainer(const fields::TrainerConfig& trainer) {
+  constexpr double kDraftRays = 0.2; // of the layer's (docs/experiments/fields.md)
+  fields::TrainerConfig shorter = trainer;
+  shorter.rays = static_cast<std::size_t>(kDraftRays * static_cast<double>(trainer.rays));
+  shorter.exchange.decibels_per_second /= kDraftRays;
+  shorter.max_log2_table_size = 0;
+  shorter.quantisation = {};
+  return shorter;
+}
+
+LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
+                         StageTimes& times, Progress& progress, const FieldDraft* begin_with) {
+  const TrackedLabel& tracked = *job.label;
+  const motion::Motion tracked_motion = tracked.motion();
+  const fields::LayerObservations as_tracked{pixels, tracked.plan.label, tracked_motion};
+  LayerOutcome outcome = prepare_layer(job, as_tracked, options);
+  outcome.why = why_it_moves_so(tracked, tracked_motion);
+  clip::Layer& layer = outcome.layer;
+  layer.joints = tracked.joints();
+  const FieldSettings& settings = options.settings.fields;
+  if (begin_with != nullptr) {
+    outcome.config = begin_with->field.config;
+  } else if (options.settings.budget.try_geometries) {
     progress.stage("trying geometries of " + layer.name, 0);
     outcome.geometry = times.measure("try geometries of " + layer.name, [&] {
       return fields::try_geometries(as_tracked, outcome.config, outcome.trainer, progress);
     });
+    outcome.config.geometry = outcome.geometry.chosen;
   }
-  outcome.config.geometry = outcome.geometry.chosen;
-  std::optional<Draft> draft;
-  if (as_tracked.deforms()) draft = draft_of(outcome, as_tracked, tracked, settings.refinement, times, progress);
-  layer.motion = draft ? draft->motion : tracked_motion;
+  std::optional<RefinedDraft> refined;
+  if (as_tracked.deforms() && begin_with == nullptr) {
+    refined = draft_of(outcome, as_tracked, tracked, settings.refinement, times, progress);
+    begin_with = &refined->draft;
+  }
+  layer.motion = refined ? refined->motion : tracked_motion;
   const fields::LayerObservations observations{pixels, layer.label, layer.motion};
-  if (draft) {
-    outcome.draft = draft->report;
+  if (refined) {
+    outcome.draft = {refined->draft.rays, refined->refinement};
     compare_views(observations, settings.trainer, outcome);
-    go_on_from(draft->report, outcome.trainer);
+    learn_slowly(outcome.trainer);
   }
+  if (begin_with != nullptr) go_on_from(*begin_with, outcome.trainer);
   progress.stage("training " + layer.name, 0);
   layer.field = times.measure("train " + layer.name, [&] {
     return fields::train_field(observations, outcome.config, outcome.trainer, progress, &outcome.training,
-                               draft ? &draft->field : nullptr);
+                               begin_with != nullptr ? &begin_with->field : nullptr);
   });
   layer.confidence =
       times.measure("confidence of " + layer.name, [&] { return fields::view_confidence(observations, layer.field); });

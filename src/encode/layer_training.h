@@ -24,6 +24,12 @@ struct DraftReport {
   MotionRefinement refinement;
 };
 
+/// A field to learn on from.
+struct FieldDraft {
+  fields::Field field;
+  std::size_t rays = 0; ///< that taught it: they count as the layer's
+};
+
 /// A layer, and all that was chosen and measured on its way.
 struct LayerOutcome {
   clip::Layer layer;
@@ -40,9 +46,16 @@ struct LayerOutcome {
 /// One sentence for the report.
 std::string why_it_moves_so(const TrackedLabel& label, const motion::Motion& motion);
 
-/// Same input, same layer, for any number of threads; only `times` differ. Throws Error: kFailure if the label has no
-/// measured pixel, kInterrupted.
+/// What is chosen before anything is trained: all but the layer's motion and field. Throws Error(kFailure) if the label
+/// has no measured pixel.
+LayerOutcome prepare_layer(const LayerJob& job, const fields::LayerObservations& observations,
+                           const EncodeOptions& options);
+/// Of a draft of a layer that would be trained so.
+fields::TrainerConfig draft_trainer(const fields::TrainerConfig& trainer);
+
+/// `begin_with`: a draft of the layer, if there is one already. Same input, same layer, for any number of threads; only
+/// `times` differ. Throws Error: kFailure if the label has no measured pixel, kInterrupted.
 LayerOutcome train_layer(const LayerJob& job, const fields::PixelStore& pixels, const EncodeOptions& options,
-                         StageTimes& times, Progress& progress);
+                         StageTimes& times, Progress& progress, const FieldDraft* begin_with = nullptr);
 
 } // namespace kinora::encode

@@ -9,11 +9,8 @@
 
 #include "core/damped_gauss_newton.h"
 #include "core/parallel.h"
-#include "core/statistics.h"
+#include "encode/field_view.h"
 #include "encode/node_correction.h"
-#include "fields/sampling/contour_pixels.h"
-#include "fields/sampling/surface_band.h"
-#include "fields/training/ray_response.h"
 #include "motion/bulk_warp.h"
 #include "tracking/solver/deforming_problem.h"
 #include "tracking/solver/pcg.h"
@@ -25,24 +22,7 @@ using fields::RayResponse;
 using motion::BulkWarp;
 using motion::NodeStates;
 
-constexpr int kDampingAttempts = 5;          // of a step, each damped thirty times as much
-constexpr std::size_t kPixels = 4000;        // of a frame
-constexpr std::size_t kContourPixels = 3000; // besides, on either side of the rim
-constexpr std::size_t kMinPixels = 100;      // pixels with colour that a frame must have
-constexpr std::size_t kRaysPerChunk = 128;
-// Neighbouring pixels are not independent: what a row weighs.
-constexpr double kShare = 0.3;
-constexpr double kOpacitySigma = 0.3;
-constexpr double kMinColorSigma = 0.01;
-constexpr double kMaxDeviations = 3; // a residual costs no more than so many
-
-/// A pixel and the depth about which its ray is looked at.
-struct Probe {
-  std::uint32_t pixel;
-  float depth;
-  bool foreground;
-  bool on_contour;
-};
+constexpr int kDampingAttempts = 5; // of a step, each damped thirty times as much
 
 std::array<float, 3> to_array(const Eigen::Vector3d& v) {
   const Eigen::Vector3f single = v.cast<float>();
@@ -51,141 +31,25 @@ std::array<float, 3> to_array(const Eigen::Vector3d& v) {
 
 Eigen::Vector3d to_vector(const std::array<float, 3>& v) { return Eigen::Vector3f(v.data()).cast<double>(); }
 
-std::vector<Probe> choose_probes(const fields::LayerObservations& layer, const fields::StoredFrame& frame,
-                                 const fields::FieldConfig& config) {
-  std::vector<Probe> foreground;
-  for (std::size_t i = frame.begin; i < frame.end; ++i) {
-    const fields::StoredPixel& pixel = layer.pixels.pixels()[i];
-    if (layer.is_foreground(pixel) && pixel.depth.is_known()) {
-      foreground.push_back({static_cast<std::uint32_t>(i), pixel.depth.metres(), true, false});
-    }
-  }
-  std::vector<Probe> probes;
-  const auto spread = [&](std::size_t count, std::size_t max_count, const auto& probe_of) {
-    const std::size_t stride = (count + max_count - 1) / max_count;
-    for (std::size_t i = stride / 2; i < count; i += stride) probes.push_back(probe_of(i));
-  };
-  const fields::ContourPixels contour = fields::contour_pixels(layer, frame, config);
-  const auto of_contour = [](const fields::ContourPixel& pixel, bool is_foreground) {
-    return Probe{pixel.pixel, pixel.depth, is_foreground, true};
-  };
-  spread(foreground.size(), kPixels, [&](std::size_t i) { return foreground[i]; });
-  spread(contour.inside.size(), kContourPixels, [&](std::size_t i) { return of_contour(contour.inside[i], true); });
-  spread(contour.outside.size(), kContourPixels, [&](std::size_t i) { return of_contour(contour.outside[i], false); });
-  return probes;
-}
-
-/// What a field shows where one frame's pixels look, for any states of the nodes.
-class FrameView {
-public:
-  FrameView(const fields::Field& field, const fields::LayerObservations& layer, const fields::StoredFrame& frame)
-      : field_(field), levels_(fields::grid_levels(field.config)), pixels_(layer.pixels), frame_(frame),
-        probes_(choose_probes(layer, frame, field.config)), responses_(probes_.size()), positions_(probes_.size()) {}
-
-  /// `jacobian`: slopes, too.
-  void evaluate(const BulkWarp& warp, bool jacobian) {
-    parallel_for(probes_.size(), kRaysPerChunk, [&](const Chunk& chunk) { evaluate(warp, jacobian, chunk); });
-  }
-
-  std::size_t size() const { return probes_.size(); }
-  /// Of the surface that the pixel shows, canonical, relative to the warp's origin; not a number if there is none.
-  const Eigen::Vector3d& position(std::size_t i) const { return positions_[i]; }
-  const Eigen::Vector3d& gradient(std::size_t i, std::size_t value) const { return responses_[i].jacobian[value]; }
-  bool is_foreground(std::size_t i) const { return probes_[i].foreground; }
-  bool has_color(std::size_t i) const {
-    return probes_[i].foreground && positions_[i].allFinite() && responses_[i].is_opaque;
-  }
-
-  /// What the field shows less what the pixel does; nothing where one of them shows nothing.
-  std::optional<double> residual(std::size_t i, std::size_t value) const {
-    const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
-    const RayResponse& response = responses_[i];
-    if (!positions_[i].allFinite()) return std::nullopt;
-    if (value == RayResponse::kOpacity) return response.value[value] - (probes_[i].foreground ? 1.0 : 0.0);
-    if (!has_color(i)) return std::nullopt;
-    if (value == RayResponse::kDepth)
-      return pixel.depth.is_measured() ? std::optional(response.value[value]) : std::nullopt;
-    return response.value[value] - pixel.color[value] / 255.0;
-  }
-  double depth_sigma(std::size_t i) const { return kSensorNoise.sigma(probes_[i].depth); }
-
-  /// Typical difference of colour away from the rim, robustly; nothing with too few pixels.
-  std::optional<double> color_sigma() const {
-    std::vector<double> sizes;
-    for (std::size_t i = 0; i < size(); ++i) {
-      if (probes_[i].on_contour || !has_color(i)) continue;
-      for (std::size_t c = 0; c < RayResponse::kColors; ++c) sizes.push_back(std::abs(*residual(i, c)));
-    }
-    if (sizes.size() < RayResponse::kColors * kMinPixels) return std::nullopt;
-    return std::max(kMinColorSigma, kDeviationPerMedian * median(sizes));
-  }
-
-private:
-  void evaluate(const BulkWarp& warp, bool jacobian, const Chunk& chunk) {
-    const SE3& to_world = frame_.camera.camera_to_world;
-    const Eigen::Vector3d eye = to_world.translation() - warp.world_origin();
-    std::vector<BulkWarp::Ray> rays;
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
-      const Eigen::Vector3d direction = to_world.linear() * frame_.camera.intrinsics.unproject(pixel.u, pixel.v, 1.0);
-      rays.push_back({to_array(eye + probes_[i].depth * direction), to_array(direction),
-                      fields::surface_band(field_.config, probes_[i].depth), 0});
-    }
+/// What the field shows in a view, for any states of the nodes.
+void evaluate(FieldView& view, const BulkWarp& warp, bool jacobian) {
+  view.evaluate(jacobian, [&](std::span<const FieldView::Ray> rays, fields::CanonicalRay* canonical) {
+    std::vector<BulkWarp::Ray> world;
+    for (const FieldView::Ray& ray : rays)
+      world.push_back(
+          {to_array(ray.point - warp.world_origin()), to_array(ray.direction), static_cast<float>(ray.reach), 0});
     std::vector<BulkWarp::CanonicalRay> back(rays.size());
-    warp.to_canonical(rays, back.data());
-    std::vector<fields::CanonicalRay> canonical;
-    canonical.reserve(rays.size());
+    warp.to_canonical(world, back.data());
     for (std::size_t k = 0; k < rays.size(); ++k) {
-      canonical.push_back({to_vector(back[k].point) + warp.canonical_origin(),
-                           to_vector(back[k].direction),
-                           {to_vector(back[k].curvatures[0]), to_vector(back[k].curvatures[1])},
-                           static_cast<double>(rays[k].reach),
-                           to_vector(rays[k].direction).norm(),
-                           back[k].rotation});
+      canonical[k] = {to_vector(back[k].point) + warp.canonical_origin(),
+                      to_vector(back[k].direction),
+                      {to_vector(back[k].curvatures[0]), to_vector(back[k].curvatures[1])},
+                      rays[k].reach,
+                      rays[k].direction.norm(),
+                      back[k].rotation};
     }
-    respond(field_, levels_, canonical, jacobian, responses_.data() + chunk.begin);
-    for (std::size_t k = 0; k < rays.size(); ++k) {
-      const double depth = responses_[chunk.begin + k].value[RayResponse::kDepth];
-      positions_[chunk.begin + k] = to_vector(back[k].point) + depth * canonical[k].direction;
-    }
-  }
-
-  const fields::Field& field_;
-  std::vector<fields::GridLevel> levels_;
-  const fields::PixelStore& pixels_;
-  const fields::StoredFrame& frame_;
-  std::vector<Probe> probes_;
-  std::vector<RayResponse> responses_;
-  std::vector<Eigen::Vector3d> positions_;
-};
-
-double weight_of(const FrameView& view, std::size_t i, std::size_t value, double color_sigma) {
-  const double sigma = value == RayResponse::kOpacity ? kOpacitySigma
-                       : value == RayResponse::kDepth ? view.depth_sigma(i)
-                                                      : color_sigma;
-  return std::sqrt(kShare) / sigma;
+  });
 }
-
-// Of all rows, each bounded: a pixel that shows the layer where the field shows nothing costs the most.
-double cost(const FrameView& view, double color_sigma) {
-  double sum = 0;
-  for (std::size_t i = 0; i < view.size(); ++i) {
-    for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
-      if (v == RayResponse::kDepth) continue;
-      const auto residual = view.residual(i, v);
-      if (!residual && !view.is_foreground(i)) continue;
-      const double max_cost = kShare * kMaxDeviations * kMaxDeviations;
-      const double deviations = residual ? *residual * weight_of(view, i, v, color_sigma) : max_cost;
-      sum += std::min(deviations * deviations, max_cost);
-    }
-  }
-  return sum;
-}
-
-/// Typical difference of colour (FrameView::color_sigma) before and after.
-struct ColorFit {
-  double before, after;
-};
 
 /// Refines any frame, from any thread.
 class Refiner {
@@ -200,7 +64,7 @@ public:
 
   /// Nothing if no node was moved.
   std::optional<ColorFit> refine(const fields::StoredFrame& frame, std::vector<DualQuaternion>& nodes) const {
-    FrameView view(field_, layer_, frame);
+    FieldView view(field_, layer_, frame);
     std::vector<DualQuaternion> best = nodes;
     double best_cost = 0;
     double first_sigma = 0;
@@ -208,11 +72,11 @@ public:
     bool moved = false;
     for (int round = 0; round <= config_.rounds; ++round) {
       const BulkWarp warp(table_, motion::Warp(graph_, nodes));
-      view.evaluate(warp, round == 0);
+      evaluate(view, warp, round == 0);
       const auto sigma = view.color_sigma();
       if (!sigma) break;
       if (round == 0) first_sigma = *sigma;
-      const double now = cost(view, first_sigma);
+      const double now = view.cost(first_sigma);
       if (round > 0 && !(now < best_cost)) break;
       moved = round > 0;
       best = nodes;
@@ -239,14 +103,15 @@ private:
 
   // Where a layer moves, its canonical space moves the other way beneath the ray: each residual is linear in the place
   // of the surface point, as that of a plane.
-  void add_rows(const FrameView& view, const NodeStates& states, double color_sigma,
+  void add_rows(const FieldView& view, const NodeStates& states, double color_sigma,
                 std::vector<motion::SkinnedPoint>& points, std::vector<tracking::DataTerm>& terms) const {
     for (std::size_t i = 0; i < view.size(); ++i) {
       if (!view.position(i).allFinite()) continue;
-      const motion::Influence influence = graph_->influence(view.position(i) + table_->origin());
+      const motion::Influence influence = graph_->influence(view.position(i));
       if (influence.count == 0) continue;
       const motion::BlendedMotion blended = motion::blend_motion(states, influence);
-      const Eigen::Vector3d position = blended.apply(view.position(i));
+      const Eigen::Vector3d canonical = view.position(i) - table_->origin();
+      const Eigen::Vector3d position = blended.apply(canonical);
       for (std::size_t v = 0; v < RayResponse::kValues; ++v) {
         const auto residual = view.residual(i, v);
         const Eigen::Vector3d gradient = -blended.rotate(view.gradient(i, v));
@@ -255,15 +120,15 @@ private:
         tracking::DataTerm term;
         term.plane_normal = (gradient / length).cast<float>();
         term.plane_offset = static_cast<float>((*residual - gradient.dot(position)) / length);
-        term.plane_scale = static_cast<float>(length * weight_of(view, i, v, color_sigma));
-        points.emplace_back(view.position(i).cast<float>(), Eigen::Vector3f::UnitZ(), influence);
+        term.plane_scale = static_cast<float>(length * view.weight(i, v, color_sigma));
+        points.emplace_back(canonical.cast<float>(), Eigen::Vector3f::UnitZ(), influence);
         terms.push_back(term);
       }
     }
   }
 
   // One damped Gauss–Newton step; false if none lowers the energy.
-  bool step(const FrameView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
+  bool step(const FieldView& view, const BulkWarp& warp, double color_sigma, std::vector<DualQuaternion>& nodes) const {
     const NodeStates states = states_of(nodes, warp);
     std::vector<motion::SkinnedPoint> points;
     std::vector<tracking::DataTerm> terms;

@@ -1,6 +1,7 @@
 #include "encode/pipeline.h"
 
 #include "core/error.h"
+#include "encode/camera_refinement.h"
 #include "encode/capture_report.h"
 #include "encode/exposure_gains.h"
 #include "encode/frame_pass.h"
@@ -26,11 +27,13 @@ Json config_json(const PreparedCapture& prepared, const EncodeOptions& options) 
 }
 
 // What was held out joins when nothing can be learnt of it any more.
-void add_held_out(PreparedCapture& prepared, StageTimes& times, clip::Clip& clip, Progress& progress) {
+void add_held_out(PreparedCapture& prepared, const std::optional<CameraRefinement>& refinement, StageTimes& times,
+                  clip::Clip& clip, Progress& progress) {
   const bool frames_know_camera = prepared.capture->info().has_poses && !prepared.camera->moves();
+  std::optional<std::vector<SE3>> corrections;
+  if (frames_know_camera) corrections = refinement ? refinement->corrections : std::vector<SE3>();
   progress.stage("placing held-out frames", 0);
-  times.measure("place held-out frames",
-                [&] { add_held_out_frames(clip, *prepared.held_out, frames_know_camera, progress); });
+  times.measure("place held-out frames", [&] { add_held_out_frames(clip, *prepared.held_out, corrections, progress); });
 }
 
 /// A body knows where all of its parts are.
@@ -56,6 +59,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
                 "nothing in this capture can be modelled: no still or rigid layer has a pixel with "
                 "measured depth");
   }
+  const std::optional<CameraRefinement> refinement = refine_camera(pass, plan, options, times, progress);
   const Json config = config_json(prepared, options);
   const Json settings = settings_json(options.settings);
   const Json not_modelled = not_modelled_json(plan.not_modelled);
@@ -65,20 +69,23 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   clip::store_exposure(exposure, clip.metadata);
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
-    LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress);
+    const FieldDraft* draft = refinement && job.label->plan.label == 0 ? &refinement->draft : nullptr;
+    LayerOutcome outcome = train_layer(job, pass.pixels, options, times, progress, draft);
     outcome.layer.presence = layer_presence(*job.label, outcome.layer.motion, pass.pixels, clip.times.size());
     outcome.layer.births = births_of(*job.label, outcome.layer, pass.pixels);
     layers.push_back(layer_json(*job.label, outcome));
     clip.metadata["layers"][outcome.layer.name] = layer_metadata(outcome);
     clip.layers.push_back(std::move(outcome.layer));
   }
-  if (prepared.held_out) add_held_out(prepared, times, clip, progress);
+  if (prepared.held_out) add_held_out(prepared, refinement, times, clip, progress);
+  Json camera = camera_json(prepared);
+  if (refinement) camera["refinement"] = refinement_json(*refinement);
   Json report = {{"schema", "kinora.encode/1"},
                  {"version", KINORA_VERSION},
                  {"config", config},
                  {"settings", settings},
                  {"capture", capture_json(prepared, pass)},
-                 {"camera", camera_json(prepared)},
+                 {"camera", std::move(camera)},
                  {"streams", streams_json(exposure, pass.depth_delay, prepared.registration)},
                  {"layers", std::move(layers)},
                  {"not_modelled", not_modelled},

@@ -6,6 +6,7 @@
 
 #include "encode/live_settings.h"
 #include "encode/motion_refinement.h"
+#include "encode/pose_refinement.h"
 #include "encode/setting_list.h"
 #include "fields/training/trainer.h"
 #include "ingest/capture/capture.h"
@@ -37,6 +38,7 @@ inline fields::TrainerConfig trainer_within_budget() {
 struct FieldSettings {
   fields::TrainerConfig trainer = trainer_within_budget();
   MotionRefinementConfig refinement;
+  PoseRefinementConfig poses; ///< of a moving camera
 };
 
 /// How much is trained; presets differ in this alone.

@@ -32,11 +32,28 @@ motion::Motion TrackedLabel::motion() const {
   return moves ? motion::Motion::rigid(poses) : motion::Motion::still();
 }
 
+void TrackedLabel::move_world(const std::vector<SE3>& moves) {
+  world_moves.resize(moves.size(), SE3::Identity());
+  for (std::size_t f = 0; f < moves.size(); ++f) world_moves[f] = moves[f] * world_moves[f];
+  for (std::size_t f = 0; f < poses.size(); ++f)
+    poses[f].canonical_to_world = renormalized(moves[f] * poses[f].canonical_to_world);
+  if (!layer) return;
+  std::vector<motion::Motion::Deformation> deformations = layer->motion.deformations();
+  for (std::size_t i = 0; i < deformations.size(); ++i) {
+    const DualQuaternion move = DualQuaternion::from(moves[poses.size() + i]);
+    for (DualQuaternion& node : deformations[i].node_to_world) node = move * node;
+  }
+  layer->motion = motion::Motion::deforming(layer->motion.graph(), std::move(deformations));
+}
+
 std::optional<motion::JointPaths> TrackedLabel::joints() const {
   auto joints = layer ? layer->body.joint_paths() : std::nullopt;
   if (!joints) return std::nullopt;
   auto& positions = joints->positions;
   positions.insert(positions.begin(), static_cast<std::size_t>(first_frame), positions.front());
+  for (std::size_t f = 0; f < world_moves.size(); ++f) {
+    for (Eigen::Vector3d& position : positions[f]) position = world_moves[f] * position;
+  }
   return joints;
 }
 

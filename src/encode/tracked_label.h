@@ -32,9 +32,12 @@ struct TrackedLabel {
   std::optional<tracking::MissedObject> missed;      ///< by that in the last frame
   std::unique_ptr<tracking::DeformingTracker> deforming_tracker; ///< if deforming, up to the last frame
   std::optional<tracking::TrackedLayer> layer;                   ///< and after that, unless it was never seen
+  std::vector<SE3> world_moves; ///< of all frames, since they were tracked; empty: none
 
   /// Over the whole timeline, or all of it so far: still if it never left its place by more than tracking can tell.
   motion::Motion motion() const;
+  /// The world is moved in each frame of the timeline, and all of the label with it; after the last frame.
+  void move_world(const std::vector<SE3>& moves);
   /// Of its skeleton over the whole timeline, if it is a person.
   std::optional<motion::JointPaths> joints() const;
   /// Greatest distance (metres) of its points from where they were in its first frame; only if rigid.

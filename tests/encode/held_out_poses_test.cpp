@@ -81,7 +81,7 @@ clip::Clip with_held_out(clip::Clip clip, std::uint8_t grey = 100, const std::fu
   Progress progress;
   const auto held_out = held_out_of_five(
       grey, camera ? camera : [](int) { return SE3::Identity(); });
-  add_held_out_frames(clip, *held_out, static_cast<bool>(camera), progress);
+  add_held_out_frames(clip, *held_out, camera ? std::optional(std::vector<SE3>()) : std::nullopt, progress);
   return clip;
 }
 
@@ -177,6 +177,18 @@ TEST(HeldOutPoses, CameraIsWhereTheFrameKnowsItOrOnItsPath) {
   ASSERT_EQ(found.camera_to_world.size(), std::size_t{kFrames});
   EXPECT_NE(found.camera_to_world[kFifth].matrix(), camera(kFifth).matrix());
   EXPECT_LT(distance(found.camera_to_world[kFifth], camera(kFifth)), 0.0003);
+}
+
+TEST(HeldOutPoses, CameraThatTheFrameKnowsMovesAsThoseBesideItWereMoved) {
+  clip::Clip clip = clip_of_the_others();
+  const SE3 known(Eigen::Translation3d(0, 0, 1));
+  const SE3 move(Eigen::Translation3d(0.01, 0, 0) * Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()));
+  clip.camera_to_world.assign(clip.times.size(), move * known);
+  Progress progress;
+  const auto held_out = held_out_of_five(100, [&](int) { return known; });
+  add_held_out_frames(clip, *held_out, std::vector<SE3>(clip.times.size(), move), progress);
+  ASSERT_EQ(clip.camera_to_world.size(), std::size_t{kFrames});
+  for (const SE3& pose : clip.camera_to_world) EXPECT_TRUE(pose.isApprox(move * known, 1e-9));
 }
 
 } // namespace

@@ -139,6 +139,11 @@ void PixelStore::change_colors(std::size_t frame, const GainTables& tables) {
   for (std::size_t i = frames_[frame].begin; i < frames_[frame].end; ++i) pixels_[i].color = tables(pixels_[i].color);
 }
 
+void PixelStore::set_cameras(const std::vector<SE3>& camera_to_world) {
+  for (StoredFrame& frame : frames_)
+    frame.camera.camera_to_world = camera_to_world[static_cast<std::size_t>(frame.frame)];
+}
+
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {
   PixelStore part(max_pixels, frames_.size());
   const double share = static_cast<double>(max_pixels) / static_cast<double>(std::max<std::size_t>(pixels_.size(), 1));

@@ -67,6 +67,9 @@ public:
   /// Of a frame, by its number in frames().
   void change_colors(std::size_t frame, const GainTables& tables);
 
+  /// Cameras of all frames lie here from now on: one pose for each frame of the timeline.
+  void set_cameras(const std::vector<SE3>& camera_to_world);
+
   /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
   /// about `max_pixels`.
   PixelStore thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const;

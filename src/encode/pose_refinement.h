@@ -1,0 +1,32 @@
+// Brings the pose of a still or rigid layer relative to the camera nearer to what its field shows, frame by frame.
+// Source: Lin et al., "BARF: Bundle-Adjusting Neural Radiance Fields", ICCV 2021, here by Gauss–Newton.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/progress.h"
+#include "encode/field_view.h"
+
+namespace kinora::encode {
+
+struct PoseRefinementConfig {
+  int passes = 1;              ///< trainings of a draft, each with poses refined after it; 0: none
+  int rounds = 3;              ///< Gauss–Newton steps
+  double prior_metres = 0.02;  ///< standard deviation from where the tracker had it
+  double prior_radians = 0.02; ///< and of its turn
+};
+
+/// How a stored frame's camera comes to lie nearer, seen from the layer.
+struct PoseCorrection {
+  SE3 canonical_from_camera = SE3::Identity(); ///< refined
+  ColorFit fit{};
+};
+
+/// One for each stored frame; nothing where it would be explained no better, or shows too little of the layer. The
+/// layer does not deform. Same input, same bits, for any number of threads. Throws Error(kInterrupted) when cancelled.
+std::vector<std::optional<PoseCorrection>> refine_poses(const fields::Field& field,
+                                                        const fields::LayerObservations& layer, Progress& progress,
+                                                        const PoseRefinementConfig& config = {});
+
+} // namespace kinora::encode
