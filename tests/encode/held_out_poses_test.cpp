@@ -181,7 +181,7 @@ TEST(HeldOutPoses, CameraIsWhereTheFrameKnowsItOrOnItsPath) {
 
 TEST(HeldOutPoses, CameraThatTheFrameKnowsMovesAsThoseBesideItWereMoved) {
   clip::Clip clip = clip_of_the_others();
-  const SE3 known(Eigen::Translation3d(0, 0, 1));
+  SE3 known(Eigen::Translation3d(0, 0, 1));
   const SE3 move(Eigen::Translation3d(0.01, 0, 0) * Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()));
   clip.camera_to_world.assign(clip.times.size(), move * known);
   Progress progress;
