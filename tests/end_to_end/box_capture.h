@@ -25,6 +25,7 @@ struct BoxScene {
   int box_leaves = 1'000; ///< the first one after that in which it is not
   double color_zoom = 1;  ///< focal length of the colour camera over that of depth, which calibration gives for both
   bool poses = false;     ///< a camera that moves sideways and tells where it is, over a scene that stands still
+  double pose_error = 0;  ///< metres by which each of these poses is told wrong, another way in each frame
   std::array<float, 2> exposures{1, 1}; ///< factors of light, of even and of odd frames
   bool moving_camera = false;           ///< a camera that moves sideways and does not tell, over a scene that moves too
 
@@ -39,6 +40,11 @@ struct BoxScene {
     SE3 pose = SE3::Identity();
     if (poses || moving_camera) pose.translation().x() = 0.02 * frame;
     return pose;
+  }
+  SE3 told_camera_to_world(int frame) const {
+    const double angle = 2.4 * frame;
+    return SE3(Eigen::Translation3d(pose_error * std::cos(angle), pose_error * std::sin(angle), 0) *
+               camera_to_world(frame));
   }
   SE3 box_to_world(int frame) const {
     const double i = poses ? 0 : frame;
@@ -142,7 +148,7 @@ inline void write_frame(const TemporaryFolder& folder, const BoxScene& scene, in
     const std::string stem = "frame-" + name;
     folder.write(stem + ".color.png", encode_png(color));
     folder.write(stem + ".depth.png", encode_png16(depth));
-    folder.write(stem + ".pose.txt", matrix_text(scene.camera_to_world(frame)));
+    folder.write(stem + ".pose.txt", matrix_text(scene.told_camera_to_world(frame)));
     return;
   }
   folder.write("color/" + name + ".png", encode_png(color));

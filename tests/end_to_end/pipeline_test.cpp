@@ -250,6 +250,28 @@ TEST(Encoder, MovingCameraWithPosesSeesOneStillLayer) {
   EXPECT_LT(held_out.at("depth_error_median").get<double>(), 0.01);
 }
 
+TEST(Encoder, PosesThatAreToldWrongComeNearer) {
+  const TemporaryFolder folder;
+  BoxScene scene;
+  scene.poses = true;
+  scene.pose_error = 0.008;
+  write_box_capture(folder, scene);
+  const auto error_after = [&](int passes) { // from one frame to the next: what all poses share is the world's place
+    Listener listener;
+    auto options = quick_options();
+    options.settings.fields.poses.passes = passes;
+    const std::vector<SE3> path = encode_folder(folder, options, listener).clip.camera_to_world;
+    double sum = 0;
+    for (int i = 1; i < scene.frames; ++i) {
+      const auto f = static_cast<std::size_t>(i);
+      const SE3 told = path[f - 1].inverse() * path[f];
+      sum += (told.translation() - Eigen::Vector3d(0.02, 0, 0)).norm();
+    }
+    return sum / (scene.frames - 1);
+  };
+  EXPECT_LT(error_after(1), 0.7 * error_after(0));
+}
+
 TEST(Encoder, CarriedCameraIsFoundAndWhatMovesStaysWhereItIsInTheWorld) {
   const TemporaryFolder folder;
   BoxScene scene;
