@@ -56,6 +56,7 @@ TEST(LiveTrainer, AllLayersWithoutAFieldComeFirstAndThenInTurns) {
   std::map<int, std::size_t> before = rays_of(trainer);
   EXPECT_EQ(before.size(), 2U);
   std::map<int, int> turns;
+  int last = -1, in_a_row = 0;
   for (int round = 0; round < 8; ++round) {
     ASSERT_TRUE(trainer.train(scene.snapshot, scene.frames, kRays, quiet));
     const std::map<int, std::size_t> after = rays_of(trainer);
@@ -63,9 +64,12 @@ TEST(LiveTrainer, AllLayersWithoutAFieldComeFirstAndThenInTurns) {
     for (const auto& [label, rays] : after) {
       if (rays == before[label]) continue;
       ++turns[label];
+      in_a_row = label == last ? in_a_row + 1 : 1;
+      last = label;
       gained += rays - before[label];
     }
     EXPECT_GE(gained, kRays) << "one layer has the whole round";
+    EXPECT_LE(in_a_row, 2) << "two layers whose parts are alike";
     before = after;
   }
   EXPECT_EQ(turns[kWall] + turns[kBox], 8) << "one layer each round";
