@@ -10,14 +10,17 @@ const [clip, runs = 5, looping = 20] = process.argv.slice(2);
 const bytesPerSecond = 10e6 / 8;
 const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
 
-/** Of the browser's process that runs the page and its workers: the largest of its kind. */
-async function residentMegabytes() {
+/** Of the browser's process that runs the page and its workers, the largest of its kind: what is its own (as the browser's
+ * task manager counts it), and with it the pages of the browser's program, which all its processes share. */
+async function megabytes() {
   const sizes = await Promise.all((await readdir("/proc")).filter(Number).map(async (id) => {
     const text = (name) => readFile(`/proc/${id}/${name}`, "utf8").catch(() => "");
-    if (!(await text("cmdline")).includes("--type=renderer")) return 0;
-    return Number(/VmRSS:\s*(\d+)/.exec(await text("status"))?.[1] ?? 0) / 1024;
+    if (!(await text("cmdline")).includes("--type=renderer")) return [0, 0];
+    const status = await text("status");
+    return ["RssAnon", "VmRSS"].map((name) => Number(new RegExp(`${name}:\\s*(\\d+)`).exec(status)?.[1] ?? 0) / 1024);
   }));
-  return Math.max(...sizes);
+  const [own, resident] = sizes.reduce((largest, size) => (size[1] > largest[1] ? size : largest));
+  return { own, resident };
 }
 
 /** All answers share the line. */
@@ -118,11 +121,13 @@ for (let run = 0; run < runs; ++run) {
       player.playbackRate = 16;
       void player.play();
     });
-    note("page's heap, MB", await memory());
-    note("renderer process, MB", await residentMegabytes());
-    await page.waitForTimeout(1000 * looping);
-    note(`page's heap after ${looping} s of looping at speed 16, MB`, await memory());
-    note(`renderer process after ${looping} s, MB`, await residentMegabytes());
+    for (const when of ["", ` after ${looping} s of looping at speed 16`]) {
+      if (when) await page.waitForTimeout(1000 * looping);
+      note(`page's heap${when}, MB`, await memory());
+      const { own, resident } = await megabytes();
+      note(`renderer process${when}, its own memory, MB`, own);
+      note(`renderer process${when}, with the browser's program, MB`, resident);
+    }
   }
 }
 for (const [what, values] of Object.entries(measured)) console.log(`${what}: ${median(values).toFixed(1)} (of ${values.length})`);

@@ -12,6 +12,7 @@
 #include "evaluate/comparison.h"
 #include "evaluate/ground_truth.h"
 #include "evaluate/ground_truth_comparison.h"
+#include "evaluate/picture_shift.h"
 #include "evaluate/track_error.h"
 #include "ingest/depth/registration_json.h"
 
@@ -90,6 +91,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
   const clip::Clip& clip = player.clip();
   require_same_source(clip, capture.info());
   std::vector<Groups> groups = groups_of(player, capture.info().has_masks, moving != nullptr);
+  PictureShift held_out_shift, trained_shift;
   const clip::Exposure exposure = clip::stored_exposure(clip.metadata);
   const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_trained_frames);
   progress.stage("comparing", chosen.size());
@@ -115,6 +117,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
       compare(pictures.at(group.subject.layers), *frame, group.subject,
               clip.held_out[i] ? group.held_out : group.trained);
     });
+    (clip.held_out[i] ? held_out_shift : trained_shift).add(pictures.at(player.all_layers()).color, frame->color);
     progress.advance(++done, "");
   }
   if (done == 0) {
@@ -129,6 +132,8 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
       report[group.subject.name] = group.json();
     }
   }
+  report["picture"]["held_out"].update(held_out_shift.json());
+  report["picture"]["trained"].update(trained_shift.json());
   return report;
 }
 

@@ -31,7 +31,8 @@ struct EvaluateOptions {
 /// - `depth_error_median`: metres, |drawn − measured| over the region's measured pixels, an undrawn one counting as
 ///   infinitely wrong (null if most are); `depth_coverage`: the share of them that is drawn;
 /// and `trained_minus_held_out_db`, of `psnr`. `whole` is the same for all layers drawn together, where masks tell
-/// which pixels are modelled; `picture` over every pixel, with nothing drawn counting as black; `foreground` for the
+/// which pixels are modelled; `picture` over every pixel, with nothing drawn counting as black, and with it how many
+/// pixels what is drawn lies beside what is true (`shift_median`, `shift_95`: picture_shift.h); `foreground` for the
 /// labelled layers against everything that is labelled. Without masks there are no layers to tell apart if the clip has
 /// several; a still camera's capture then has `moving` and `still`, all layers over the pixels of each kind (`moving`,
 /// if not null). Throws Error(kUsage) if the capture is not the clip's.

@@ -34,7 +34,7 @@ Player::Player(clip::Clip clip, Readiness readiness) : clip_(std::move(clip)), r
     const std::shared_ptr<const fields::Field> held_by_the_clip(std::shared_ptr<const void>(), &layer.field);
     drawables_.push_back(std::make_unique<fields::DrawableField>(held_by_the_clip, layer.motion.graph().get(),
                                                                  layer.confidence, detail));
-    centres_.push_back(occupied_centre(layer.field));
+    centres_.emplace_back();
     shown_.push_back(clip::shown_frames(layer, clip_.times.size()));
   }
 }
@@ -117,7 +117,9 @@ std::vector<motion::Health> Player::drawn_health(double frame, const LayerChoice
 }
 
 std::optional<Eigen::Vector3d> Player::centre_of(std::size_t layer, double frame) const {
-  const auto& centre = centres_.at(layer);
+  Centre& known = centres_.at(layer);
+  std::call_once(known.found, [&] { known.canonical = occupied_centre(clip_.layers[layer].field); });
+  const std::optional<Eigen::Vector3d>& centre = known.canonical;
   if (!centre || !is_drawn(layer, frame)) return std::nullopt;
   const motion::Warp warp = clip_.layers[layer].motion.warp(frame);
   if (warp.is_rigid()) return warp.rigid() * *centre;

@@ -1,6 +1,7 @@
 // A clip that can be looked at: any frame or time, any camera, any of its layers.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -76,7 +77,11 @@ private:
   clip::Clip clip_;
   Readiness readiness_;
   std::vector<std::unique_ptr<fields::DrawableField>> drawables_;
-  std::vector<std::optional<Eigen::Vector3d>> centres_; ///< canonical, metres
+  struct Centre {
+    std::once_flag found;
+    std::optional<Eigen::Vector3d> canonical; ///< metres
+  };
+  mutable std::deque<Centre> centres_; ///< by layer; each found when it is first asked for
   std::vector<motion::Presence> shown_;
   /// Of a layer that deforms, the last frame that was drawn: from other cameras it is often drawn again.
   struct LastPosed {

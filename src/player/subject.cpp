@@ -22,7 +22,7 @@ void add_seen_points(const Player& player, int frame, std::vector<WeightedPoint>
   const Intrinsics& full = camera.intrinsics;
   const int height = std::max(1, kProbeWidth * full.height / std::max(1, full.width));
   camera.intrinsics = full.resized(kProbeWidth, height);
-  const DepthImage depth = player.draw(camera, frame, player.all_layers()).depth;
+  const DepthImage depth = player.preview(camera, frame, player.all_layers()).depth;
   for (int v = 0; v < depth.height(); ++v) {
     for (int u = 0; u < depth.width(); ++u) {
       const double z = depth.at(u, v); // metres

@@ -29,11 +29,12 @@ export class Drawer {
     return this.#waiting.size > 0;
   }
 
-  ask<Kind extends Call["kind"]>(call: Extract<Call, { kind: Kind }>): Promise<Results[Kind]> {
+  /** What is in `moved` goes over and is here no more. */
+  ask<Kind extends Call["kind"]>(call: Extract<Call, { kind: Kind }>, moved: Transferable[] = []): Promise<Results[Kind]> {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
-      this.#worker.postMessage({ id, call } satisfies Question);
+      this.#worker.postMessage({ id, call } satisfies Question, moved);
     });
   }
 

@@ -7,7 +7,7 @@ import { listenToPointers, viewAfterKey } from "./gestures.js";
 import { formatPlace, type Place } from "./link.js";
 import { MediaAttributes } from "./media.js";
 import { makeMenu } from "./menu.js";
-import type { DrawnBy, Layer, Picture, ViewName } from "./messages.js";
+import type { DrawnBy, Layer, ViewName } from "./messages.js";
 import { ArrivingClip } from "./arriving.js";
 import { ClipSource } from "./source.js";
 import { Stage } from "./stage.js";
@@ -22,7 +22,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   #controls: Controls;
   #opening = new AbortController();
   #stage: Stage | null = null;
-  #picture: Picture | null = null; // the last that was shown
+  #pictureCamera: Camera | null = null; // of the last picture that was shown
   #fault: Fault | null = null;
   #file: File | null = null;
   #place: Place = {}; // where the next clip starts
@@ -48,7 +48,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     listenToPointers(this.#surface.stage, {
       view: () => this.#viewNow(),
       turn: (view) => (this.camera = view),
-      heightAtOne: () => (this.#picture ? this.#picture.camera.height / this.#picture.camera.fy : 1),
+      heightAtOne: () => (this.#pictureCamera ? this.#pictureCamera.height / this.#pictureCamera.fy : 1),
     });
     this.#surface.stage.addEventListener("dblclick", () => this.#toggleFullScreen());
     this.#surface.stage.addEventListener("keydown", (event) => this.#key(event));
@@ -67,7 +67,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
 
   attributeChangedCallback(name: string, before: string | null, now: string | null): void {
-    if (name === "poster") this.#surface.setPoster(this.#picture ? "" : this.poster);
+    if (name === "poster") this.#surface.setPoster(this.#pictureCamera ? "" : this.poster);
     if (name === "controls") this.#controls.bar.hidden = !this.controls;
     if (name === "loop" && this.#stage) this.#stage.clock.loop = this.loop;
     if (name === "muted" && before !== now) {
@@ -163,7 +163,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
   /** As of HTMLMediaElement: 0 nothing, 1 metadata, 3 a part, 4 all has come. */
   get readyState(): number {
-    return this.#picture ? (this.#stage!.complete ? 4 : 3) : this.#stage ? 1 : 0;
+    return this.#pictureCamera ? (this.#stage!.complete ? 4 : 3) : this.#stage ? 1 : 0;
   }
   /** What is wrong: a code of MediaError's, and a sentence. */
   get error(): { code: number; message: string } | null {
@@ -212,7 +212,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
   /** The camera and size of the picture that is shown. */
   get pictureCamera(): Camera | null {
-    return this.#picture?.camera ?? null;
+    return this.#pictureCamera;
   }
 
   // ---- opening
@@ -233,7 +233,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     try {
       const events = {
         changed: () => this.#changed(),
-        shown: (picture: Picture) => this.#shown(picture),
+        shown: (camera: Camera) => this.#shown(camera),
         waiting: (late: boolean, starved: boolean) => this.#waiting(late, starved),
         lacks: (fault: Fault) => this.#say(fault),
         ended: () => this.#ended(),
@@ -273,7 +273,7 @@ export class KinoraPlayerElement extends MediaAttributes {
     this.#stage?.close();
     const had = this.#stage !== null;
     this.#stage = null;
-    this.#picture = null;
+    this.#pictureCamera = null;
     this.#fault = null;
     this.#loading = false;
     this.#seeking = false;
@@ -292,7 +292,7 @@ export class KinoraPlayerElement extends MediaAttributes {
   /** What is shown stays. */
   #say(fault: Fault): void {
     this.#fault = fault;
-    this.#surface.setFault(fault.message, this.#picture !== null);
+    this.#surface.setFault(fault.message, this.#pictureCamera !== null);
     this.dispatchEvent(new ErrorEvent("error", { message: fault.message, error: fault }));
   }
 
@@ -304,12 +304,12 @@ export class KinoraPlayerElement extends MediaAttributes {
     this.#showSound();
     this.#controls.refillMenu();
     this.#tell("durationchange");
-    if (this.#stage!.complete && this.#picture) this.#tell("canplaythrough");
+    if (this.#stage!.complete && this.#pictureCamera) this.#tell("canplaythrough");
   }
 
-  #shown(picture: Picture): void {
-    const first = this.#picture === null;
-    this.#picture = picture;
+  #shown(camera: Camera): void {
+    const first = this.#pictureCamera === null;
+    this.#pictureCamera = camera;
     if (first) {
       this.#surface.setPoster("");
       this.#surface.setState(null);
@@ -377,8 +377,8 @@ export class KinoraPlayerElement extends MediaAttributes {
   }
 
   #viewNow(): View | null {
-    if (!this.#stage || !this.#picture) return null;
-    return this.#stage.view ?? viewOf(this.#picture.camera.cameraToWorld, this.#stage.subject);
+    if (!this.#stage || !this.#pictureCamera) return null;
+    return this.#stage.view ?? viewOf(this.#pictureCamera.cameraToWorld, this.#stage.subject);
   }
 
   #key(event: KeyboardEvent): void {

@@ -73,7 +73,7 @@ export type Call =
   | { kind: "open"; code: WebAssembly.Module; clip: Blob; name: string; by: DrawnBy; all: boolean; firstLook: boolean } // all: nothing follows now; firstLook: soon and coarse
   | { kind: "captureCamera"; time: number }
   | { kind: "sound" }
-  | { kind: "draw"; request: DrawRequest };
+  | { kind: "draw"; request: DrawRequest; into?: ArrayBuffer | undefined }; // into: of a picture that nobody needs any more
 
 export interface Results {
   open: Opened;

@@ -50,7 +50,8 @@ export class ClipPlayer {
     if (status !== 0) throw faultOfStatus(status, sentence);
     const arrived = { finished, missing: sentence, ...framesOf(module) };
     if (player === 0) return { player: null, ...arrived };
-    const gpu = by === "cpu" ? null : GpuDrawing.open(module, by === "webgl");
+    const soon = firstLook && by !== "webgl"; // shaders take longer to be ready than a first picture
+    const gpu = by === "cpu" || soon ? null : GpuDrawing.open(module, by === "webgl");
     return { player: new ClipPlayer(module, player, gpu), ...arrived };
   }
 
@@ -77,7 +78,8 @@ export class ClipPlayer {
     return [n[0]!, n[1]!, n[2]!];
   }
 
-  draw(request: DrawRequest): Picture {
+  /** `into` holds the picture's bytes if there are as many. */
+  draw(request: DrawRequest, into?: ArrayBuffer): Picture {
     const started = performance.now();
     const capture = this.captureCamera(request.time);
     const { width, height, pose, intrinsics } = request.camera;
@@ -100,9 +102,11 @@ export class ClipPlayer {
         const preview = Number(request.preview);
         this.check(m._module_draw(this.player, request.time, numbers, visible, view, preview, color, depth));
       }
+      const bytes = new Uint8ClampedArray(into?.byteLength === 4 * pixels ? into : new ArrayBuffer(4 * pixels));
+      bytes.set(m.HEAPU8.subarray(color, color + 4 * pixels));
       return {
         camera,
-        color: new Uint8ClampedArray(m.HEAPU8.slice(color, color + 4 * pixels).buffer),
+        color: bytes,
         depth: depth ? m.HEAPF32.slice(depth >> 2, (depth >> 2) + pixels) : null,
         milliseconds: performance.now() - started,
         by: byGpu ? "webgl" : "cpu",

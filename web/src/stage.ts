@@ -17,7 +17,7 @@ const firstAlone = 500; // milliseconds for which nothing else is done while the
 
 export interface StageEvents {
   changed(): void; // more of the clip has come
-  shown(picture: Picture): void;
+  shown(camera: Camera): void; // a picture by it
   waiting(late: boolean, starved: boolean): void;
   lacks(fault: Fault): void; // something of the clip will not come
   ended(): void;
@@ -44,6 +44,7 @@ export class Stage {
   #hidden = new Set<string>(); // names of layers
   #view: View | null = null;
   #drawers: Drawer[];
+  #spare: ArrayBuffer[] = []; // of pictures that were shown: others are drawn into them
   // While the camera rests, a drawer's pictures of one size cost less from the third on.
   #whileCameraMoves: Resolution;
   #whileCameraRests: Resolution;
@@ -275,7 +276,10 @@ export class Stage {
 
   /** By these drawers at once: each draws a strip of the picture. */
   async #drawn(request: DrawRequest, drawers: Drawer[]): Promise<Picture> {
-    if (drawers.length === 1) return drawers[0]!.ask({ kind: "draw", request });
+    if (drawers.length === 1) {
+      const into = this.#spare.pop();
+      return drawers[0]!.ask({ kind: "draw", request, into }, into ? [into] : []);
+    }
     const { pose, width, height } = request.camera;
     const camera = fitted(this.capture, width, height, pose ?? this.capture.cameraToWorld);
     const rowsOfEach = Math.ceil(height / drawers.length);
@@ -314,14 +318,18 @@ export class Stage {
 
   #show(picture: Picture, asked: Asked, moves: boolean): void {
     if (moves) this.#lastMilliseconds = picture.milliseconds;
-    if (asked.number < this.#shown.number) return; // a later one was faster
+    if (asked.number >= this.#shown.number) this.#put(picture, asked); // else a later one was faster
+    if (this.#spare.length < mostDrawers) this.#spare.push(picture.color.buffer);
+  }
+
+  #put(picture: Picture, asked: Asked): void {
     this.#shown = asked;
     this.#byGpu = picture.by === "webgl";
     this.#lateSince = performance.now();
     const { width, height } = picture.camera;
     if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
     this.canvas.getContext("2d")!.putImageData(new ImageData(picture.color, width, height), 0, 0);
-    this.events.shown(picture);
+    this.events.shown(picture.camera);
   }
 
   #tellLate(now: number): void {

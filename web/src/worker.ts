@@ -15,7 +15,7 @@ async function answerTo(call: Call): Promise<Results[keyof Results]> {
   if (!player) throw new Fault(FaultCode.aborted, "no clip is open");
   if (call.kind === "captureCamera") return player.captureCamera(call.time);
   if (call.kind === "sound") return player.sound();
-  return player.draw(call.request);
+  return player.draw(call.request, call.into);
 }
 
 function send(answer: Answer): void {

@@ -37,18 +37,10 @@ std::size_t Occupancy::count() const {
 
 Occupancy coarsened(const Occupancy& occupancy, int factor) {
   Occupancy coarse(occupancy.resolution() / factor);
-  const auto r = static_cast<std::size_t>(occupancy.resolution());
-  const auto block = static_cast<std::size_t>(factor);
-  for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
-    for (std::uint64_t bits = occupancy.words()[w]; bits != 0;) {
-      const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
-      const std::size_t cell = w * 64 + bit;
-      coarse.set(static_cast<int>(cell % r / block), static_cast<int>(cell / r % r / block),
-                 static_cast<int>(cell / (r * r) / block));
-      const std::size_t next = bit + block - cell % r % block; // what is left of the row in this block says no more
-      bits &= next < 64 ? ~std::uint64_t{0} << next : 0;
-    }
-  }
+  std::vector<int> block(static_cast<std::size_t>(occupancy.resolution()));
+  for (std::size_t i = 0; i < block.size(); ++i) block[i] = static_cast<int>(i) / factor;
+  const auto block_of = [&](int i) { return block[static_cast<std::size_t>(i)]; };
+  for_each_occupied(occupancy, [&](int x, int y, int z) { coarse.set(block_of(x), block_of(y), block_of(z)); });
   return coarse;
 }
 

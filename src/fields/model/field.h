@@ -116,11 +116,23 @@ private:
 
 /// Calls `visit` with x, y and z of each occupied cell, x fastest.
 template <class Visit> void for_each_occupied(const Occupancy& occupancy, const Visit& visit) {
-  const auto r = static_cast<std::size_t>(occupancy.resolution());
+  const int r = occupancy.resolution();
   for (std::size_t w = 0; w < occupancy.words().size(); ++w) {
-    for (std::uint64_t bits = occupancy.words()[w]; bits != 0; bits &= bits - 1) {
-      const std::size_t cell = w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      visit(static_cast<int>(cell % r), static_cast<int>(cell / r % r), static_cast<int>(cell / (r * r)));
+    const std::uint64_t word = occupancy.words()[w];
+    if (word == 0) continue;
+    const std::size_t row = w * 64 / static_cast<std::size_t>(r);
+    const int begin = static_cast<int>(w * 64 - row * static_cast<std::size_t>(r));
+    int y = static_cast<int>(row) % r;
+    int z = static_cast<int>(row) / r;
+    int row_begin = 0; // in small grids a word has cells of several rows
+    for (std::uint64_t bits = word; bits != 0; bits &= bits - 1) {
+      int x = begin + std::countr_zero(bits) - row_begin;
+      for (; x >= r; x -= r, row_begin += r) {
+        if (++y < r) continue;
+        y = 0;
+        ++z;
+      }
+      visit(x, y, z);
     }
   }
 }

@@ -59,6 +59,19 @@ std::uint8_t quantised(float raw) {
   return static_cast<std::uint8_t>(std::floor(std::clamp(level, 0.0F, 255.0F) + 0.5F));
 }
 
+using BrickBytes = std::array<std::uint8_t, kSamples>; // x, then y, then z fastest to slowest
+
+void write_pairs(const BrickBytes& bytes, std::uint16_t* pairs) {
+  for (int z = 0; z < kLevels; ++z) {
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kLevels; ++x) {
+        const std::uint8_t* b = bytes.data() + (z * kLevels + y) * kLevels + x;
+        *pairs++ = static_cast<std::uint16_t>(b[0] | b[kLevels] << 8);
+      }
+    }
+  }
+}
+
 /// Samples one brick after the other; buffers are kept.
 class BrickSampler {
 public:
@@ -91,16 +104,7 @@ public:
     return max_byte >= DensityBricks::kVisible;
   }
 
-  void write_pairs(std::uint16_t* pairs) const {
-    for (int z = 0; z < kLevels; ++z) {
-      for (int y = 0; y < kSide; ++y) {
-        for (int x = 0; x < kLevels; ++x) {
-          const std::uint8_t* b = bytes_.data() + (z * kLevels + y) * kLevels + x;
-          *pairs++ = static_cast<std::uint16_t>(b[0] | b[kLevels] << 8);
-        }
-      }
-    }
-  }
+  const BrickBytes& bytes() const { return bytes_; }
 
 private:
   using Reached = std::uint16_t; // a bit for each sample along x
@@ -158,18 +162,23 @@ private:
   }
   // Of one row of cells along x: a bit for each sample, which has a few cells about it.
   Reached reached_along(const AxisSamples& x, int row, int layer) const {
-    const std::vector<std::uint64_t>& words = field_.occupancy.words();
     const auto n = static_cast<std::size_t>(field_.occupancy.resolution());
     const std::size_t begin = (static_cast<std::size_t>(layer) * n + static_cast<std::size_t>(row)) * n;
+    if (x.count() <= 64 && cells_from(begin + static_cast<std::size_t>(x.first()), x.count()) == 0) return 0;
     unsigned reached = 0;
     for (std::size_t i = 0; i < kLevels; ++i) {
       if (x.high[i] < x.low[i]) continue;
       const std::size_t first = begin + static_cast<std::size_t>(x.low[i]);
-      std::uint64_t cells = words[first / 64] >> (first % 64);
-      if (first % 64 != 0 && first / 64 + 1 < words.size()) cells |= words[first / 64 + 1] << (64 - first % 64);
-      if ((cells & ((std::uint64_t{2} << (x.high[i] - x.low[i])) - 1)) != 0) reached |= 1U << i;
+      if (cells_from(first, x.high[i] - x.low[i] + 1) != 0) reached |= 1U << i;
     }
     return static_cast<Reached>(reached);
+  }
+  // A bit for each of up to 64 cells from the occupancy's `first` on.
+  std::uint64_t cells_from(std::size_t first, int count) const {
+    const std::vector<std::uint64_t>& words = field_.occupancy.words();
+    std::uint64_t cells = words[first / 64] >> (first % 64);
+    if (first % 64 != 0 && first / 64 + 1 < words.size()) cells |= words[first / 64 + 1] << (64 - first % 64);
+    return count < 64 ? cells & ((std::uint64_t{1} << count) - 1) : cells;
   }
 
   const Field& field_;
@@ -178,7 +187,7 @@ private:
   std::array<float, kSamples> x_{}, y_{}, z_{}; // of the points
   std::array<std::uint16_t, kSamples> at_{};    // the sample that each is
   PointBatch points_;
-  std::array<std::uint8_t, kSamples> bytes_{};
+  BrickBytes bytes_{};
   std::array<Reached, std::size_t{kLevels} * kLevels> reached_{}; // by z, then y
   std::vector<Reached> of_cells_, of_rows_;                       // reached from rows of cells; by cell along z
 };
@@ -195,7 +204,7 @@ DensityBricks::DensityBricks(const Field& field, BrickDetail detail) : resolutio
   constexpr std::size_t kChunk = 64;
   struct Part {
     std::vector<std::array<int, 3>> coordinates;
-    std::vector<std::uint16_t> pairs;
+    std::vector<BrickBytes> bytes; // little more than half of the pairs
   };
   const std::vector<GridLevel> levels = stored_levels(field);
   std::vector<Part> parts(chunk_count(candidates.size(), kChunk));
@@ -205,17 +214,20 @@ DensityBricks::DensityBricks(const Field& field, BrickDetail detail) : resolutio
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       if (!sampler.sample(candidates[i])) continue;
       part.coordinates.push_back(candidates[i]);
-      part.pairs.resize(part.pairs.size() + kPairs);
-      sampler.write_pairs(part.pairs.data() + part.pairs.size() - kPairs);
+      part.bytes.push_back(sampler.bytes());
     }
   });
   std::size_t count = 0;
   for (const Part& part : parts) count += part.coordinates.size();
   coordinates_.reserve(count);
-  pairs_.reserve(count * kPairs);
+  pairs_.resize(count * kPairs);
+  std::uint16_t* pairs = pairs_.data();
   for (Part& part : parts) {
     coordinates_.insert(coordinates_.end(), part.coordinates.begin(), part.coordinates.end());
-    pairs_.insert(pairs_.end(), part.pairs.begin(), part.pairs.end());
+    for (const BrickBytes& bytes : part.bytes) {
+      write_pairs(bytes, pairs);
+      pairs += kPairs;
+    }
     part = {};
   }
   const auto per_side = static_cast<std::size_t>(bricks_per_side());
