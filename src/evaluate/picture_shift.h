@@ -15,11 +15,11 @@ class PictureShift {
 public:
   /// `drawn`: sRGB and straight alpha; pixels of which less than half is drawn do not count. `truth`: sRGB, 3 channels,
   /// as large; pictures smaller than 16 pixels do not count either. Not thread-safe (ingest/images/optical_flow.h).
-  /// Throws Error(kMissingComponent) without OpenCV.
+  ///
   void add(const ColorImage& drawn, const ColorImage& truth);
 
   /// `shift_median` and `shift_95`, the value that 95 % of the pixels do not exceed: pixels, to a hundredth, up to 64;
-  /// null if nothing was drawn.
+  /// null if nothing was drawn, or OpenCV is not installed.
   nlohmann::json json() const;
 
 private:

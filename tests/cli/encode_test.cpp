@@ -162,7 +162,10 @@ TEST_F(Encode, ExposureThatAlternatesIsTakenOutAndCanBePutBack) {
   const auto whole_picture = [&](const std::string& name) {
     const Said said = run_kinora(folder_, {"eval", path(name), "--against", capture_.path(), "--json"});
     EXPECT_EQ(said.code, 0) << said.err;
-    return Json::parse(said.out).at("picture").at("trained").at("psnr").get<double>();
+    const Json picture = Json::parse(said.out).at("picture");
+    EXPECT_LT(picture.at("trained").at("shift_median"), 1) << "pixels";
+    EXPECT_TRUE(picture.at("held_out").at("shift_median").is_null()) << "no frame is";
+    return picture.at("trained").at("psnr").get<double>();
   };
   const auto training_loss = [&](const std::string& name) {
     EXPECT_EQ(encode({path(name), "--report", path("r.json"), "--overwrite"}).code, 0);
