@@ -110,10 +110,17 @@ for (let run = 0; run < runs; ++run) {
   if (run + 1 < runs) await context.close();
   else {
     const session = await context.newCDPSession(page);
+    const workers = [];
+    session.on("Target.attachedToTarget", ({ sessionId }) => workers.push(sessionId));
+    await session.send("Target.setAutoAttach", { autoAttach: true, waitForDebuggerOnStart: false, flatten: false });
+    /** Of the page's heap, once the browser has collected what nobody needs, in workers too: it does so rarely by itself. */
     const memory = async () => {
+      const message = JSON.stringify({ id: 1, method: "HeapProfiler.collectGarbage" });
+      for (const sessionId of workers) await session.send("Target.sendMessageToTarget", { sessionId, message });
       await session.send("HeapProfiler.collectGarbage");
-      const { jsHeapUsedSize } = await session.send("Runtime.getHeapUsage").then((r) => ({ jsHeapUsedSize: r.usedSize }));
-      return jsHeapUsedSize / 1e6;
+      await page.waitForTimeout(1000);
+      const { usedSize } = await session.send("Runtime.getHeapUsage");
+      return usedSize / 1e6;
     };
     await page.evaluate(() => {
       const player = document.querySelector("kinora-player");
