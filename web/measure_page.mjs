@@ -8,6 +8,7 @@ import { launch, root } from "../tests/page/browser.mjs";
 
 const [clip, runs = 5, looping = 20] = process.argv.slice(2);
 const bytesPerSecond = 10e6 / 8;
+const looks = 5; // at the memory while it loops
 const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm" };
 
 /** Of the browser's process that runs the page and its workers, the largest of its kind: what is its own (as the browser's
@@ -128,8 +129,9 @@ for (let run = 0; run < runs; ++run) {
       player.playbackRate = 16;
       void player.play();
     });
-    for (const when of ["", ` after ${looping} s of looping at speed 16`]) {
-      if (when) await page.waitForTimeout(1000 * looping);
+    for (let look = 0; look <= looks; ++look) {
+      const when = look ? ` after ${(looping * look) / looks} s of looping at speed 16` : "";
+      if (look) await page.waitForTimeout((1000 * looping) / looks);
       note(`page's heap${when}, MB`, await memory());
       const { own, resident } = await megabytes();
       note(`renderer process${when}, its own memory, MB`, own);
