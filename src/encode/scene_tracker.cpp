@@ -5,11 +5,16 @@
 
 #include <fmt/format.h>
 
+#include "ingest/frame/reduced_frame.h"
+
 namespace kinora::encode {
 namespace {
 
 constexpr std::size_t kMinPixelsToBegin = 100; ///< measured pixels that a label needs in its first frame
-constexpr std::size_t kMaxLabels = 16;         ///< bound of memory and time for a damaged mask
+/// Pixels along the longer side, about, that frames keep where things are followed. What sensors measure is no finer,
+/// and noise of depth is told apart from shape in neighbourhoods of so many pixels.
+constexpr double kLongSide = 640;
+constexpr std::size_t kMaxLabels = 16; ///< bound of memory and time for a damaged mask
 
 } // namespace
 
@@ -100,8 +105,13 @@ void SceneTracker::make_deforming(TrackedLabel& tracked) {
   tracked.tracker.reset();
 }
 
-void SceneTracker::add(const ingest::Frame& frame, StageTimes& times) {
-  for (const auto& [label, observation] : observations_in(frame)) {
+void SceneTracker::add(const ingest::Frame& full, StageTimes& times) {
+  const int long_side = std::max(full.depth.width(), full.depth.height());
+  const int factor = std::max(1, static_cast<int>(std::lround(long_side / kLongSide)));
+  ingest::Frame fewer;
+  if (factor > 1) fewer = ingest::reduced_frame(full, factor);
+  const ingest::Frame& frame = factor > 1 ? fewer : full;
+  for (const auto& [label, observation] : observations_in(full)) {
     first_shown_.try_emplace(label, static_cast<std::size_t>(frames_));
     if (!labels_.contains(label) && observation.pixels >= kMinPixelsToBegin) begin_label(label, observation, frame);
     if (const auto found = labels_.find(label); found != labels_.end()) {

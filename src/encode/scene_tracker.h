@@ -17,7 +17,7 @@ class SceneTracker {
 public:
   SceneTracker(const ingest::CaptureInfo& capture, const TrackingSettings& settings, Progress& progress);
 
-  /// The next frame of the timeline.
+  /// The next frame of the timeline. It is followed at about 640 pixels along its longer side.
   void add(const ingest::Frame& frame, StageTimes& times);
 
   /// All that is followed, as of the last frame.

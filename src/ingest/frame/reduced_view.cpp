@@ -1,6 +1,7 @@
 #include "ingest/frame/reduced_view.h"
 
 #include "core/parallel.h"
+#include "ingest/frame/pixel_blocks.h"
 
 namespace kinora::ingest {
 namespace {
@@ -28,16 +29,11 @@ ReducedView reduced_view(const Frame& frame, int factor) {
   const int middle = factor / 2;
   Intrinsics& k = view.intrinsics;
   k = {width, height, k.fx / factor, k.fy / factor, (k.cx - middle) / factor, (k.cy - middle) / factor};
-  const int area = factor * factor;
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) {
       for (int u = 0; u < width; ++u) {
         view.depth.at(u, v) = measurement_of(frame.depth, u * factor, v * factor, factor);
-        int sum[3] = {};
-        for (int y = v * factor; y < (v + 1) * factor; ++y)
-          for (int x = u * factor; x < (u + 1) * factor; ++x)
-            for (int c = 0; c < 3; ++c) sum[c] += frame.color.at(x, y, c);
-        for (int c = 0; c < 3; ++c) view.color.at(u, v, c) = static_cast<std::uint8_t>((sum[c] + area / 2) / area);
+        mean_color(frame.color, u * factor, v * factor, factor, view.color.pixel(u, v));
       }
     }
   });

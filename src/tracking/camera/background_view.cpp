@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "ingest/frame/reduced_view.h"
+#include "ingest/frame/pixel_blocks.h"
 
 namespace kinora::tracking {
 namespace {
@@ -16,48 +16,12 @@ constexpr std::size_t kRowsPerChunk = 16;
 
 constexpr int factor_to(int width, int from) { return (from + width - 1) / width; }
 
-// Of the measurements of the block's nearest surface; 0 without any.
-float mean_depth(const DepthImage& depth, int left, int top, int factor) {
-  float nearest = 0;
-  for (int v = top; v < top + factor; ++v) {
-    const float* row = depth.pixel(left, v);
-    for (int u = 0; u < factor; ++u) {
-      if (row[u] > 0 && (nearest == 0 || row[u] < nearest)) nearest = row[u];
-    }
-  }
-  if (nearest == 0) return 0;
-  const auto limit = static_cast<float>(nearest + ingest::same_surface_tolerance(nearest));
-  float sum = 0;
-  float count = 0;
-  for (int v = top; v < top + factor; ++v) {
-    const float* row = depth.pixel(left, v);
-    for (int u = 0; u < factor; ++u) {
-      if (!(row[u] > 0) || row[u] > limit) continue;
-      sum += row[u];
-      count += 1;
-    }
-  }
-  return sum / count;
-}
-
 bool is_background(const LabelImage& labels, int left, int top, int factor) {
   for (int v = top; v < top + factor; ++v) {
     const std::uint8_t* row = labels.pixel(left, v);
     if (std::any_of(row, row + factor, [](std::uint8_t label) { return label != 0; })) return false;
   }
   return true;
-}
-
-void mean_color(const ColorImage& color, int left, int top, int factor, std::uint8_t* mean) {
-  std::array<int, 3> sum{};
-  for (int v = top; v < top + factor; ++v) {
-    const std::uint8_t* pixel = color.pixel(left, v);
-    for (int u = 0; u < factor; ++u, pixel += color.channels()) {
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += pixel[c];
-    }
-  }
-  const int area = factor * factor;
-  for (std::size_t c = 0; c < 3; ++c) mean[c] = static_cast<std::uint8_t>((sum[c] + area / 2) / area);
 }
 
 void check_sizes(const ingest::Frame& frame) {
@@ -102,16 +66,17 @@ BackgroundFrame reduce_background(const ingest::Frame& frame) {
       DepthImage(width, height),
       LabelImage(width, height, 1, 1),
       ColorImage(width * ratio, height * ratio, 3)};
+  const auto is_any = [](int, int) { return true; };
   parallel_for(static_cast<std::size_t>(height), kRowsPerChunk, [&](const Chunk& rows) {
     for (int v = static_cast<int>(rows.begin); v < static_cast<int>(rows.end); ++v) {
       for (int u = 0; u < width; ++u) {
-        reduced.depth.at(u, v) = mean_depth(frame.clean_depth, u * factor, v * factor, factor);
+        reduced.depth.at(u, v) = ingest::mean_depth(frame.clean_depth, u * factor, v * factor, factor, is_any);
         if (!frame.has_labels() || is_background(frame.labels, u * factor, v * factor, factor)) continue;
         reduced.mask.at(u, v) = 0;
       }
       for (int y = v * ratio; y < (v + 1) * ratio; ++y) {
         for (int x = 0; x < width * ratio; ++x) {
-          mean_color(frame.color, x * finer, y * finer, finer, reduced.color.pixel(x, y));
+          ingest::mean_color(frame.color, x * finer, y * finer, finer, reduced.color.pixel(x, y));
         }
       }
     }
