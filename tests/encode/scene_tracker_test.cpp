@@ -13,7 +13,9 @@ using tracking::testing::Shape;
 constexpr int kFrames = 8;
 const Shape kBox;
 
-SE3 box_at(int frame) { return tracking::testing::pose_at({0.02 * frame, 0, 1.6}, 20 + 2.0 * frame, 3.0 * frame); }
+SE3 box_at(int frame, double distance = 1.6) {
+  return tracking::testing::pose_at({0.02 * frame, 0, distance}, 20 + 2.0 * frame, 3.0 * frame);
+}
 
 /// Each pixel becomes `factor` × `factor` like it.
 template <class Pixels> Pixels enlarged(const Pixels& image, int factor) {
@@ -40,25 +42,51 @@ ingest::Frame frame_at(int index, int factor) {
   return frame;
 }
 
-class SceneTrackerOfFineColour : public ::testing::TestWithParam<int> {};
-
-TEST_P(SceneTrackerOfFineColour, FollowsAThingAsItDoesAtTheSizeOfTheDepth) {
+/// Poses of the box in frames that `frame_at` gives.
+template <class FrameAt> std::vector<motion::Motion::Pose> follow(const FrameAt& frame_at) {
   ingest::CaptureInfo capture;
   capture.labels[2] = {"box", "rigid", ""};
   Progress progress;
   StageTimes times;
   SceneTracker scene(capture, {}, progress);
-  for (int i = 0; i < kFrames; ++i) scene.add(frame_at(i, GetParam()), times);
-  const std::vector<motion::Motion::Pose> poses = std::move(scene).finish(times).at(2).poses;
-  const SE3 first = box_at(0);
+  for (int i = 0; i < kFrames; ++i) scene.add(frame_at(i), times);
+  return std::move(scene).finish(times).at(2).poses;
+}
+
+double error(const motion::Motion::Pose& pose, int frame, double distance = 1.6) {
+  const SE3 first = box_at(0, distance);
+  return (pose.canonical_to_world * first.translation() - box_at(frame, distance).translation()).norm();
+}
+
+class SceneTrackerOfFineColour : public ::testing::TestWithParam<int> {};
+
+TEST_P(SceneTrackerOfFineColour, FollowsAThingAsItDoesAtTheSizeOfTheDepth) {
+  const auto poses = follow([](int i) { return frame_at(i, GetParam()); });
   for (int i = 0; i < kFrames; ++i) {
-    const motion::Motion::Pose& pose = poses[static_cast<std::size_t>(i)];
-    EXPECT_EQ(pose.health, motion::Health::kTracked) << i;
-    EXPECT_LT((pose.canonical_to_world * first.translation() - box_at(i).translation()).norm(), 0.004) << i;
+    EXPECT_EQ(poses.at(static_cast<std::size_t>(i)).health, motion::Health::kTracked) << i;
+    EXPECT_LT(error(poses.at(static_cast<std::size_t>(i)), i), 0.004) << i;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, SceneTrackerOfFineColour, ::testing::Values(1, 2, 4));
+
+TEST(SceneTracker, FollowsAThingOfAHundredAndTwentyPixels) {
+  constexpr double kDistance = 2.4;
+  constexpr double kFootprint = 0.018; // metres, of a pixel there
+  tracking::testing::SceneOptions options;
+  options.width = 160;
+  options.height = 120;
+  options.focal = 131;
+  options.noise = 1;
+  const auto poses = follow([&](int i) {
+    options.seed = 5 + static_cast<std::uint64_t>(i);
+    return render_frame(kBox, box_at(i, kDistance), SE3::Identity(), i, options);
+  });
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(poses.at(static_cast<std::size_t>(i)).health, motion::Health::kTracked) << i;
+    EXPECT_LT(error(poses.at(static_cast<std::size_t>(i)), i, kDistance), kFootprint) << i;
+  }
+}
 
 } // namespace
 } // namespace kinora::encode

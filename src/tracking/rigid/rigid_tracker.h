@@ -47,7 +47,7 @@ struct ContourConfig {
 
 struct RigidTrackerConfig {
   double voxel_size = 0;             ///< metres; 0: from the sensor's noise and the footprint of a pixel at the object
-  std::size_t first_pixels = 150;    ///< pixels with clean depth that the first frame of the object must have
+  std::size_t first_pixels = 100;    ///< pixels with clean depth that the first frame of the object must have
   std::size_t min_pixels = 60;       ///< fewer: the pose is held
   std::size_t max_points = 2500;     ///< model points used for alignment, spread over directions of the normal
   double min_inlier_share = 0.6;     ///< of the points that fall on the object; below, the pose is not believed
