@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { existsSync } from "node:fs";
-import { mkdtemp, readdir, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, readdir, rm, stat, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { root } from "./browser.mjs";
@@ -37,6 +37,11 @@ try {
   for (const name of ["kinora-player.js", "kinora-worker.js", "kinora-player.wasm", "kinora-three.js", "index.html", "types", "LICENSE"]) {
     assert.ok(files.includes(name), `${name} is not among ${files}`);
   }
+  const page = path.join(root, "build/page");
+  const compressed = (await readdir(page)).filter((name) => name.endsWith(".gz"));
+  const sizes = await Promise.all(compressed.map(async (name) => (await stat(path.join(page, name))).size));
+  const bytes = sizes.reduce((sum, size) => sum + size, 0);
+  assert.ok(compressed.includes("kinora-player.wasm.gz") && bytes <= 1.2e6, `the code is ${bytes} bytes by gzip`);
   // What a browser has and Node.js has not.
   await writeFile(
     path.join(folder, "page.js"),

@@ -96,6 +96,38 @@ claim("an index that is not in the head is found at the end of the file", async 
   server.stop();
 });
 
+claim("so much is held and no more: what came before can be played, and a sentence says so", async ({ ClipSource }) => {
+  const most = 256 << 20;
+  const chunk = Buffer.alloc(1 << 20);
+  let asked = 0;
+  const server = http.createServer((request, response) => {
+    asked += 1;
+    const { from, until } = /bytes=(?<from>\d+)-(?<until>\d*)/.exec(request.headers.range).groups;
+    const end = until === "" ? 2 * most : Number(until) + 1;
+    response.writeHead(206, { "Content-Range": `bytes ${from}-${end - 1}/${2 * most}` });
+    let at = Number(from);
+    const go = () => {
+      while (at < end) {
+        const piece = chunk.subarray(0, Math.min(chunk.length, end - at));
+        at += piece.length;
+        if (!response.write(piece)) return void response.once("drain", go);
+      }
+      response.end();
+    };
+    go();
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  const source = fetched(ClipSource, `http://127.0.0.1:${server.address().port}`);
+  await source.beyond(2 * most);
+  assert.match(source.fault.message, /is larger than 256 MB; cut it with kinora cut$/);
+  assert.equal(source.all, false);
+  assert.ok(source.bytes <= most && source.bytes > most - (2 << 20), `${source.bytes} bytes`);
+  assert.equal(source.blob().size, source.bytes);
+  assert.equal(asked, 2, "the head, and the rest");
+  server.closeAllConnections();
+  server.close();
+});
+
 claim("the clock does not run into what has not come", ({ PlaybackClock }) => {
   let now = 0;
   const clock = new PlaybackClock(0, 0, () => now);
