@@ -184,10 +184,10 @@ claim("WebGL draws the picture of the CPU", async (world) => {
         second.addEventListener(event, () => second.stage.complete && resolve());
       }
     });
-    second.hidden = true; // a program that draws in the GPU's place takes long: one picture of the size that motion has is enough
+    second.hidden = true; // a program that draws in the GPU's place takes long: one small picture is enough
     document.body.append(second);
     await ready;
-    const camera = { pose: null, width: 320, height: 240 };
+    const camera = { pose: null, width: 160, height: 120 };
     const request = { ...first.stage.wanted, camera, preview: true, withDepth: false };
     const [cpu, webgl] = await Promise.all([first, second].map((player) => player.stage.draw(request)));
     let sum = 0;

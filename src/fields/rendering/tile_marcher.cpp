@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kinora::fields {
 namespace {
@@ -29,6 +30,7 @@ bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, 
     ray.depth_step = depth_step;
     ray.direction = direction;
     ray.rotation = entry_point.rotation;
+    ray.has_just_entered = true;
     // Samples lie on a ladder of depths that does not know of the hull, the first one behind the entry.
     const float rung = std::ceil(steps - 0.5F);
     ray.entry_depth = rung * ray.depth_step;
@@ -40,7 +42,7 @@ bool TileMarcher::enter(const PixelRay& pixel_ray, float until_depth, Ray& ray, 
 }
 
 void TileMarcher::begin(const PixelRay& pixel_ray, std::uint32_t pixel) {
-  Ray ray{pixel, 0, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNoRotation};
+  Ray ray{pixel, 0, true, true, 0, 1, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNoRotation};
   float begin = 0;
   if (!enter(pixel_ray, 0, ray, begin)) return;
   rays_.push_back(ray);
@@ -117,8 +119,11 @@ void TileMarcher::follow(const PixelRays& pixel_rays, Surfaces& surfaces) {
       }
       if (run.reason == RunEnd::kOpaque) continue;
       float begin = run.end;
-      if (run.reason == RunEnd::kLeft &&
-          !enter(pixel_rays[ray.pixel], ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
+      const bool has_just_entered = std::exchange(ray.has_just_entered, false);
+      if (has_just_entered && run.reason == RunEnd::kLeft && run.end == begin_[i]) {
+        begin += 1; // a sample on the hull itself may lie outside by rounding; the next one tells
+      } else if (run.reason == RunEnd::kLeft &&
+                 !enter(pixel_rays[ray.pixel], ray.entry_depth + run.end * ray.depth_step, ray, begin)) {
         continue;
       }
       rays_[kept] = ray;

@@ -55,6 +55,7 @@ private:
     std::uint32_t pixel;
     std::size_t next;     // entry
     bool is_unobstructed; // has met nothing yet
+    bool has_just_entered;
     float entry_depth;
     float depth_step;
     Eigen::Vector3f origin, direction;

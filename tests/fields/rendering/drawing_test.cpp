@@ -166,6 +166,14 @@ TEST(Drawing, NothingOfFieldsThatAreEmptyAndAllOfOpaqueOnes) {
   }
 }
 
+TEST(Drawing, NoRaySlipsThroughAFloor) {
+  const DrawableField floor(testing::sloping_floor());
+  for (int i = 0; i < 24; ++i) {
+    const Picture picture = draw(floor, testing::camera_that_grazes(i));
+    EXPECT_EQ(drawn_pixels(picture), picture.color.pixel_count()) << "camera " << i;
+  }
+}
+
 TEST(Drawing, AThreadOneCellThickIsSeen) {
   const DrawableField field(painted_field(kBox, [](const Eigen::Vector3d& p) {
     return testing::Paint{std::hypot(p.y(), p.z()) - 0.7 * kCell, {1, 1, 1}};

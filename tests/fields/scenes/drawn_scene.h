@@ -1,6 +1,7 @@
 // What tests of drawing look at, and from where.
 #pragma once
 
+#include <cmath>
 #include <memory>
 
 #include "core/camera.h"
@@ -38,6 +39,19 @@ inline std::shared_ptr<const motion::DeformationGraph> graph_of_box() {
     nodes.emplace_back(coordinate(i % 11), coordinate(i / 11 % 11), coordinate(i / 121));
   }
   return std::make_shared<const motion::DeformationGraph>(nodes, 0.15, 0.3);
+}
+
+/// A floor that is not level: steps of its hull lie before it.
+inline Field sloping_floor() {
+  return painted_field(kBox, [](const Eigen::Vector3d& at) { return Paint{at.y() - 0.02 * at.x() - 0.05 * at.z()}; });
+}
+/// Sees nothing but sloping_floor(), grazes it, and is so far away that the place of an entry errs: i from 0 to 23.
+inline Camera camera_that_grazes(int i) {
+  const double angle = 0.1 + 0.01 * i;
+  const Eigen::Vector3d from(0.1 * i, 7 * std::sin(angle), -7 * std::cos(angle));
+  Camera camera = camera_at(from, {0, 0, 0}, 320, 48);
+  camera.intrinsics.fx = camera.intrinsics.fy = 10.0 * camera.intrinsics.width;
+  return camera;
 }
 
 } // namespace kinora::fields::testing

@@ -102,6 +102,19 @@ TEST_P(GlPicture, IsTheProcessorsOfALayerOfWhichHalfIsNotBorn) {
   expect_close(scene_.layers, camera_at({0.4, -0.2, -1.1}, kMiddle), "all layers");
 }
 
+TEST_P(GlPicture, NoRaySlipsThroughAFloor) {
+  const DrawableField floor(fields::testing::sloping_floor());
+  const PosedField posed = fields::pose(floor, motion::Warp(SE3::Identity()));
+  GlRenderer renderer(SurfacelessContext::function);
+  for (int i = 0; i < 24; i += 2) {
+    renderer.draw({&posed, 1}, fields::testing::camera_that_grazes(i));
+    const ColorImage picture = renderer.read();
+    for (std::size_t k = 0; k < picture.pixel_count(); ++k) {
+      ASSERT_GT(picture.data()[4 * k + 3], 127) << "camera " << i << ", pixel " << k;
+    }
+  }
+}
+
 TEST_P(GlPicture, OfNoLayersIsEmpty) {
   GlRenderer renderer(SurfacelessContext::function);
   renderer.draw({}, camera_at({0, 0, -1}, kMiddle, 16, 12));

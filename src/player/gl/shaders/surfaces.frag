@@ -113,6 +113,10 @@ void main() {
     vec3 at = origin + middle * direction;
     int brick = brick_at(at);
     left = brick < 0;
+    if (left && i == 0) { // a sample on the hull itself may lie outside by rounding
+      begin = at_step += 1.0;
+      continue;
+    }
     bool ended = left;
     if (!left) {
       float passed = exp(-exp(raw_density(brick, at)) * u_optical_length);
