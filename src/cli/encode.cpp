@@ -93,6 +93,7 @@ encode::PreparedCapture prepare(const Options& options, const encode::Settings& 
   request.options = capture_options(options);
   request.options.max_depth = settings.ingest.max_depth;
   request.options.cleaning = settings.ingest.cleaning;
+  request.options.masks_on_edges = settings.ingest.masks_on_edges;
   request.camera = settings.tracking.camera;
   request.network = options.segmenter;
   request.detector = options.detector;
@@ -173,6 +174,7 @@ encode::EncodeResult encode_live(const Options& options, const encode::EncodeOpt
   ingest::CaptureOptions capture_how = capture_options(options);
   capture_how.max_depth = how.settings.ingest.max_depth;
   capture_how.cleaning = how.settings.ingest.cleaning;
+  capture_how.masks_on_edges = how.settings.ingest.masks_on_edges;
   capture_how.device = make_device(options.live, kQueueSeconds);
   const auto capture = ingest::Capture::open(context.plugins(), options.capture, capture_how, context.progress);
   GrowingClipFile file(out);

@@ -8,6 +8,7 @@
 
 #include "encode/held_out_frames.h"
 #include "ingest/calibration/pose_consistency.h"
+#include "ingest/frame/label_borders.h"
 #include "ingest/joints/joint_detector.h"
 #include "ingest/segmentation/mask_completion.h"
 #include "ingest/segmentation/network_segmenter.h"
@@ -185,6 +186,23 @@ Candidate with_registration(const Candidate& candidate, const ingest::FoundRegis
   return registered;
 }
 
+/// Lays labels on edges where they miss them.
+class OnEdges final : public ingest::Segmenter {
+public:
+  explicit OnEdges(std::unique_ptr<ingest::Segmenter> segmenter) : segmenter_(std::move(segmenter)) {}
+  void prepare(const ingest::CaptureFactory& open, const FrameRange& range, Progress& progress) override {
+    segmenter_->prepare(open, range, progress);
+  }
+  void label(ingest::Frame& frame) override {
+    segmenter_->label(frame);
+    ingest::repair_borders(frame);
+  }
+  const std::map<int, ingest::LabelInfo>& labels() const override { return segmenter_->labels(); }
+
+private:
+  std::unique_ptr<ingest::Segmenter> segmenter_;
+};
+
 /// Who labels the frames.
 struct Labelling {
   std::string from; ///< in words
@@ -194,7 +212,10 @@ struct Labelling {
 Labelling labelling_of(const CaptureRequest& request, bool has_masks) {
   if (!request.network.empty()) {
     return {"network " + request.network.filename().string(),
-            [network = request.network] { return ingest::make_network_segmenter(network); }};
+            [network = request.network, on_edges = request.options.masks_on_edges] {
+              auto segmenter = ingest::make_network_segmenter(network);
+              return on_edges ? std::make_unique<OnEdges>(std::move(segmenter)) : std::move(segmenter);
+            }};
   }
   if (has_masks) return {"masks", ingest::make_mask_completion};
   return {"motion", ingest::make_motion_segmenter};

@@ -19,6 +19,7 @@ namespace kinora::encode {
 struct IngestSettings {
   double max_depth = ingest::CaptureOptions().max_depth;
   ingest::DepthCleaning cleaning;
+  bool masks_on_edges = true; ///< also labels from a network
 };
 
 struct TrackingSettings {

@@ -149,6 +149,43 @@ TEST_F(Encode, NoMasksIsAsIfThereWereNone) {
   EXPECT_NE(layers_of("a.mkv"), layers_of("c.mkv"));
 }
 
+/// Each label over what is beside it.
+void widen_masks(const TemporaryFolder& capture) {
+  for (const auto& entry : fs::directory_iterator(capture.path() / "mask")) {
+    const std::string bytes = contents_of(entry.path());
+    const LabelImage labels = decode_labels(std::as_bytes(std::span(bytes)), "a mask");
+    ColorImage wide(labels.width(), labels.height(), 1);
+    for (int v = 0; v < labels.height(); ++v)
+      for (int u = 0; u < labels.width(); ++u)
+        for (int y = std::max(v - 1, 0); y <= std::min(v + 1, labels.height() - 1); ++y)
+          for (int x = std::max(u - 1, 0); x <= std::min(u + 1, labels.width() - 1); ++x)
+            wide.at(u, v) = std::max(wide.at(u, v), labels.at(x, y));
+    capture.write(fs::path("mask") / entry.path().filename(), encode_png(wide));
+  }
+}
+
+TEST_F(Encode, MasksThatMissTheEdgesOfThingsAreLaidOnThem) {
+  const std::string warning = "misses the edges";
+  EXPECT_EQ(encode({path("c.mkv")}).err.find(warning), std::string::npos);
+  widen_masks(capture_);
+  const Said laid = encode({path("laid.mkv")});
+  EXPECT_NE(laid.err.find(warning), std::string::npos) << laid.err;
+  const Said given = encode({path("given.mkv"), "--set", "ingest.masks_on_edges=false"});
+  EXPECT_EQ(given.err.find(warning), std::string::npos) << given.err;
+  BoxScene scene;
+  scene.frames = 4;
+  write_box_capture(capture_, scene);                 // with its true masks
+  const auto overlap = [&](const std::string& name) { // of the ball and the box, the worse
+    const Said said = run_kinora(folder_, {"eval", path(name), "--against", capture_.path(), "--json"});
+    EXPECT_EQ(said.code, 0) << said.err;
+    const Json layers = Json::parse(said.out).at("layers");
+    return std::min(layers.at(1).at("trained").at("iou").get<double>(),
+                    layers.at(2).at("trained").at("iou").get<double>());
+  };
+  EXPECT_GT(overlap("laid.mkv"), 0.95);
+  EXPECT_LT(overlap("given.mkv"), 0.85);
+}
+
 /// Mean of the colours of a picture.
 double brightness(const std::string& file) {
   const std::string bytes = contents_of(file);

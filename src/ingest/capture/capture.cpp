@@ -60,6 +60,7 @@ public:
       dropped_ += result.dropped;
       last_time_ = result.device_time;
       if (result.has_infrared) warn_of_infrared();
+      if (result.mask_was_laid) warn_of_mask(result.index);
       if (result.problem.empty()) return std::move(result.frame);
       skip(result);
     }
@@ -78,6 +79,14 @@ private:
     if (!std::exchange(warned_of_infrared_, true))
       progress_.warn(
           fmt::format("{}: the infrared images that the format {} delivers are not used", path_, info_.format));
+  }
+
+  void warn_of_mask(int index) {
+    if (!std::exchange(warned_of_mask_, true))
+      progress_.warn(
+          fmt::format("the mask of frame {} misses the edges of what it covers; it is laid on edges of depth and "
+                      "colour, and so are others like it (--set ingest.masks_on_edges=false: as they are)",
+                      index));
   }
 
   void skip(const SourceResult& result) {
@@ -101,6 +110,7 @@ private:
   std::vector<SkippedFrame> skipped_;
   bool ended_ = false;
   bool warned_of_infrared_ = false;
+  bool warned_of_mask_ = false;
   std::future<SourceResult> ahead_; ///< last, so that its thread has ended before anything else goes
 };
 

@@ -26,7 +26,8 @@ struct CaptureOptions {
   std::string format;           ///< name of the format to read with; empty: whoever recognises it best
   host::Options format_options; ///< of that format
   FrameRange frames;
-  bool use_masks = true; ///< false: masks on disk are not read
+  bool use_masks = true;       ///< false: masks on disk are not read
+  bool masks_on_edges = false; ///< masks whose borders miss the picture's edges are laid on them (repair_borders)
   double max_depth = 20; ///< metres: no depth camera measures beyond; some mark "no measurement" with large values
   DepthCleaning cleaning;
   /// The two cameras of a capture that says colour and depth are one camera's; its poses are then the depth camera's.

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "ingest/depth/depth_cleaning.h"
+#include "ingest/frame/label_borders.h"
 
 namespace kinora::ingest {
 namespace {
@@ -74,8 +75,9 @@ RegistrationGeometry registration_of(const KinoraCaptureInfo& info, const char* 
 } // namespace
 
 FrameSource::FrameSource(host::FrameReader reader, const CaptureOptions& options)
-    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks), max_depth_(options.max_depth),
-      cleaning_(options.cleaning), position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
+    : reader_(std::move(reader)), range_(options.frames), use_masks_(options.use_masks),
+      masks_on_edges_(options.masks_on_edges), max_depth_(options.max_depth), cleaning_(options.cleaning),
+      position_(range_.begin), intrinsics_(intrinsics_of(reader_.info().camera)) {
   reader_.replay(options.device);
   intrinsics_.validate(reader_.format().name);
   const KinoraCaptureInfo& info = reader_.info();
@@ -130,6 +132,7 @@ SourceResult FrameSource::next() {
   result.has_infrared = read->frame.infrared.data != nullptr;
   Frame frame = convert(read->frame);
   frame.index = result.index;
+  if (masks_on_edges_) result.mask_was_laid = repair_borders(frame);
   if (has_measurement(frame.depth))
     result.frame = std::move(frame);
   else

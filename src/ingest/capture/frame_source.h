@@ -14,8 +14,9 @@ struct SourceResult {
   std::size_t dropped = 0; ///< frames that a device lost before this one
   double device_time = 0;  ///< of the frame, as the plugin gives it
   std::optional<Frame> frame;
-  std::string problem;       ///< why there is no frame; empty with a frame and at the end
-  bool has_infrared = false; ///< the plugin delivered an infrared image, which no part of Kinora uses
+  std::string problem;        ///< why there is no frame; empty with a frame and at the end
+  bool has_infrared = false;  ///< the plugin delivered an infrared image, which no part of Kinora uses
+  bool mask_was_laid = false; ///< on edges: it missed them
   bool end = false;
 };
 
@@ -37,6 +38,7 @@ private:
   host::FrameReader reader_;
   FrameRange range_;
   bool use_masks_;
+  bool masks_on_edges_;
   double max_depth_;
   DepthCleaning cleaning_;
   int position_;
