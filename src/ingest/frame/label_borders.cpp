@@ -114,7 +114,7 @@ std::vector<Place> border_pixels(const LabelImage& labels) {
 /// The border that each pixel is nearest to.
 struct NearBorder {
   std::uint8_t low = 0, high = 0; ///< labels on both sides; equal: none within reach
-  std::int8_t at = 0;             ///< steps from it: 1, 2… on the side of `high`, 0, −1… on that of `low`
+  std::int16_t at = 0;            ///< steps from it: 1, 2… on the side of `high`, 0, −1… on that of `low`
 };
 
 Image<NearBorder> near_borders(const LabelImage& labels, int reach) {
@@ -126,7 +126,7 @@ Image<NearBorder> near_borders(const LabelImage& labels, int reach) {
       const Place q{p.u + beside.u, p.v + beside.v};
       if (!labels.contains(q.u, q.v) || labels.at(q.u, q.v) == own) continue;
       const std::uint8_t other = labels.at(q.u, q.v);
-      near.at(p.u, p.v) = {std::min(own, other), std::max(own, other), static_cast<std::int8_t>(own > other ? 1 : 0)};
+      near.at(p.u, p.v) = {std::min(own, other), std::max(own, other), static_cast<std::int16_t>(own > other ? 1 : 0)};
     }
   }
   for (int step = 1; step < reach; ++step) {
@@ -136,7 +136,7 @@ Image<NearBorder> near_borders(const LabelImage& labels, int reach) {
         const Place q{p.u + beside.u, p.v + beside.v};
         if (!labels.contains(q.u, q.v) || near.at(q.u, q.v).low != near.at(q.u, q.v).high) continue;
         near.at(q.u, q.v) = near.at(p.u, p.v);
-        near.at(q.u, q.v).at = static_cast<std::int8_t>(near.at(p.u, p.v).at + (near.at(p.u, p.v).at > 0 ? 1 : -1));
+        near.at(q.u, q.v).at = static_cast<std::int16_t>(near.at(p.u, p.v).at + (near.at(p.u, p.v).at > 0 ? 1 : -1));
         next.push_back(q);
       }
     }
@@ -147,16 +147,20 @@ Image<NearBorder> near_borders(const LabelImage& labels, int reach) {
 
 /// Edges of depth along the lines that run beside a border, by their steps from it.
 struct EdgesBeside {
-  std::map<int, double> edges;
-  std::map<int, double> pixels;
+  struct Line {
+    double edges = 0;
+    double pixels = 0;
+    double share() const { return pixels > kMinPixels ? edges / pixels : 0; }
+  };
+  std::map<int, Line> lines;
 
   /// Where most of the edges are; 0 unless they are clearly more than at the border.
   int most() const {
-    const auto share = [this](int at) { return pixels.at(at) > kMinPixels ? edges.at(at) / pixels.at(at) : 0; };
-    int best = 0;
-    for (const auto& [at, count] : pixels)
-      if (share(at) > share(best)) best = at;
-    return pixels.contains(0) && share(best) > kMinEdges && share(best) > kClearly * share(0) ? best : 0;
+    const auto best = std::max_element(
+        lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.second.share() < b.second.share(); });
+    const auto border = lines.find(0);
+    const double at_border = border == lines.end() ? 0 : border->second.share();
+    return best->second.share() > std::max(kMinEdges, kClearly * at_border) ? best->first : 0;
   }
 };
 
@@ -169,10 +173,9 @@ void shift_borders(const DepthImage& depth, int reach, LabelImage& labels) {
     const NearBorder& a = near.at(p.u, p.v);
     const NearBorder& b = near.at(q.u, q.v);
     if (a.low == a.high || a.low != b.low || a.high != b.high || std::abs(a.at - b.at) != 1) return;
-    EdgesBeside& beside = found[{a.low, a.high}];
-    const int at = std::min(a.at, b.at);
-    beside.edges[at] += depth_edge(depth.at(p.u, p.v), depth.at(q.u, q.v));
-    beside.pixels[at] += 1;
+    EdgesBeside::Line& line = found[{a.low, a.high}].lines[std::min(a.at, b.at)];
+    line.edges += depth_edge(depth.at(p.u, p.v), depth.at(q.u, q.v));
+    line.pixels += 1;
   };
   for (int v = 0; v < labels.height(); ++v) {
     for (int u = 0; u < labels.width(); ++u) {
