@@ -68,7 +68,9 @@ public:
   /// `missing`: null if everything must be there.
   ClipReader(std::unique_ptr<container::ByteSource> source, std::vector<std::string>* missing)
       : reader_(std::move(source), missing == nullptr ? container::Reading::kStrict : container::Reading::kSalvage),
-        budget_(reader_.file_bytes()), sound_(reader_), missing_(missing) {}
+        budget_(reader_.file_bytes()), sound_(reader_), missing_(missing) {
+    reader_.limit_payloads(kMaxPayloadBytes);
+  }
 
   Clip read() {
     check_kind();

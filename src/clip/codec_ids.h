@@ -18,4 +18,6 @@ inline constexpr std::string_view kUpdateCodec = "S_KINORA/UPDATE"; ///< of a li
 
 inline constexpr std::uint16_t kUpdateTrack = 1;
 
+inline constexpr std::uint64_t kMaxPayloadBytes = std::uint64_t{24} << 20; ///< with its envelope
+
 } // namespace kinora::clip

@@ -342,6 +342,10 @@ std::vector<Bytes> Reader::read_frames(const StoredBlock& block) {
 }
 
 Payload Reader::read_payload(const StoredBlock& block) {
+  if (block.data_bytes > max_payload_bytes_) {
+    throw_corrupt(*source_, block.offset,
+                  fmt::format("a payload of {} bytes, and {} are the most", block.data_bytes, max_payload_bytes_));
+  }
   Payload payload = unwrap_payload(tracks_[block.track].track.id, read_block(block),
                                    fmt::format("{}: byte {}", name(), block.offset));
   payload.offset = block.offset;

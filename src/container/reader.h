@@ -78,6 +78,9 @@ public:
   /// Checked against its checksum.
   Bytes read_attachment(const StoredAttachment& attachment);
 
+  /// A payload of ours that takes more is damage, before anything is allocated for it. Without: as the file has them.
+  void limit_payloads(std::uint64_t bytes) { max_payload_bytes_ = bytes; }
+
   /// True if the file ends before its segment does. next() still gives what is whole, then throws at the cut (kStrict).
   bool truncated() const { return truncated_; }
   /// True if the file's writer has finished it, as far as its segment says.
@@ -127,6 +130,7 @@ private:
   Reading reading_;
   Element segment_; // ends with the file if that is shorter
   bool truncated_ = false;
+  std::uint64_t max_payload_bytes_ = std::numeric_limits<std::uint64_t>::max();
   std::vector<StoredTrack> tracks_;
   std::map<std::uint64_t, std::size_t> track_indices_; // of Matroska's track numbers in tracks_
   std::vector<StoredAttachment> attachments_;

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "clip/clip_io.h"
+#include "clip/codec_ids.h"
 #include "clip/missing_parts.h"
 #include "container/ebml_builder.h"
 #include "container/reader.h"
+#include "container/writer.h"
 #include "core/error.h"
 #include "equal_clips.h"
 #include "sample_clip.h"
@@ -43,6 +45,30 @@ Bytes file_of(const Clip& clip) {
   const TemporaryFolder folder;
   write_clip(clip, folder / "a.mkv");
   return load(folder / "a.mkv");
+}
+
+TEST(DamagedClip, WithAPayloadLargerThanAnyIsRefusedOrReadWithoutIt) {
+  const TemporaryFolder folder;
+  write_clip(small_clip(), folder / "a.mkv");
+  container::Reader reader(folder / "a.mkv");
+  container::FileHead head;
+  head.kind = std::string(kClipKind);
+  for (const container::StoredTrack& track : reader.tracks()) head.tracks.push_back(track.track);
+  for (const container::StoredAttachment& attachment : reader.attachments())
+    head.attachments.push_back(
+        {attachment.name, attachment.media_type, attachment.description, reader.read_attachment(attachment)});
+  {
+    container::Writer writer(folder / "b.mkv", head);
+    for (container::Payload payload; reader.next(payload);)
+      writer.write(payload.track, payload.time_ns, payload.key, payload.bytes);
+    writer.write(head.tracks.front().id, 1'000'000'000, false, Bytes(kMaxPayloadBytes));
+    writer.finish();
+  }
+  EXPECT_THROW(read_clip(folder / "b.mkv"), Error);
+  std::vector<std::string> missing;
+  const Clip clip = read_whole_parts(std::make_unique<container::FileSource>(folder / "b.mkv"), missing);
+  EXPECT_EQ(clip.layers.size(), small_clip().layers.size());
+  EXPECT_EQ(missing.size(), 1U);
 }
 
 struct Outcome {

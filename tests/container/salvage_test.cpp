@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "container/envelope.h"
 #include "core/error.h"
 #include "ebml_builder.h"
 #include "fuzz/mutate.h"
@@ -40,6 +41,22 @@ WrittenFile written(std::uint64_t seed, std::size_t count, std::size_t largest) 
   file.payloads = read_all(reader);
   if (!file.payloads.empty()) file.first_payload = file.payloads.front().offset;
   return file;
+}
+
+TEST(Reader, PassesOverWhatIsLargerThanItsLimit) {
+  const WrittenFile file = written(4, 40, 900);
+  const auto is_small = [](const Payload& payload) { return payload.bytes.size() < 500; };
+  ASSERT_TRUE(std::any_of(file.payloads.begin(), file.payloads.end(), std::not_fn(is_small)));
+  Reader strict = open(file.bytes);
+  strict.limit_payloads(499 + kEnvelopeBytes);
+  EXPECT_THROW(read_all(strict), Error);
+  Reader reader = salvage(file.bytes);
+  reader.limit_payloads(499 + kEnvelopeBytes);
+  const std::vector<Payload> given = read_all(reader);
+  std::vector<Payload> small;
+  std::copy_if(file.payloads.begin(), file.payloads.end(), std::back_inserter(small), is_small);
+  EXPECT_TRUE(std::equal(given.begin(), given.end(), small.begin(), small.end(), equal));
+  EXPECT_FALSE(reader.damage().empty());
 }
 
 /// All of `given` were written, in this order; says how many of the others could have been read.

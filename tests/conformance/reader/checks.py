@@ -46,10 +46,15 @@ def open_private(data: bytes) -> tuple[int, bytes]:
     return track, data[12:]
 
 
+MAX_PAYLOAD_BYTES = 24 << 20  # with its envelope
+
+
 def open_envelope(block: bytes, track: int) -> Payload:
     """The payload of a block of a track."""
     if len(block) < 16:
         raise Damaged("a payload has no envelope")
+    if len(block) > MAX_PAYLOAD_BYTES:
+        raise Damaged("a payload is too large")
     version, flags, its_track, crc, time = struct.unpack_from("<BBHIq", block)
     if crc32c(block[:4] + block[8:]) != crc:
         raise Damaged(f"checksum of a payload of track {track}")
