@@ -23,8 +23,9 @@ std::uint8_t true_label(double u, double v) {
   return is_head || is_body ? 1 : 0;
 }
 
-/// Noisy, striped, and without the depth of a pixel at each rim, as sensors have it.
-Frame scene(std::uint64_t seed) {
+/// `wall`: contrast of its checks, of 255. Noisy, striped, and without the depth of a pixel at each rim, as sensors
+/// have it.
+Frame scene(std::uint64_t seed, int wall = 0) {
   Random random(seed);
   Frame frame;
   frame.color = ColorImage(kWidth, kHeight, 3);
@@ -36,7 +37,7 @@ Frame scene(std::uint64_t seed) {
     for (int u = 0; u < kWidth; ++u) {
       const std::uint8_t label = true_label(u, v);
       frame.labels.at(u, v) = label;
-      const int stripe = label == 0 ? 0 : (u / 6 + v / 9) % 2 * 25;
+      const int stripe = label == 0 ? wall * ((u / 3 + v / 3) % 2) : (u / 6 + v / 9) % 2 * 25;
       for (int c = 0; c < 3; ++c)
         frame.color.at(u, v, c) = static_cast<std::uint8_t>(kColors[label][c] + stripe + 6 * random.normal());
       const bool is_rim =
@@ -124,6 +125,16 @@ TEST(LabelBorders, ThatAreTooWideTooNarrowOrRaggedAreLaidOnEdges) {
     const auto [person, box] = overlaps_after_repair(ragged(truth), seed);
     EXPECT_GT(person, overlap(ragged(truth), truth, 1) + 0.02);
     EXPECT_GT(box, 0.9);
+  }
+}
+
+TEST(LabelBorders, GoAsAWholeToWhereDepthEndsBeforeColoursSayMore) {
+  const LabelImage truth = scene(1).labels;
+  for (const int wider : {-2, 2}) {
+    Frame frame = scene(1, 70);
+    frame.labels = resized(truth, wider);
+    lay_borders_on_edges(frame);
+    EXPECT_GT(overlap(frame.labels, truth, 1), 0.98) << "from " << overlap(resized(truth, wider), truth, 1);
   }
 }
 
