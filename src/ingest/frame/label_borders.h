@@ -20,8 +20,10 @@ std::optional<double> border_contrast(const LabelImage& labels, const ColorImage
 std::optional<double> border_offset(const LabelImage& labels, const DepthImage& depth);
 
 /// Decides anew what lies within border_reach() of a border: labels grow from where they are certain over the lowest
-/// edges of depth and colour, so that they meet at the highest. Where there is no edge a border stays, and what is too
-/// narrow to have an inside goes to its surroundings. Thread-safe.
+/// edges of depth and colour, so that they meet at the highest; whole borders go to where most edges of depth are
+/// before. Where there is no edge a border stays, and what is too narrow to have an inside goes to its surroundings.
+/// Background within half of border_reach() of what is labelled loses its depth and clean depth: it may be a rim that
+/// was missed. Thread-safe.
 /// Source: Beucher, Meyer, "The Morphological Approach to Segmentation: The Watershed Transformation", 1993 (flooding
 /// from markers).
 void lay_borders_on_edges(Frame& frame);
