@@ -33,6 +33,10 @@ std::array<std::int64_t, 3> rotated(const WideQuaternion& q, const std::array<st
   return result;
 }
 
+// Of one number or two, given their sum; to the nearest, halves up.
+std::int64_t mean_of(std::int64_t sum, std::size_t count) { return count == 1 ? sum : (sum + 1) >> 1; }
+static_assert(NodePrediction::kMax == 2);
+
 std::int32_t to_units(double metres, double units, std::int32_t farthest) {
   const double scaled = metres * units;
   if (!(std::abs(scaled) <= farthest)) {
@@ -68,16 +72,6 @@ std::vector<RestPosition> quantise_rest(std::span<const Eigen::Vector3d> canonic
 
 Eigen::Vector3d dequantise(const RestPosition& rest) { return Eigen::Vector3d(rest[0], rest[1], rest[2]) / kRestUnits; }
 
-std::int64_t rounded_quotient(std::int64_t a, std::int64_t b) {
-  if (b < 0) {
-    a = -a;
-    b = -b;
-  }
-  a += b / 2;
-  const std::int64_t quotient = a / b;
-  return a % b < 0 ? quotient - 1 : quotient;
-}
-
 NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest, const NodeSteps& steps) {
   constexpr double kTolerance = 1e-3;
   const Eigen::Quaterniond& q = node_to_world.real;
@@ -100,19 +94,11 @@ NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest
   return state;
 }
 
-bool is_multiple_of(const NodeState& state, const NodeSteps& steps) {
-  const auto is_multiple = [](std::int32_t step) { return [step](std::int32_t number) { return number % step == 0; }; };
-  return std::all_of(state.position.begin(), state.position.end(), is_multiple(steps.position)) &&
-         std::all_of(state.rotation.begin(), state.rotation.end(), is_multiple(steps.rotation));
-}
-
 DualQuaternion dequantise(const NodeState& state, const RestPosition& rest) {
   const auto& r = state.rotation;
-  SE3 transform = SE3::Identity();
-  transform.linear() = Eigen::Quaterniond(r[0], r[1], r[2], r[3]).normalized().toRotationMatrix();
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(r[0], r[1], r[2], r[3]).normalized();
   const Eigen::Vector3d position(state.position[0], state.position[1], state.position[2]);
-  transform.translation() = position / kLiveUnits - transform.linear() * dequantise(rest);
-  return DualQuaternion::from(transform);
+  return DualQuaternion::from(rotation, position / kLiveUnits - rotation * dequantise(rest));
 }
 
 NodePredictor::NodePredictor(std::span<const RestPosition> rest) : rest_(rest.size()), neighbours_(rest.size()) {
@@ -159,7 +145,7 @@ std::int32_t NodePrediction::component(std::size_t face, std::size_t c) const {
     const std::int64_t projected = rounded_quotient(rotations[k][c] * kQuaternionUnits, rotations[k][face]);
     sum += std::clamp<std::int64_t>(projected, -kQuaternionUnits, kQuaternionUnits);
   }
-  return static_cast<std::int32_t>(rounded_quotient(sum, static_cast<std::int64_t>(count)));
+  return static_cast<std::int32_t>(mean_of(sum, count));
 }
 
 NodePrediction NodePredictor::predict(std::size_t i, std::span<const NodeState> reference,
@@ -183,7 +169,7 @@ NodePrediction NodePredictor::predict(std::size_t i, std::span<const NodeState> 
     for (std::size_t a = 0; a < 3; ++a) sum[a] += after.position[a] + rotated_arm[a];
   }
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t mean = rounded_quotient(sum[a], static_cast<std::int64_t>(near.count));
+    const std::int64_t mean = mean_of(sum[a], near.count);
     prediction.position[a] = static_cast<std::int32_t>(std::clamp<std::int64_t>(mean, -kFarthestLive, kFarthestLive));
   }
   return prediction;

@@ -31,7 +31,7 @@ struct NodeState {
                                        0}; ///< w x y z; the first of the largest is kQuaternionUnits
 };
 
-/// A state's numbers are multiples of these: position in 1/kLiveUnits, rotation in 1/kQuaternionUnits (a power of two).
+/// A state's numbers are multiples of these powers of two: position in 1/kLiveUnits, rotation in 1/kQuaternionUnits.
 struct NodeSteps {
   std::int32_t position = 1;
   std::int32_t rotation = 1;
@@ -49,7 +49,11 @@ Eigen::Vector3d dequantise(const RestPosition& rest);
 /// Throws Error(kFailure) if the transform is not finite, not of unit length, or carries the node too far away.
 /// quantise(dequantise(s)) = s by the steps of s, and by finer ones that divide them.
 NodeState quantise(const DualQuaternion& node_to_world, const RestPosition& rest, const NodeSteps& steps);
-bool is_multiple_of(const NodeState& state, const NodeSteps& steps);
+inline bool is_multiple_of(const NodeState& state, const NodeSteps& steps) {
+  const auto& [p, r] = state;
+  return ((p[0] | p[1] | p[2]) & (steps.position - 1)) == 0 &&
+         ((r[0] | r[1] | r[2] | r[3]) & (steps.rotation - 1)) == 0;
+}
 DualQuaternion dequantise(const NodeState& state, const RestPosition& rest);
 
 /// The first of the components that are largest in size.
@@ -62,7 +66,15 @@ template <class Integer> std::size_t largest_component(const std::array<Integer,
 }
 
 /// a / b to the nearest integer, halves up; b is not 0.
-std::int64_t rounded_quotient(std::int64_t a, std::int64_t b);
+inline std::int64_t rounded_quotient(std::int64_t a, std::int64_t b) {
+  if (b < 0) {
+    a = -a;
+    b = -b;
+  }
+  a += b / 2;
+  const std::int64_t quotient = a / b;
+  return a % b < 0 ? quotient - 1 : quotient;
+}
 
 using WideQuaternion = std::array<std::int64_t, 4>; ///< w x y z, of any length
 

@@ -8,26 +8,6 @@
 
 namespace kinora::clip {
 
-namespace {
-
-constexpr std::uint32_t kTopByte = 0xFF000000;
-
-// Where the interval of a set bit ends and that of a clear one begins (one further). low ≤ split < high.
-std::uint32_t split(std::uint32_t low, std::uint32_t high, const BitModel& model) {
-  return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * model.probability()) >> 12);
-}
-
-} // namespace
-
-void BitModel::learn(bool bit) {
-  // Divides by about the number of bits seen: 2, 3, … up to 32.
-  constexpr std::uint8_t kSlowest = 30;
-  const int rate = seen_ + 2;
-  const int target = bit ? 0xFFFF - 15 : 16; // so that no bit is ever impossible
-  probability_ = static_cast<std::uint16_t>(probability_ + (target - probability_) / rate);
-  if (seen_ < kSlowest) ++seen_;
-}
-
 bool RangeEncoder::code(BitModel& model, bool bit) {
   const std::uint32_t middle = split(low_, high_, model);
   if (bit) {
@@ -36,7 +16,7 @@ bool RangeEncoder::code(BitModel& model, bool bit) {
     low_ = middle + 1;
   }
   model.learn(bit);
-  while (((low_ ^ high_) & kTopByte) == 0) {
+  while (share_top_byte(low_, high_)) {
     out_.push_back(static_cast<std::byte>(high_ >> 24));
     low_ <<= 8;
     high_ = (high_ << 8) | 0xFF;
@@ -68,23 +48,6 @@ std::uint32_t RangeDecoder::next_byte() {
     throw Error(ErrorCode::kCorruptInput, fmt::format("{}: arithmetic code ends too early", location_));
   }
   return 0;
-}
-
-bool RangeDecoder::code(BitModel& model, bool /*bit*/) {
-  const std::uint32_t middle = split(low_, high_, model);
-  const bool bit = code_ <= middle;
-  if (bit) {
-    high_ = middle;
-  } else {
-    low_ = middle + 1;
-  }
-  model.learn(bit);
-  while (((low_ ^ high_) & kTopByte) == 0) {
-    low_ <<= 8;
-    high_ = (high_ << 8) | 0xFF;
-    code_ = (code_ << 8) | next_byte();
-  }
-  return bit;
 }
 
 void RangeDecoder::finish() const {

@@ -17,12 +17,39 @@ class BitModel {
 public:
   /// In 1/4096, from 1 to 4095.
   std::uint32_t probability() const { return probability_ >> 4; }
-  void learn(bool bit);
+  void learn(bool bit) {
+    constexpr std::uint32_t kLeast = 16; // so that no bit is ever impossible
+    constexpr std::uint32_t kMost = 0xFFFF - 15;
+    // Divides by about the number of bits seen: 2, 3, … up to 32.
+    const std::uint64_t distance = bit ? kMost - probability_ : probability_ - kLeast;
+    const auto change = static_cast<std::uint32_t>((distance * kReciprocals[seen_]) >> kReciprocalShift);
+    probability_ = static_cast<std::uint16_t>(bit ? probability_ + change : probability_ - change);
+    if (seen_ < kSlowest) ++seen_;
+  }
 
 private:
+  static constexpr std::size_t kSlowest = 30;
+  // Of 2 to 32, rounded up: what is below 2¹⁶ is divided exactly, as container.md demands, but not by a division.
+  static constexpr int kReciprocalShift = 21;
+  static constexpr std::array<std::uint32_t, kSlowest + 1> kReciprocals = [] {
+    std::array<std::uint32_t, kSlowest + 1> reciprocals{};
+    for (std::uint32_t seen = 0; seen < reciprocals.size(); ++seen) {
+      reciprocals[seen] = ((1U << kReciprocalShift) + seen + 1) / (seen + 2);
+    }
+    return reciprocals;
+  }();
+
   std::uint16_t probability_ = 1U << 15;
   std::uint8_t seen_ = 0;
 };
+
+/// Where the interval of a set bit ends; that of a clear one begins one further. low ≤ split < high.
+inline std::uint32_t split(std::uint32_t low, std::uint32_t high, const BitModel& model) {
+  return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * model.probability()) >> 12);
+}
+
+/// Do both ends of an interval have this byte in common? Then it is written, or taken.
+inline bool share_top_byte(std::uint32_t low, std::uint32_t high) { return ((low ^ high) & 0xFF000000) == 0; }
 
 /// Both coders have the same member `code`, so that a syntax is written once, as a template, for both directions.
 class RangeEncoder {
@@ -43,7 +70,22 @@ class RangeDecoder {
 public:
   RangeDecoder(std::span<const std::byte> bytes, const std::string& location);
   /// The next bit; the argument has no meaning. Throws when the code ends before.
-  bool code(BitModel& model, bool /*bit*/ = false);
+  bool code(BitModel& model, bool /*bit*/ = false) {
+    const std::uint32_t middle = split(low_, high_, model);
+    const bool bit = code_ <= middle;
+    if (bit) {
+      high_ = middle;
+    } else {
+      low_ = middle + 1;
+    }
+    model.learn(bit);
+    while (share_top_byte(low_, high_)) {
+      low_ <<= 8;
+      high_ = (high_ << 8) | 0xFF;
+      code_ = (code_ << 8) | next_byte();
+    }
+    return bit;
+  }
   /// Throws unless the code ends here.
   void finish() const;
 
@@ -79,11 +121,15 @@ template <class Coder> std::int32_t code_integer(Coder& coder, IntegerModel& mod
   std::uint32_t result = 1;
   for (std::size_t b = bits; b-- > 0;) {
     const std::size_t depth = bits - 1 - b;
-    BitModel even; // nothing is learnt about low bits
-    BitModel& bit_model = depth < IntegerModel::kLearntBits
-                              ? model.mantissa[bits][(std::size_t{1} << depth) - 1 + (depth > 0 ? (result & 1U) : 0)]
-                              : even;
-    result = (result << 1) | (coder.code(bit_model, ((size >> b) & 1U) != 0) ? 1U : 0U);
+    const bool wanted = ((size >> b) & 1U) != 0;
+    bool bit = false;
+    if (depth < IntegerModel::kLearntBits) {
+      bit = coder.code(model.mantissa[bits][(std::size_t{1} << depth) - 1 + (depth > 0 ? (result & 1U) : 0)], wanted);
+    } else {
+      BitModel even; // nothing is learnt about low bits
+      bit = coder.code(even, wanted);
+    }
+    result = (result << 1) | (bit ? 1U : 0U);
   }
   return minus ? -static_cast<std::int32_t>(result) : static_cast<std::int32_t>(result);
 }

@@ -75,8 +75,10 @@ private:
   // makes too large stays too large: whoever asked refuses it.
   std::uint32_t number(IntegerModel& model, std::int32_t prediction, std::int32_t step, std::int32_t& value) {
     constexpr std::int64_t kTooLarge = std::int64_t{1} << 30;
-    const std::int64_t expected = rounded_quotient(prediction, step);
-    const std::int32_t difference = code_integer(coder_, model, static_cast<std::int32_t>(value / step - expected));
+    const int halvings = std::countr_zero(static_cast<std::uint32_t>(step));
+    const std::int64_t expected = (std::int64_t{prediction} + step / 2) >> halvings;
+    const auto wanted = static_cast<std::int32_t>((value >> halvings) - expected);
+    const std::int32_t difference = code_integer(coder_, model, wanted);
     value = static_cast<std::int32_t>(std::clamp((expected + difference) * step, -kTooLarge, kTooLarge));
     return static_cast<std::uint32_t>(std::abs(std::int64_t{difference}));
   }
