@@ -9,9 +9,9 @@
 #include "encode/layer_presence.h"
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
-#include "encode/lost_labels.h"
 #include "encode/node_births.h"
 #include "encode/training_plan.h"
+#include "encode/unfounded_labels.h"
 
 namespace kinora::encode {
 namespace {
@@ -51,9 +51,9 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   progress.stage("comparing exposures", 0);
   const clip::Exposure exposure = times.measure("compare exposures", [&] { return measure_exposure(pass); });
   take_out(exposure, pass);
-  const std::vector<NotModelled> lost = drop_lost_labels(pass, prepared.capture->info());
+  const std::vector<NotModelled> unfounded = drop_unfounded_labels(pass, prepared.capture->info());
   TrainingPlan plan = plan_training(pass, options);
-  plan.not_modelled.insert(plan.not_modelled.begin(), lost.begin(), lost.end());
+  plan.not_modelled.insert(plan.not_modelled.begin(), unfounded.begin(), unfounded.end());
   if (plan.layers.empty()) {
     throw Error(ErrorCode::kFailure,
                 "nothing in this capture can be modelled: no still or rigid layer has a pixel with "

@@ -219,7 +219,7 @@ TEST_F(Encode, ExposureThatAlternatesIsTakenOutAndCanBePutBack) {
   scene.frames = 4;
   scene.exposures = {0.7F, 1.2F};
   write_box_capture(capture_, scene);
-  EXPECT_LT(training_loss("c.mkv"), 1.2 * even_loss) << "frames disagree";
+  EXPECT_LT(training_loss("c.mkv"), even_loss) << "frames disagree: they are darker in the mean, and so are errors";
   EXPECT_GT(whole_picture("c.mkv"), even - 1);
 
   const auto drawn = [&](const std::string& folder, const std::vector<std::string>& how) {
