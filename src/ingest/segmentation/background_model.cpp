@@ -18,14 +18,26 @@ constexpr double kMaxBody = 2.2;
 constexpr double kMinArea = 0.004;     ///< square metres: less is noise …
 constexpr std::size_t kMinPixels = 60; ///< … and so are fewer pixels
 
-/// Counts a pixel of a sample for what the pictures say, where few samples tell.
+/// Counts a pixel of a sample for what the pictures say: its colour is not the one that is seen there while all keeps
+/// still (nullptr: not known), or, of few samples, another one's.
 void find_change(std::span<const ReducedView> samples, const ReducedView& sample, int u, int v,
-                 PictureChange& picture) {
-  if (samples.size() >= kFewSamples || !has_texture(sample.color, u, v)) return;
-  picture.add(std::any_of(samples.begin(), samples.end(), [&](const ReducedView& other) {
-    return difference(sample.color.pixel(u, v), other.color.pixel(u, v)) > kColorChange;
-  }));
+                 const std::uint8_t* still, PictureChange& picture) {
+  const bool few = samples.size() < kFewSamples;
+  if ((!few && still == nullptr) || !has_texture(sample.color, u, v)) return;
+  const auto differs_from = [&](const std::uint8_t* color) {
+    return difference(sample.color.pixel(u, v), color) > kColorChange;
+  };
+  picture.add(few ? std::any_of(samples.begin(), samples.end(),
+                                [&](const ReducedView& other) { return differs_from(other.color.pixel(u, v)); })
+                  : differs_from(still));
 }
+
+/// Where something is in a picture, and what colour it has there while it keeps still.
+struct StillPixel {
+  int u, v;
+  double z;                  ///< metres
+  const std::uint8_t* color; ///< nullptr: not known
+};
 
 /// How often a surface is measured where it is, and how often close to it but not there.
 struct TemporalVariance {
@@ -33,8 +45,9 @@ struct TemporalVariance {
   std::size_t off = 0;
   PictureChange picture; ///< where it is off
 
-  /// Counts the samples' measurements at pixel (u, v), against z there. What is found within `slack` pixels is there.
-  void add(std::span<const ReducedView> samples, int u, int v, double z, int slack) {
+  /// Counts the samples' measurements at a pixel. What is found within `slack` pixels is there.
+  void add(std::span<const ReducedView> samples, const StillPixel& pixel, int slack) {
+    const auto& [u, v, z, color] = pixel;
     const double tolerance = 1.5 * same_surface_tolerance(z);
     for (const ReducedView& sample : samples) {
       const double seen = sample.depth.at(u, v);
@@ -44,9 +57,10 @@ struct TemporalVariance {
         for (int x = std::max(0, u - slack); x <= std::min(sample.depth.width() - 1, u + slack) && !there; ++x)
           there = std::abs(sample.depth.at(x, y) - z) <= tolerance;
       ++(there ? on : off);
-      if (!there) find_change(samples, sample, u, v, picture);
+      if (!there) find_change(samples, sample, u, v, color, picture);
     }
   }
+  /// A sensor's far depth may waver more than tolerances allow: texture that stays where it is denies that it moves.
   bool moves() const {
     return on + off >= kMinMeasurements &&
            static_cast<double>(off) > kMaxUnstableShare * static_cast<double>(on + off) && !picture.denies();
@@ -96,11 +110,11 @@ BackgroundModel::BackgroundModel(std::span<const ReducedView> samples, int slack
       color_(intrinsics_.width, intrinsics_.height, 3), has_color_(intrinsics_.width, intrinsics_.height),
       known_(intrinsics_.width, intrinsics_.height), measured_(intrinsics_.width, intrinsics_.height) {
   find_farthest_stable(samples);
+  find_colors(samples);
   planes_ = find_planes(depth_, intrinsics_);
   drop_high_variance_planes(samples);
   drop_high_variance(samples);
   drop_connected_to_foreground(samples);
-  find_colors(samples);
 }
 
 void BackgroundModel::find_farthest_stable(std::span<const ReducedView> samples) {
@@ -154,7 +168,7 @@ void BackgroundModel::drop_high_variance_planes(std::span<const ReducedView> sam
       const Eigen::Vector3d point = intrinsics_.unproject(u, v, z);
       for (std::size_t i = 0; i < planes_.size(); ++i)
         if (std::abs(planes_[i].distance(point)) <= same_surface_tolerance(z))
-          temporal_variance[i].add(samples, u, v, z, slack_);
+          temporal_variance[i].add(samples, {u, v, z, still_color(u, v)}, slack_);
     }
   }
   std::vector<Plane> still;
@@ -172,7 +186,9 @@ void BackgroundModel::drop_high_variance(std::span<const ReducedView> samples) {
       const std::int32_t number = surfaces.map.at(u, v);
       const bool inside = number >= 0 && surfaces.map.at(u - 1, v) == number && surfaces.map.at(u + 1, v) == number &&
                           surfaces.map.at(u, v - 1) == number && surfaces.map.at(u, v + 1) == number;
-      if (inside) temporal_variance[static_cast<std::size_t>(number)].add(samples, u, v, depth_.at(u, v), slack_);
+      if (!inside) continue;
+      temporal_variance[static_cast<std::size_t>(number)].add(samples, {u, v, depth_.at(u, v), still_color(u, v)},
+                                                              slack_);
     }
   }
   std::size_t known = 0;
@@ -209,7 +225,7 @@ void BackgroundModel::drop_connected_to_foreground(std::span<const ReducedView> 
     for (int v = 0; v < parts.map.height(); ++v)
       for (int u = 0; u < parts.map.width(); ++u)
         if (const std::int32_t number = parts.map.at(u, v); number >= 0)
-          find_change(samples, sample, u, v, pictures[static_cast<std::size_t>(number)]);
+          find_change(samples, sample, u, v, still_color(u, v), pictures[static_cast<std::size_t>(number)]);
     const auto touch = [&](int u, int v, int x, int y) {
       const std::int32_t number = surfaces.map.at(u, v);
       if (number < 0 || ground.at(u, v) != Ground::kBackground || ground.at(x, y) == Ground::kUnmeasured ||
@@ -313,9 +329,14 @@ Image<Ground> BackgroundModel::ground_of(const ReducedView& view) const {
   return ground;
 }
 
+const std::uint8_t* BackgroundModel::still_color(int u, int v) const {
+  return depth_.at(u, v) > 0 && has_color_.at(u, v) != 0 ? color_.pixel(u, v) : nullptr;
+}
+
 std::optional<int> BackgroundModel::color_difference(int u, int v, const std::uint8_t* color) const {
-  if (has_color_.at(u, v) == 0) return std::nullopt;
-  return difference(color_.pixel(u, v), color);
+  const std::uint8_t* still = still_color(u, v);
+  if (still == nullptr) return std::nullopt;
+  return difference(still, color);
 }
 
 } // namespace kinora::ingest

@@ -49,6 +49,8 @@ private:
   void drop_connected_to_foreground(std::span<const ReducedView> samples);
   void find_colors(std::span<const ReducedView> samples);
   Image<Ground> ground_of(const ReducedView& view) const;
+  /// The background's colour; nullptr if it is not known.
+  const std::uint8_t* still_color(int u, int v) const;
   bool on_plane(const Eigen::Vector3d& point) const;
   float nearest_within(int u, int v, int reach) const;
   bool in_front(int u, int v, const Eigen::Vector3d& point, int reach) const;

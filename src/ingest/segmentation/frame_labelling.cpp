@@ -172,7 +172,7 @@ void FrameLabelling::label(Frame& frame) {
   const ReducedView view = reduced_view(frame, factor);
   const LocalBackground background(*background_, view);
   Mask foreground = foreground_mask(view, background);
-  if (samples_ < kFewSamples) drop_unchanged(view, background, foreground);
+  drop_unchanged(view, background, foreground);
   warp_last_labels(view);
   LabelImage labels = label_objects(view, foreground);
   label_persons(view, foreground, labels);
