@@ -54,9 +54,10 @@ std::string what_speaks_against(const FramePass& pass, int number, const Tracked
   const motion::Motion motion = label.motion();
   if (motion.kind() == motion::MotionKind::kStill) return {};
   const std::vector<const fields::StoredFrame*> shown = frames_showing(pass.pixels, number);
-  const auto lost = static_cast<std::size_t>(
-      std::count_if(shown.begin(), shown.end(), [&](const auto* frame) { return is_lost(motion, *frame); }));
-  if (2 * lost > shown.size()) return "it is lost in most frames that show it";
+  const auto followed = static_cast<std::size_t>(std::count_if(shown.begin(), shown.end(), [&](const auto* frame) {
+    return motion.health(static_cast<std::size_t>(frame->frame)) == motion::Health::kTracked;
+  }));
+  if (2 * followed < shown.size()) return "it is followed in fewer than half of the frames that show it";
   if (!motion_gain(pass.pixels, number, motion, pass.clip.times.size()).pays()) {
     return "its motion explains the frames no better than if it kept still";
   }

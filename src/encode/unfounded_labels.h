@@ -36,10 +36,10 @@ struct MotionGain {
 /// them.
 MotionGain motion_gain(const fields::PixelStore& pixels, int label, const motion::Motion& motion, std::size_t frames);
 
-/// Takes from `pass` every label that moves, that a segmenter found (LabelInfo::why), not a mask, and that is lost in
-/// more than half of the stored frames that show it, or whose motion does not pay. Where its still_share is at least
-/// one half the room explains it, and its pixels become the room's (label 0); else they are trained on nowhere. Returns
-/// the labels with their reasons.
+/// Takes from `pass` every label that moves, that a segmenter found (LabelInfo::why), not a mask, and that is held or
+/// lost in more than half of the stored frames that show it, or whose motion does not pay. Where its still_share is at
+/// least one half the room explains it, and its pixels become the room's (label 0); else they are trained on nowhere.
+/// Returns the labels with their reasons.
 std::vector<NotModelled> drop_unfounded_labels(FramePass& pass, const ingest::CaptureInfo& capture);
 
 } // namespace kinora::encode

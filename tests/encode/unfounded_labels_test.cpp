@@ -153,7 +153,7 @@ TEST(UnfoundedLabels, AreTheRoomsWhereTheyKeepStill) {
     const auto dropped = drop_unfounded_labels(pass, segmented());
     ASSERT_EQ(dropped.size(), 1U) << lost;
     EXPECT_EQ(dropped[0].label, kPerson);
-    EXPECT_NE(dropped[0].why.find(lost > 0 ? "lost in most frames" : "no better than if it kept still"),
+    EXPECT_NE(dropped[0].why.find(lost > 0 ? "followed in fewer than half" : "no better than if it kept still"),
               std::string::npos)
         << dropped[0].why;
     EXPECT_NE(dropped[0].why.find("the background has it"), std::string::npos) << dropped[0].why;
@@ -161,6 +161,14 @@ TEST(UnfoundedLabels, AreTheRoomsWhereTheyKeepStill) {
     EXPECT_EQ(pixels_of(pass.pixels, kPerson), 0U);
     EXPECT_EQ(pixels_of(pass.pixels, 0), pass.pixels.pixels().size());
   }
+}
+
+TEST(UnfoundedLabels, AreThoseThatAreOnlyHeldToo) {
+  FramePass pass = pass_with(goes_aside, goes_aside, 6);
+  for (motion::Motion::Pose& pose : pass.labels[kPerson].poses) {
+    if (pose.health == motion::Health::kLost) pose.health = motion::Health::kHeld;
+  }
+  EXPECT_EQ(drop_unfounded_labels(pass, segmented()).size(), 1U);
 }
 
 TEST(UnfoundedLabels, AreTrainedOnNowhereWhereTheyMove) {
