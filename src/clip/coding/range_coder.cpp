@@ -9,18 +9,10 @@
 namespace kinora::clip {
 
 bool RangeEncoder::code(BitModel& model, bool bit) {
-  const std::uint32_t middle = split(low_, high_, model);
-  if (bit) {
-    high_ = middle;
-  } else {
-    low_ = middle + 1;
-  }
+  left_.narrow(bit, left_.split(model));
   model.learn(bit);
-  while (share_top_byte(low_, high_)) {
-    out_.push_back(static_cast<std::byte>(high_ >> 24));
-    low_ <<= 8;
-    high_ = (high_ << 8) | 0xFF;
-  }
+  for (; left_.is_first_byte_settled(); left_.drop_first_byte())
+    out_.push_back(static_cast<std::byte>(left_.high >> 24));
   return bit;
 }
 
@@ -28,8 +20,8 @@ std::vector<std::byte> RangeEncoder::finish() {
   // The fewest bytes that, followed by zeros, lie between low and high.
   for (int kept = 0; kept <= 4; ++kept) {
     const std::uint32_t mask = kept == 0 ? 0 : ~0U << (32 - 8 * kept);
-    const std::uint64_t value = (std::uint64_t{low_} + ~mask) & ~std::uint64_t{~mask};
-    if (value > high_) continue;
+    const std::uint64_t value = (std::uint64_t{left_.low} + ~mask) & ~std::uint64_t{~mask};
+    if (value > left_.high) continue;
     for (int i = 0; i < kept; ++i) out_.push_back(static_cast<std::byte>((value >> (24 - 8 * i)) & 0xFF));
     break;
   }

@@ -43,13 +43,29 @@ private:
   std::uint8_t seen_ = 0;
 };
 
-/// Where the interval of a set bit ends; that of a clear one begins one further. low ≤ split < high.
-inline std::uint32_t split(std::uint32_t low, std::uint32_t high, const BitModel& model) {
-  return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * model.probability()) >> 12);
-}
+/// What is left of all codes once the bits so far are known, beyond the bytes that are settled. low ≤ high.
+struct CodeInterval {
+  std::uint32_t low = 0;
+  std::uint32_t high = ~0U;
 
-/// Do both ends of an interval have this byte in common? Then it is written, or taken.
-inline bool share_top_byte(std::uint32_t low, std::uint32_t high) { return ((low ^ high) & 0xFF000000) == 0; }
+  /// Where the part of a set bit ends; that of a clear one begins one further. low ≤ split < high.
+  std::uint32_t split(const BitModel& model) const {
+    return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * model.probability()) >> 12);
+  }
+  void narrow(bool bit, std::uint32_t middle) {
+    if (bit) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  /// Whether all codes have their first byte in common.
+  bool is_first_byte_settled() const { return ((low ^ high) & 0xFF000000) == 0; }
+  void drop_first_byte() {
+    low <<= 8;
+    high = (high << 8) | 0xFF;
+  }
+};
 
 /// Both coders have the same member `code`, so that a syntax is written once, as a template, for both directions.
 class RangeEncoder {
@@ -61,8 +77,7 @@ public:
 
 private:
   std::vector<std::byte> out_;
-  std::uint32_t low_ = 0;
-  std::uint32_t high_ = ~0U;
+  CodeInterval left_;
 };
 
 /// Safe for untrusted bytes. `location` must outlive the decoder. Throws Error(kCorruptInput) naming it.
@@ -71,17 +86,12 @@ public:
   RangeDecoder(std::span<const std::byte> bytes, const std::string& location);
   /// The next bit; the argument has no meaning. Throws when the code ends before.
   bool code(BitModel& model, bool /*bit*/ = false) {
-    const std::uint32_t middle = split(low_, high_, model);
+    const std::uint32_t middle = left_.split(model);
     const bool bit = code_ <= middle;
-    if (bit) {
-      high_ = middle;
-    } else {
-      low_ = middle + 1;
-    }
+    left_.narrow(bit, middle);
     model.learn(bit);
-    while (share_top_byte(low_, high_)) {
-      low_ <<= 8;
-      high_ = (high_ << 8) | 0xFF;
+    while (left_.is_first_byte_settled()) {
+      left_.drop_first_byte();
       code_ = (code_ << 8) | next_byte();
     }
     return bit;
@@ -95,8 +105,7 @@ private:
   std::span<const std::byte> bytes_;
   const std::string& location_;
   std::size_t read_ = 0; // bytes taken, counting the zeros that follow the last
-  std::uint32_t low_ = 0;
-  std::uint32_t high_ = ~0U;
+  CodeInterval left_;
   std::uint32_t code_ = 0;
 };
 
