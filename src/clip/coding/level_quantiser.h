@@ -1,6 +1,7 @@
 // Table parameters as 16-bit integers times a power of two.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,6 +31,11 @@ struct Rounding {
 QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding);
 
 /// Exact in float for every exponent within the limits.
-float dequantise(std::int16_t value, int exponent);
+inline float dequantise(std::int16_t value, int exponent) {
+  constexpr int kFloatBias = 127;
+  constexpr int kFloatMantissaBits = 23;
+  return static_cast<float>(value) *
+         std::bit_cast<float>(static_cast<std::uint32_t>(exponent + kFloatBias) << kFloatMantissaBits);
+}
 
 } // namespace kinora::clip

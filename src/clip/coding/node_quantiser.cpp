@@ -14,23 +14,11 @@ namespace {
 
 WideQuaternion widened(const std::array<std::int32_t, 4>& q) { return {q[0], q[1], q[2], q[3]}; }
 
+WideQuaternion conjugate(const WideQuaternion& q) { return {q[0], -q[1], -q[2], -q[3]}; }
+
 WideQuaternion product(const WideQuaternion& a, const WideQuaternion& b) {
   return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
           a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-}
-
-// q v q⁻¹ with |q| ≤ 2¹⁵ (and at least 1) and |v| ≤ 2²⁹ for each axis.
-std::array<std::int64_t, 3> rotated(const WideQuaternion& q, const std::array<std::int64_t, 3>& v) {
-  const std::int64_t axis_squared = q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  const std::int64_t along = q[1] * v[0] + q[2] * v[1] + q[3] * v[2];
-  const std::array<std::int64_t, 3> across{q[2] * v[2] - q[3] * v[1], q[3] * v[0] - q[1] * v[2],
-                                           q[1] * v[1] - q[2] * v[0]};
-  std::array<std::int64_t, 3> result{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t sum = (q[0] * q[0] - axis_squared) * v[a] + 2 * along * q[a + 1] + 2 * q[0] * across[a];
-    result[a] = rounded_quotient(sum, q[0] * q[0] + axis_squared);
-  }
-  return result;
 }
 
 // Of one number or two, given their sum; to the nearest, halves up.
@@ -148,8 +136,19 @@ std::int32_t NodePrediction::component(std::size_t face, std::size_t c) const {
   return static_cast<std::int32_t>(mean_of(sum, count));
 }
 
+NodeTurn::NodeTurn(const NodeState& before, const NodeState& after)
+    : rotation(product(widened(after.rotation), conjugate(widened(before.rotation)))) {
+  WideQuaternion q = rotation;
+  for (std::int64_t& component : q) component = rounded_quotient(component, 1 << 9); // now |q| ≤ 2¹⁵
+  const auto& [w, x, y, z] = q;
+  matrix = {w * w + x * x - y * y - z * z, 2 * (x * y - w * z),           2 * (x * z + w * y),
+            2 * (x * y + w * z),           w * w - x * x + y * y - z * z, 2 * (y * z - w * x),
+            2 * (x * z - w * y),           2 * (y * z + w * x),           w * w - x * x - y * y + z * z};
+  scale = w * w + x * x + y * y + z * z;
+}
+
 NodePrediction NodePredictor::predict(std::size_t i, std::span<const NodeState> reference,
-                                      std::span<const NodeState> now) const {
+                                      std::span<const NodeState> now, std::span<const NodeTurn> turns) const {
   const NodeState& reference_node = reference[i];
   const Neighbours& near = neighbours_[i];
   if (near.count == 0) return {reference_node.position, 1, {widened(reference_node.rotation)}};
@@ -159,14 +158,15 @@ NodePrediction NodePredictor::predict(std::size_t i, std::span<const NodeState> 
   for (std::size_t k = 0; k < near.count; ++k) {
     const NodeState& before = reference[near.nodes[k]];
     const NodeState& after = now[near.nodes[k]];
-    const WideQuaternion back{before.rotation[0], -before.rotation[1], -before.rotation[2], -before.rotation[3]};
-    WideQuaternion rotation = product(widened(after.rotation), back); // its length is from 2²² to 2²⁴
-    prediction.rotations[k] = product(rotation, widened(reference_node.rotation));
-    for (std::int64_t& component : rotation) component = rounded_quotient(component, 1 << 9);
-    std::array<std::int64_t, 3> arm{};
+    const NodeTurn& turn = turns[near.nodes[k]];
+    prediction.rotations[k] = product(turn.rotation, widened(reference_node.rotation));
+    std::array<std::int64_t, 3> arm{}; // no longer than 2²⁹ for each axis
     for (std::size_t a = 0; a < 3; ++a) arm[a] = std::int64_t{reference_node.position[a]} - before.position[a];
-    const std::array<std::int64_t, 3> rotated_arm = rotated(rotation, arm);
-    for (std::size_t a = 0; a < 3; ++a) sum[a] += after.position[a] + rotated_arm[a];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::span row = std::span(turn.matrix).subspan(3 * a, 3);
+      const std::int64_t turned = row[0] * arm[0] + row[1] * arm[1] + row[2] * arm[2];
+      sum[a] += after.position[a] + rounded_quotient(turned, turn.scale);
+    }
   }
   for (std::size_t a = 0; a < 3; ++a) {
     const std::int64_t mean = mean_of(sum[a], near.count);

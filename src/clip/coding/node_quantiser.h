@@ -78,12 +78,22 @@ inline std::int64_t rounded_quotient(std::int64_t a, std::int64_t b) {
 
 using WideQuaternion = std::array<std::int64_t, 4>; ///< w x y z, of any length
 
+/// How a node turned: what nodes beside it have in common when they are predicted from it.
+struct NodeTurn {
+  NodeTurn() = default; ///< of no meaning yet
+  NodeTurn(const NodeState& before, const NodeState& after);
+
+  WideQuaternion rotation;            ///< of a length from 2²² to 2²⁴
+  std::array<std::int64_t, 9> matrix; ///< of the rotation, roughly, times `scale`; row-major
+  std::int64_t scale;                 ///< from 2²⁶ to 2³⁰
+};
+
 /// What the nodes around one expect of it.
 struct NodePrediction {
   static constexpr std::size_t kMax = 2;
   std::array<std::int32_t, 3> position{};
-  std::size_t count = 0;                        ///< of rotations, at least 1
-  std::array<WideQuaternion, kMax> rotations{}; ///< by each neighbour's account, the nearest first
+  std::size_t count = 0;                      ///< of rotations, at least 1
+  std::array<WideQuaternion, kMax> rotations; ///< by each neighbour's account, the nearest first
 
   /// The component that should be the largest.
   std::size_t face() const { return largest_component(rotations[0]); }
@@ -104,8 +114,9 @@ public:
   std::span<const std::uint32_t> neighbours(std::size_t i) const {
     return std::span(neighbours_[i].nodes).first(neighbours_[i].count);
   }
-  /// Of node `i`; those before it in the order are known in `now`.
-  NodePrediction predict(std::size_t i, std::span<const NodeState> reference, std::span<const NodeState> now) const;
+  /// Of node `i`; of those before it in the order the states are known in `now`, and how they turned from `reference`.
+  NodePrediction predict(std::size_t i, std::span<const NodeState> reference, std::span<const NodeState> now,
+                         std::span<const NodeTurn> turns) const;
 
 private:
   struct Neighbours {

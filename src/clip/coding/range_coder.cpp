@@ -33,9 +33,7 @@ RangeDecoder::RangeDecoder(std::span<const std::byte> bytes, const std::string& 
   for (int i = 0; i < 4; ++i) code_ = (code_ << 8) | next_byte();
 }
 
-std::uint32_t RangeDecoder::next_byte() {
-  const std::size_t at = read_++;
-  if (at < bytes_.size()) return std::to_integer<std::uint32_t>(bytes_[at]);
+std::uint32_t RangeDecoder::byte_after_end(std::size_t at) const {
   if (at >= bytes_.size() + 4) {
     throw Error(ErrorCode::kCorruptInput, fmt::format("{}: arithmetic code ends too early", location_));
   }

@@ -100,7 +100,12 @@ public:
   void finish() const;
 
 private:
-  std::uint32_t next_byte();
+  std::uint32_t next_byte() {
+    const std::size_t at = read_++;
+    return at < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at]) : byte_after_end(at);
+  }
+  // Zeros, as many as may follow the last byte.
+  std::uint32_t byte_after_end(std::size_t at) const;
 
   std::span<const std::byte> bytes_;
   const std::string& location_;

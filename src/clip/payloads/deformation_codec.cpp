@@ -43,7 +43,7 @@ std::uint64_t decoding_memory(const DeformationGraph& graph, std::size_t frames)
 }
 
 DeformationCoding::DeformationCoding(const DeformationGraph& graph)
-    : rest_(quantise_rest(graph.nodes())), predictor_(rest_) {}
+    : rest_(quantise_rest(graph.nodes())), predictor_(rest_), turns_(rest_.size()) {}
 
 template <class Coder>
 void DeformationCoding::code(Coder& coder, bool key, bool all_fine, std::vector<NodeState>& nodes,
@@ -55,9 +55,10 @@ void DeformationCoding::code(Coder& coder, bool key, bool all_fine, std::vector<
   const std::vector<NodeState>& reference = key ? predictor_.rest() : last_;
   NodeSyntax<Coder> syntax(coder, models_, all_fine);
   for (const std::uint32_t i : predictor_.order()) {
-    const PerNumber<std::size_t> activity = activity_around(predictor_.neighbours(i), i, surprises_);
-    surprises_[i] = syntax.code(predictor_.predict(i, reference, nodes), activity, nodes[i]);
+    const NodeSurprise activity = activity_around(predictor_.neighbours(i), i, surprises_);
+    surprises_[i] = syntax.code(predictor_.predict(i, reference, nodes, turns_), activity, nodes[i]);
     if (!is_valid(nodes[i])) reject(location, fmt::format("node {} is turned or moved impossibly", i));
+    turns_[i] = NodeTurn(reference[i], nodes[i]);
   }
   last_ = nodes;
 }

@@ -33,6 +33,7 @@ protected:
 private:
   NodePredictor predictor_;
   std::vector<NodeState> last_;
+  std::vector<NodeTurn> turns_;
   std::vector<NodeSurprise> surprises_; // the last of each node
   DeformationModels models_;
 };

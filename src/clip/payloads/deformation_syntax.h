@@ -15,12 +15,28 @@ namespace kinora::clip {
 /// One for each number of a node that is coded: position x, y, z, then three components of the rotation.
 template <class T> using PerNumber = std::array<T, 6>;
 
-/// Sizes of the differences to what was expected of a node, in steps of kCoarseSteps.
-using NodeSurprise = PerNumber<std::uint32_t>;
+/// Sizes of the differences to what was expected of a node, in steps of kCoarseSteps, in one byte each: larger ones
+/// than kMost are in no other class.
+class NodeSurprise {
+public:
+  static constexpr std::size_t kClasses = 6; ///< none, 1, 2–3, 4–7, 8–15, more
+
+  void set(std::size_t number, std::uint32_t size) { sizes_ |= std::uint64_t{std::min(size, kMost)} << (8 * number); }
+  /// For each number; of at most 15 nodes in all.
+  void add(const NodeSurprise& other) { sizes_ += other.sizes_; }
+  std::size_t size_class(std::size_t number) const {
+    const auto size = static_cast<std::uint8_t>(sizes_ >> (8 * number));
+    return std::min<std::size_t>(kClasses - 1, std::bit_width(size));
+  }
+
+private:
+  static constexpr std::uint32_t kMost = 1U << (kClasses - 2);
+  std::uint64_t sizes_ = 0;
+};
 
 /// What has been learnt about the differences since the last key payload.
 struct DeformationModels {
-  static constexpr std::size_t kActivities = 6; ///< classes of coarse nodes, by how large differences were around them
+  static constexpr std::size_t kActivities = NodeSurprise::kClasses; ///< of coarse nodes
   static constexpr std::size_t kFine = kActivities;
   PerNumber<std::array<IntegerModel, kActivities + 1>> difference;
   BitModel fine;
@@ -28,16 +44,11 @@ struct DeformationModels {
   std::array<BitModel, 3> face;
 };
 
-/// How large the differences were around a node, as classes: those of its neighbours, and its own in the payload
-/// before.
-inline PerNumber<std::size_t> activity_around(std::span<const std::uint32_t> neighbours, std::size_t node,
-                                              std::span<const NodeSurprise> surprises) {
-  PerNumber<std::size_t> activity{};
-  for (std::size_t n = 0; n < activity.size(); ++n) {
-    std::uint64_t sum = surprises[node][n];
-    for (const std::uint32_t neighbour : neighbours) sum += surprises[neighbour][n];
-    activity[n] = std::min<std::size_t>(DeformationModels::kActivities - 1, std::bit_width(sum));
-  }
+/// How large the differences were around a node: those of its neighbours, and its own in the payload before.
+inline NodeSurprise activity_around(std::span<const std::uint32_t> neighbours, std::size_t node,
+                                    std::span<const NodeSurprise> surprises) {
+  NodeSurprise activity = surprises[node];
+  for (const std::uint32_t neighbour : neighbours) activity.add(surprises[neighbour]);
   return activity;
 }
 
@@ -49,23 +60,23 @@ public:
       : coder_(coder), models_(models), all_fine_(all_fine) {}
 
   /// Writes or reads `node`.
-  NodeSurprise code(const NodePrediction& prediction, const PerNumber<std::size_t>& activity, NodeState& node) {
+  NodeSurprise code(const NodePrediction& prediction, const NodeSurprise& activity, NodeState& node) {
     const bool fine = all_fine_ || coder_.code(models_.fine, !is_multiple_of(node, kCoarseSteps));
     const NodeSteps& steps = fine ? kFineSteps : kCoarseSteps;
     const auto model = [&](std::size_t n) -> IntegerModel& {
-      return models_.difference[n][all_fine_ ? 0 : fine ? DeformationModels::kFine : activity[n]];
+      return models_.difference[n][all_fine_ ? 0 : fine ? DeformationModels::kFine : activity.size_class(n)];
     };
     NodeSurprise surprise{};
     for (std::size_t a = 0; a < 3; ++a) {
       const std::uint32_t size = number(model(a), prediction.position[a], steps.position, node.position[a]);
-      surprise[a] = size / static_cast<std::uint32_t>(kCoarseSteps.position / steps.position);
+      surprise.set(a, size / static_cast<std::uint32_t>(kCoarseSteps.position / steps.position));
     }
     const std::size_t face = code_face(prediction.face(), largest_component(node.rotation));
     node.rotation[face] = kQuaternionUnits;
     for (std::size_t c = 0, n = 3; c < 4; ++c) {
       if (c == face) continue;
       const std::uint32_t size = number(model(n), prediction.component(face, c), steps.rotation, node.rotation[c]);
-      surprise[n++] = size / static_cast<std::uint32_t>(kCoarseSteps.rotation / steps.rotation);
+      surprise.set(n++, size / static_cast<std::uint32_t>(kCoarseSteps.rotation / steps.rotation));
     }
     return surprise;
   }
