@@ -10,6 +10,7 @@
 #include "encode/layer_report.h"
 #include "encode/layer_training.h"
 #include "encode/node_births.h"
+#include "encode/still_room.h"
 #include "encode/training_plan.h"
 #include "encode/unfounded_labels.h"
 
@@ -52,6 +53,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   const clip::Exposure exposure = times.measure("compare exposures", [&] { return measure_exposure(pass); });
   take_out(exposure, pass);
   const std::vector<NotModelled> unfounded = drop_unfounded_labels(pass, prepared.capture->info());
+  correct_still_room(pass.pixels);
   TrainingPlan plan = plan_training(pass, options);
   plan.not_modelled.insert(plan.not_modelled.begin(), unfounded.begin(), unfounded.end());
   if (plan.layers.empty()) {

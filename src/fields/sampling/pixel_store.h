@@ -64,6 +64,9 @@ public:
 
   /// The pixels of a label become those of another, 0 to 255.
   void relabel(int from, int to);
+  /// By its index into pixels().
+  void change_depth(std::size_t pixel, StoredDepth depth) { pixels_[pixel].depth = depth; }
+  void change_label(std::size_t pixel, std::uint8_t label) { pixels_[pixel].label = label; }
   /// Of a frame, by its number in frames().
   void change_colors(std::size_t frame, const GainTables& tables);
 
