@@ -47,7 +47,7 @@ fields::PixelStore stored(const Scene& scene, double camera_step = 0) {
 }
 
 const fields::StoredPixel& pixel_at(const fields::PixelStore& pixels, int frame, int u, int v) {
-  const auto row = static_cast<std::size_t>(frame * kHeight + v);
+  const std::size_t row = static_cast<std::size_t>(frame) * kHeight + static_cast<std::size_t>(v);
   return pixels.pixels()[row * kWidth + static_cast<std::size_t>(u)];
 }
 
