@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -47,23 +46,48 @@ struct Corrections {
   std::vector<Depth> moved;
 };
 
-/// Where layers that move come near: elsewhere depths differ from time to time, too, along edges of what rests.
+/// Where layers that move come near in two frames or more, in blocks of the picture: elsewhere depths differ from time
+/// to time, too, along edges of what rests.
 class Visited {
 public:
   explicit Visited(const PixelStore& pixels) : Visited(pixels, pixels.frames().front().camera.intrinsics) {}
 
-  bool near(int u, int v) const { return blocks_[at(u / block_ + 1, v / block_ + 1)] != 0; }
+  bool near(const StoredPixel& pixel) const { return farthest_near(pixel) > 0; }
+  /// Metres: what of them was measured farthest in or beside the pixel's block, in all frames but one, which may be
+  /// noise.
+  float farthest_near(const StoredPixel& pixel) const {
+    float farthest = 0;
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 3; ++x) {
+        farthest = std::max(farthest, blocks_[at(pixel.u / block_ + x, pixel.v / block_ + y)].second);
+      }
+    }
+    return farthest;
+  }
 
 private:
   static constexpr int kBlocks = 80; // across a picture
 
+  struct Block {
+    float in_frame = 0; // the farthest, as are the others
+    float first = 0;
+    float second = 0;
+  };
+
   Visited(const PixelStore& pixels, const Intrinsics& camera)
       : block_(std::max(1, camera.width / kBlocks)), columns_(camera.width / block_ + 3),
         blocks_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(camera.height / block_ + 3)) {
-    for (const StoredPixel& pixel : pixels.pixels()) {
-      if (pixel.label == 0 || !pixel.depth.is_measured()) continue;
-      for (int y = 0; y < 3; ++y) {
-        for (int x = 0; x < 3; ++x) blocks_[at(pixel.u / block_ + x, pixel.v / block_ + y)] = 1;
+    for (const StoredFrame& frame : pixels.frames()) {
+      for (std::size_t i = frame.begin; i < frame.end; ++i) {
+        const StoredPixel& pixel = pixels.pixels()[i];
+        if (pixel.label == 0 || !pixel.depth.is_measured()) continue;
+        float& farthest = blocks_[at(pixel.u / block_ + 1, pixel.v / block_ + 1)].in_frame;
+        farthest = std::max(farthest, pixel.depth.metres());
+      }
+      for (Block& block : blocks_) {
+        block.second = std::max(block.second, std::min(block.first, block.in_frame));
+        block.first = std::max(block.first, block.in_frame);
+        block.in_frame = 0;
       }
     }
   }
@@ -73,13 +97,13 @@ private:
 
   int block_; // pixels
   int columns_;
-  std::vector<char> blocks_; // with one more on each side
+  std::vector<Block> blocks_; // with one more on each side
 };
 
 /// One place of the picture in all frames.
 class Place {
 public:
-  explicit Place(const PixelStore& pixels) : pixels_(pixels) {}
+  Place(const PixelStore& pixels, const Visited& visited) : pixels_(pixels), visited_(visited) {}
 
   void clear() {
     numbers_.clear();
@@ -93,12 +117,11 @@ public:
   }
 
   void correct(Corrections& corrections) {
+    if (numbers_.empty()) return;
     const float room = room_.empty() ? 0 : median(room_);
     const float others = others_.empty() ? 0 : median(others_);
-    // The farthest may be noise.
-    const float farthest_other = others_.size() < 2 ? 0 : farthest_but_one(others_);
-    const float behind_others =
-        farthest_other > 0 ? farthest_other + kOthersSigmas * sigma(farthest_other) + kBehind : 0;
+    const float farthest = visited_.farthest_near(pixels_.pixels()[numbers_.front()]);
+    const float behind_others = farthest + kOthersSigmas * sigma(farthest) + kBehind;
     for (const std::uint32_t number : numbers_) {
       const StoredPixel& pixel = pixels_.pixels()[number];
       if (pixel.label != 0 || !pixel.depth.is_known()) continue;
@@ -121,12 +144,9 @@ private:
   static constexpr float kBehind = 0.05F; // metres: fields are taught within 2 to 4 cm of a guess
 
   static float sigma(float depth) { return static_cast<float>(kSensorNoise.sigma(depth)); }
-  static float farthest_but_one(std::vector<float>& depths) {
-    std::nth_element(depths.begin(), depths.begin() + 1, depths.end(), std::greater<>());
-    return depths[1];
-  }
 
   const PixelStore& pixels_;
+  const Visited& visited_;
   std::vector<std::uint32_t> numbers_;
   std::vector<float> room_, others_; // measured
 };
@@ -141,13 +161,13 @@ Corrections corrections_of(const PixelStore& pixels, const Visited& visited, std
     const auto before = [](const StoredPixel& pixel, std::size_t row) { return pixel.v < row; };
     auto pixel = std::lower_bound(begin, end, first_row, before);
     for (; pixel != end && pixel->v < end_row; ++pixel) {
-      if (!visited.near(pixel->u, pixel->v)) continue;
+      if (!visited.near(*pixel)) continue;
       at[(pixel->v - first_row) * width + pixel->u].push_back(
           static_cast<std::uint32_t>(pixel - pixels.pixels().begin()));
     }
   }
   Corrections corrections;
-  Place place(pixels);
+  Place place(pixels, visited);
   for (const std::vector<std::uint32_t>& numbers : at) {
     place.clear();
     for (const std::uint32_t number : numbers) place.add(number);

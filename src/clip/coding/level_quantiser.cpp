@@ -83,4 +83,6 @@ QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding)
   return level;
 }
 
+float dequantise(std::int16_t value, int exponent) { return std::ldexp(static_cast<float>(value), exponent); }
+
 } // namespace kinora::clip

@@ -1,7 +1,6 @@
 // Table parameters as 16-bit integers times a power of two.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,11 +30,6 @@ struct Rounding {
 QuantisedLevel quantise(std::span<const float> values, const Rounding& rounding);
 
 /// Exact in float for every exponent within the limits.
-inline float dequantise(std::int16_t value, int exponent) {
-  constexpr int kFloatBias = 127;
-  constexpr int kFloatMantissaBits = 23;
-  return static_cast<float>(value) *
-         std::bit_cast<float>(static_cast<std::uint32_t>(exponent + kFloatBias) << kFloatMantissaBits);
-}
+float dequantise(std::int16_t value, int exponent);
 
 } // namespace kinora::clip
