@@ -1,8 +1,8 @@
 // What reading a whole clip costs: processor time, the memory of what is given, and the most that was needed besides.
 // Prints the machine's own speed, then CSV.
 //   bench_decoding CLIP.mkv
-//   bench_decoding --largest=LAYERS CLIP.mkv    writes the clip first: LAYERS fields of the largest size
-//   (largest_clip.h)
+//   bench_decoding --largest=LAYERS CLIP.mkv           writes such a clip: LAYERS fields of the largest size
+//   bench_decoding --largest-packed=LAYERS CLIP.mkv    the same in the oldest version (largest_clip.h)
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -36,16 +36,19 @@ std::size_t bytes_of(const clip::Clip& clip) {
 } // namespace
 
 int main(int argc, char** argv) {
-  const std::string largest = "--largest=";
-  const bool makes_largest = argc == 3 && std::string(argv[1]).starts_with(largest);
-  if (argc != 2 && !makes_largest) {
-    std::fprintf(stderr, "usage: bench_decoding [--largest=LAYERS] CLIP.mkv\n");
+  const std::string option = argc == 3 ? argv[1] : "";
+  const std::size_t name_length = option.find('=');
+  const std::string name = option.substr(0, name_length);
+  const bool packed = name == "--largest-packed";
+  const bool writes = name_length != std::string::npos && (packed || name == "--largest");
+  if (argc != 2 && !writes) {
+    std::fprintf(stderr, "usage: bench_decoding [--largest=LAYERS | --largest-packed=LAYERS] CLIP.mkv\n");
     return 2;
   }
   try {
     const std::string path = argv[argc - 1];
-    if (makes_largest) {
-      bench::write_largest_clip(path, std::stoul(std::string(argv[1]).substr(largest.size())));
+    if (writes) {
+      bench::write_largest_clip(path, std::stoul(option.substr(name_length + 1)), packed);
       return 0;
     }
     set_thread_count(1);

@@ -1,16 +1,22 @@
-// A clip that asks for as much memory as a file may: every layer has the largest table, all of it touched, and the
-// coarse levels of all fields come before the finer ones.
+// Clips that ask for as much memory as a file may: every layer has the largest table, all of it touched, and either the
+// coarse levels of all fields come before the finer ones, or each field is one payload of the largest size in the
+// oldest version that is read (3), whose parameters are unpacked whole.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <random>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "clip/clip_description.h"
 #include "clip/codec_ids.h"
+#include "clip/coding/zstd_codec.h"
 #include "clip/payloads/field_codec.h"
+#include "clip/payloads/field_header.h"
 #include "clip/payloads/pose_codec.h"
+#include "container/little_endian.h"
 #include "container/writer.h"
 
 namespace kinora::bench {
@@ -27,10 +33,35 @@ inline fields::Field largest_field() {
   return field;
 }
 
-/// An attachment that nobody asks for makes the file so large that its reader grants what it wants.
-inline void write_largest_clip(const std::filesystem::path& path, std::size_t layers) {
+/// `field` as version 3; noise among its parameters makes the payload as large as it may be.
+inline clip::Bytes largest_packed_payload(const fields::Field& field) {
+  constexpr std::ptrdiff_t kSizesAt = 48; // behind what version 5 begins with, too
+  constexpr std::ptrdiff_t kLevelsAt = 56;
+  clip::Bytes parameters(2 * field.parameter_count());
+  std::mt19937 random(1);
+  const std::size_t noise = clip::kMaxPayloadBytes - (std::size_t{64} << 10);
+  for (std::size_t i = 0; i < noise; ++i) parameters[i] = static_cast<std::byte>(random());
+  const clip::Bytes packed = clip::compress(parameters);
+  const clip::Bytes occupancy = clip::compress(std::as_bytes(std::span(field.occupancy.words())));
+
+  const clip::Bytes usual = clip::encode_field(field);
+  clip::Bytes payload(usual.begin(), usual.begin() + kSizesAt);
+  payload[0] = std::byte{clip::kZstdDensityVersion};
+  container::put(payload, static_cast<std::uint32_t>(occupancy.size()));
+  container::put(payload, static_cast<std::uint32_t>(packed.size()));
+  payload.insert(payload.end(), usual.begin() + kLevelsAt, usual.begin() + kLevelsAt + 4 * field.config.levels);
+  payload.insert(payload.end(), occupancy.begin(), occupancy.end());
+  payload.insert(payload.end(), packed.begin(), packed.end());
+  return payload;
+}
+
+/// An attachment that nobody asks for makes the file so large that its reader grants what it wants. `packed`: as
+/// largest_packed_payload().
+inline void write_largest_clip(const std::filesystem::path& path, std::size_t layers, bool packed) {
   const fields::Field field = largest_field();
-  const std::vector<clip::Bytes> payloads = clip::encode_field_coarse_first(field, clip::usual_rounding(field.config));
+  const std::vector<clip::Bytes> payloads =
+      packed ? std::vector<clip::Bytes>{largest_packed_payload(field)}
+             : clip::encode_field_coarse_first(field, clip::usual_rounding(field.config));
   clip::ClipDescription description;
   description.times_ns = {0};
   description.capture_frames = {0};
