@@ -101,6 +101,7 @@ void run(const std::string& folder, int labels) {
               health[motion::Health::kLost], tracker.moves() ? "moving" : "still", tracker.moving_from().value_or(0),
               tracker.keyframe_count(), tracker.loop_count());
   compare(tracker.path(), truth);
+  if (const auto lag = tracker.depth_lag()) std::printf("depth comes %.1f ms later than colour\n", 1e3 * *lag);
   std::printf("per frame: median %.1f ms, 99th percentile %.1f ms; processor median %.1f ms, 99th percentile %.1f ms\n",
               at_fraction(milliseconds, 0.5), at_fraction(milliseconds, 0.99), at_fraction(processor, 0.5),
               at_fraction(processor, 0.99));

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "ingest/depth/registration.h"
 
 namespace kinora::encode {
 namespace {
@@ -45,17 +46,53 @@ private:
   ingest::CaptureInfo info_;
 };
 
+class DepthInTime final : public ingest::Capture {
+public:
+  DepthInTime(std::unique_ptr<ingest::Capture> capture, std::shared_ptr<const CameraPath> path)
+      : capture_(std::move(capture)), path_(std::move(path)) {}
+
+  const ingest::CaptureInfo& info() const override { return capture_->info(); }
+  const std::vector<ingest::SkippedFrame>& skipped() const override { return capture_->skipped(); }
+
+  std::optional<ingest::Frame> next() override {
+    std::optional<ingest::Frame> frame = capture_->next();
+    if (!frame) return frame;
+    const Intrinsics& intrinsics = frame->camera.intrinsics;
+    const ingest::RegistrationGeometry geometry{intrinsics, intrinsics,
+                                                tracking::depth_to_color(path_->depth_lag, velocity_at(*frame))};
+    for (DepthImage* depth : {&frame->depth, &frame->clean_depth}) *depth = ingest::register_depth(*depth, geometry);
+    return frame;
+  }
+
+private:
+  // From the frame before to the one after, as far as the path has them.
+  Twist velocity_at(const ingest::Frame& frame) const {
+    const auto& poses = path_->camera_to_world;
+    const auto here = poses.lower_bound(frame.index);
+    auto after = here != poses.end() && here->first == frame.index ? std::next(here) : here;
+    if (after == poses.end()) --after;
+    const auto before = here == poses.begin() ? here : std::prev(here);
+    const double seconds = path_->times.at(after->first) - path_->times.at(before->first);
+    return tracking::velocity_between(before->second, after->second, seconds);
+  }
+
+  std::unique_ptr<ingest::Capture> capture_;
+  std::shared_ptr<const CameraPath> path_;
+};
+
 } // namespace
 
-CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, StageTimes& times,
-                         Progress& progress) {
+CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, double depth_lag,
+                         StageTimes& times, Progress& progress) {
   progress.stage("looking where the camera is", static_cast<std::size_t>(capture.info().frame_count));
   tracking::CameraTracker tracker(config);
   std::vector<int> indices;
+  std::map<int, double> seconds;
   while (const auto frame = times.measure("read for the camera", [&] { return capture.next(); })) {
     progress.check();
     times.measure("track camera", [&] { tracker.track(*frame); });
     indices.push_back(frame->index);
+    seconds[frame->index] = frame->time;
     progress.advance(indices.size(), "");
   }
   CameraPath path;
@@ -69,13 +106,21 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
   if (!tracker.moves()) return path;
   const std::vector<SE3> poses = tracker.path();
   for (std::size_t i = 0; i < indices.size(); ++i) path.camera_to_world[indices[i]] = poses[i];
+  path.times = std::move(seconds);
+  path.depth_lag = depth_lag + tracker.depth_lag().value_or(0);
   return path;
 }
 
 std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> capture,
                                                std::shared_ptr<const CameraPath> path) {
   if (!path->moves()) return capture;
-  return std::make_unique<PosedCapture>(std::move(capture), std::move(path));
+  return std::make_unique<PosedCapture>(depth_in_time(std::move(capture), path), path);
+}
+
+std::unique_ptr<ingest::Capture> depth_in_time(std::unique_ptr<ingest::Capture> capture,
+                                               std::shared_ptr<const CameraPath> path) {
+  if (path->depth_lag == 0) return capture;
+  return std::make_unique<DepthInTime>(std::move(capture), std::move(path));
 }
 
 } // namespace kinora::encode

@@ -21,7 +21,9 @@ struct CameraPath {
   };
   Origin origin = Origin::kNotFollowed;
   std::map<int, SE3>
-      camera_to_world; ///< by the frame's index; empty: the camera is still, or the frames say where it is
+      camera_to_world;         ///< by the frame's index; empty: the camera is still, or the frames say where it is
+  std::map<int, double> times; ///< seconds, of the same frames
+  double depth_lag = 0;        ///< seconds by which depth comes later than colour, as far as its motion tells
   // Where it was followed:
   std::optional<std::size_t> moving_from; ///< frame of the timeline that showed motion, if it moves
   std::size_t tracked = 0;                ///< frames that show where the camera is
@@ -34,12 +36,19 @@ struct CameraPath {
 };
 
 /// Follows the camera through the frames of a capture without poses (tracking::CameraTracker), which is read to its
-/// end. The same bits for any number of threads. Throws what the capture throws.
-CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, StageTimes& times,
-                         Progress& progress);
+/// end; its depth is already earlier by `depth_lag`, to which is added what is found. The same bits for any number of
+/// threads. Throws what the capture throws.
+CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTrackerConfig& config, double depth_lag,
+                         StageTimes& times, Progress& progress);
 
-/// The capture with the path's poses in its frames: it has poses then. The capture itself if the path does not move.
-/// A frame that the path does not know is Error(kCorruptInput): the capture changed between two readings.
+/// The capture with depth as the colour camera had it before it at the moment of colour, where the path knows of a lag
+/// (tracking::depth_to_color): frames of the path and others between them. Else the capture itself.
+std::unique_ptr<ingest::Capture> depth_in_time(std::unique_ptr<ingest::Capture> capture,
+                                               std::shared_ptr<const CameraPath> path);
+
+/// The capture with the path's poses in its frames, and depth_in_time(): it has poses then. The capture itself if the
+/// path does not move. A frame that the path does not know is Error(kCorruptInput): the capture changed between two
+/// readings.
 std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> capture,
                                                std::shared_ptr<const CameraPath> path);
 

@@ -86,7 +86,8 @@ public:
   /// candidate has them.
   Candidate followed(const Candidate& candidate, std::unique_ptr<ingest::Capture> frames) const {
     return {candidate.options,
-            std::make_shared<CameraPath>(follow_camera(*frames, candidate.tracker, times_, progress_)),
+            std::make_shared<CameraPath>(
+                follow_camera(*frames, candidate.tracker, candidate.camera->depth_lag, times_, progress_)),
             candidate.tracker};
   }
 
@@ -107,7 +108,9 @@ public:
     ingest::CaptureOptions how = candidate.options;
     how.use_masks = false;
     const HeldOutFrames frames{request_.holdout, request_.options.frames};
-    return frames_where(request_.open(how, progress_), [frames](int index) { return frames.contains(index); });
+    return depth_in_time(
+        frames_where(request_.open(how, progress_), [frames](int index) { return frames.contains(index); }),
+        candidate.camera);
   }
 
 private:

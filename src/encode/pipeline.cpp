@@ -37,6 +37,11 @@ void add_held_out(PreparedCapture& prepared, const std::optional<CameraRefinemen
   times.measure("place held-out frames", [&] { add_held_out_frames(clip, *prepared.held_out, corrections, progress); });
 }
 
+/// As the camera's motion tells it, or what moves before it.
+std::optional<double> depth_delay_of(const PreparedCapture& prepared, const FramePass& pass) {
+  return prepared.camera->depth_lag != 0 ? prepared.camera->depth_lag : pass.depth_delay;
+}
+
 /// A body knows where all of its parts are.
 motion::NodeBirths births_of(const TrackedLabel& label, const clip::Layer& layer, const fields::PixelStore& pixels) {
   constexpr double kReach = 3; // of the distance between nodes: so far those that are seen hold others
@@ -88,7 +93,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
                  {"settings", settings},
                  {"capture", capture_json(prepared, pass)},
                  {"camera", std::move(camera)},
-                 {"streams", streams_json(exposure, pass.depth_delay, prepared.registration)},
+                 {"streams", streams_json(exposure, depth_delay_of(prepared, pass), prepared.registration)},
                  {"layers", std::move(layers)},
                  {"not_modelled", not_modelled},
                  {"timing", {{"stages", times.json(clip.times.size())}}}};

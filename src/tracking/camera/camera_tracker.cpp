@@ -24,6 +24,7 @@ CameraTrackingResult CameraTracker::track(const ingest::Frame& frame) {
     }
   }
   last_time_ = reduced.time;
+  times_.push_back(reduced.time);
   results_.push_back(result);
   return result;
 }
@@ -173,7 +174,10 @@ void CameraTracker::follow(const BackgroundFrame& reduced, const LayerView& view
     if (fit.complete()) uncertain_ = false;
     return;
   }
-  if (fit.complete()) grow_map(reduced, view, found);
+  if (fit.complete()) {
+    add_lag_evidence(view);
+    grow_map(reduced, view, found);
+  }
   result.camera_to_world = renormalized(map_to_live_ * map_pose(relative_poses_.back()));
 }
 
@@ -202,8 +206,18 @@ void CameraTracker::add_keyframe(const BackgroundFrame& reduced, const LayerView
   reference_ = keyframes_.size();
   keyframes_.push_back(make_keyframe(reduced, view));
   keyframes_.back().features = features_of(view, camera_to_map);
+  keyframe_frames_.push_back(results_.size());
   map_.push_back(camera_to_map);
   neighbours_.emplace_back();
+}
+
+void CameraTracker::add_lag_evidence(const LayerView& view) {
+  constexpr std::size_t kEnough = 4096; // 0.5 kB each
+  if (lag_evidence_.size() == kEnough) return;
+  const RelativePose& last = relative_poses_.back();
+  const SE3 keyframe_to_camera = last.camera_to_keyframe.inverse();
+  lag_evidence_.push_back({results_.size(), keyframe_frames_[last.keyframe], keyframe_to_camera,
+                           depth_against_texture(keyframes_[last.keyframe].points, view, keyframe_to_camera)});
 }
 
 void CameraTracker::add_edge(const PoseEdge& edge) {

@@ -9,6 +9,7 @@
 
 #include "motion/motion.h"
 #include "tracking/camera/camera_keyframe.h"
+#include "tracking/camera/depth_lag.h"
 #include "tracking/camera/loop_closure.h"
 #include "tracking/camera/pose_graph.h"
 #include "tracking/lost/held_or_lost.h"
@@ -78,6 +79,8 @@ public:
   /// Camera to world of every frame, as all that was seen has it: loops are closed, and stretches without support lead
   /// from where the camera was lost to where it was found. All identity if the camera never moved.
   std::vector<SE3> path() const;
+  /// Seconds by which depth comes later than colour, of all frames so far (estimate_depth_lag).
+  std::optional<double> depth_lag() const { return estimate_depth_lag(lag_evidence_, path(), times_); }
   std::size_t keyframe_count() const { return keyframes_.size(); }
   /// Pairs of key frames, not made one after the other, that were found to see the same surface.
   std::size_t loop_count() const { return loops_; }
@@ -108,6 +111,7 @@ private:
   void test_stationarity(const LayerView& view, const SE3& camera_to_map);
   void grow_map(const BackgroundFrame& reduced, const LayerView& view, const SE3& camera_to_map);
   void add_keyframe(const BackgroundFrame& reduced, const LayerView& view, const SE3& camera_to_map);
+  void add_lag_evidence(const LayerView& view);
   void add_edge(const PoseEdge& edge);
   bool close_near_loops(std::size_t previous, const LayerView& view);
   bool close_far_loops(const LayerView& view);
@@ -116,7 +120,8 @@ private:
 
   CameraTrackerConfig config_;
   std::vector<CameraKeyframe> keyframes_;
-  std::vector<SE3> map_; ///< camera to map of each key frame
+  std::vector<std::size_t> keyframe_frames_; ///< of which frame each is
+  std::vector<SE3> map_;                     ///< camera to map of each key frame
   std::vector<PoseEdge> edges_;
   std::vector<std::vector<std::size_t>> neighbours_; ///< of each key frame, by edges
   std::size_t loops_ = 0;
@@ -126,6 +131,8 @@ private:
   std::vector<RelativePose> relative_poses_; ///< of all frames
   std::vector<Gap> gaps_;
   std::vector<CameraTrackingResult> results_;
+  std::vector<double> times_; ///< of all frames
+  std::vector<LagEvidence> lag_evidence_;
   Twist velocity_ = Twist::Zero(); ///< of the camera in its own space, per second
   double last_time_ = 0;
   HeldOrLost gap_;         ///< of frames that do not show where the camera is in all directions

@@ -238,6 +238,14 @@ void run_stage(std::span<const ModelPoint> all_points, const LayerView& view, co
 
 } // namespace
 
+PoseInformation information_at(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera,
+                               const AlignmentConfig& config) {
+  const Stage& stage = kStages.back();
+  const TextureModel texture = measure_texture(points, view, model_to_camera, stage.level);
+  const System system = build_system(points, view, model_to_camera, Pivot{}, stage, texture, config);
+  return {system.depth_information, system.texture_information};
+}
+
 DampedStep solve_with_prior(const Matrix6& information, const Matrix6& support, const Twist& gradient,
                             const Twist& toward_prior, double degenerate_below, double damping) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(support);

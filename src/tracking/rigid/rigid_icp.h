@@ -53,6 +53,15 @@ using ContourSource = std::function<const ContourPair*()>;
 Alignment align(std::span<const ModelPoint> points, const LayerView& view, const SE3& start, const SE3& prior,
                 const ContourSource& contours = {}, const AlignmentConfig& config = {});
 
+/// How firmly depth and texture hold a pose, each by itself, as align() weighs them in its last stage: information
+/// about the step that leads to exp_se3(step) · model_to_camera. Deterministic; thread-safe.
+struct PoseInformation {
+  Eigen::Matrix<double, 6, 6> depth;
+  Eigen::Matrix<double, 6, 6> texture;
+};
+PoseInformation information_at(std::span<const ModelPoint> points, const LayerView& view, const SE3& model_to_camera,
+                               const AlignmentConfig& config = {});
+
 /// Solves information · step = −gradient. Directions in which `support` (symmetric) has an eigenvalue below
 /// `degenerate_below` are taken from `toward_prior` (a step); the others are solved for, their diagonal damped by the
 /// factor 1 + damping. Finite for every finite input.
