@@ -114,7 +114,8 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
 std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> capture,
                                                std::shared_ptr<const CameraPath> path) {
   if (!path->moves()) return capture;
-  return std::make_unique<PosedCapture>(depth_in_time(std::move(capture), path), path);
+  capture = depth_in_time(std::move(capture), path);
+  return std::make_unique<PosedCapture>(std::move(capture), std::move(path));
 }
 
 std::unique_ptr<ingest::Capture> depth_in_time(std::unique_ptr<ingest::Capture> capture,
