@@ -57,14 +57,27 @@ public:
   std::optional<ingest::Frame> next() override {
     std::optional<ingest::Frame> frame = capture_->next();
     if (!frame) return frame;
+    const double lag = path_->depth_lag + age_of_depth(*frame);
+    if (lag == 0) return frame;
     const Intrinsics& intrinsics = frame->camera.intrinsics;
     const ingest::RegistrationGeometry geometry{intrinsics, intrinsics,
-                                                tracking::depth_to_color(path_->depth_lag, velocity_at(*frame))};
+                                                tracking::depth_to_color(lag, velocity_at(*frame))};
     for (DepthImage* depth : {&frame->depth, &frame->clean_depth}) *depth = ingest::register_depth(*depth, geometry);
     return frame;
   }
 
 private:
+  // Seconds since it first came. Where a sensor measures depth less often than colour, frames repeat it to the bit.
+  double age_of_depth(const ingest::Frame& frame) {
+    constexpr double kMost = 0.1; // longer, and it has stopped, or nothing moves
+    if (first_with_depth_ && std::ranges::equal(first_with_depth_->depth.values(), frame.depth.values())) {
+      const double age = frame.time - first_with_depth_->time;
+      return age <= kMost ? age : 0;
+    }
+    first_with_depth_ = {frame.time, frame.depth};
+    return 0;
+  }
+
   // From the frame before to the one after, as far as the path has them.
   Twist velocity_at(const ingest::Frame& frame) const {
     const auto& poses = path_->camera_to_world;
@@ -76,8 +89,14 @@ private:
     return tracking::velocity_between(before->second, after->second, seconds);
   }
 
+  struct Moment {
+    double time;
+    DepthImage depth;
+  };
+
   std::unique_ptr<ingest::Capture> capture_;
   std::shared_ptr<const CameraPath> path_;
+  std::optional<Moment> first_with_depth_; ///< of the frames that show the same depth
 };
 
 } // namespace
@@ -120,7 +139,7 @@ std::unique_ptr<ingest::Capture> posed_capture(std::unique_ptr<ingest::Capture> 
 
 std::unique_ptr<ingest::Capture> depth_in_time(std::unique_ptr<ingest::Capture> capture,
                                                std::shared_ptr<const CameraPath> path) {
-  if (path->depth_lag == 0) return capture;
+  if (!path->moves()) return capture;
   return std::make_unique<DepthInTime>(std::move(capture), std::move(path));
 }
 

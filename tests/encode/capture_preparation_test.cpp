@@ -1,5 +1,7 @@
 #include "encode/capture_preparation.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/statistics.h"
@@ -106,12 +108,48 @@ ingest::Frame late_depth(int i) {
   return frame;
 }
 
+bool repeats_depth(int i) { return i % 6 == 5; }
+
+/// The room before a sensor that measures depth less often than colour.
+ingest::Frame repeated_depth(int i) {
+  ingest::Frame frame = tracking::testing::render_room(phone(i), i);
+  if (!repeats_depth(i)) return frame;
+  const ingest::Frame before = tracking::testing::render_room(phone(i - 1), i - 1);
+  frame.depth = before.depth;
+  frame.clean_depth = before.clean_depth;
+  return frame;
+}
+
 double median_error(const DepthImage& depth, const DepthImage& truth) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
     if (depth.data()[i] > 0 && truth.data()[i] > 0) errors.push_back(std::abs(depth.data()[i] - truth.data()[i]));
   }
   return median(errors);
+}
+
+double depth_error(const ingest::Frame& frame) {
+  tracking::testing::RoomOptions exact;
+  exact.noise = 0;
+  return median_error(frame.depth, tracking::testing::render_room(phone(frame.index), frame.index, exact).depth);
+}
+
+TEST(CapturePreparation, DepthThatRepeatsIsCarriedToItsColour) {
+  Progress progress;
+  const Frames frames = rendered(36, repeated_depth);
+  const PreparedCapture prepared = prepare_capture(request_of(frames), progress);
+  ASSERT_TRUE(prepared.camera->moves());
+  double repeated = 0, carried = 0;
+  while (const auto frame = prepared.capture->next()) {
+    const ingest::Frame& raw = frames[static_cast<std::size_t>(frame->index)];
+    if (!repeats_depth(frame->index)) {
+      EXPECT_TRUE(std::ranges::equal(frame->depth.values(), raw.depth.values())) << frame->index;
+      continue;
+    }
+    repeated += depth_error(raw);
+    carried += depth_error(*frame);
+  }
+  EXPECT_LT(carried, 0.6 * repeated);
 }
 
 TEST(CapturePreparation, DepthThatComesLateIsCarriedToItsColour) {
@@ -122,14 +160,9 @@ TEST(CapturePreparation, DepthThatComesLateIsCarriedToItsColour) {
   const PreparedCapture prepared = prepare_capture(request, progress);
   EXPECT_NEAR(prepared.camera->depth_lag, kLagFrames / 30, 0.003);
   double late = 0, carried = 0, held_out = 0;
-  const auto error = [](const ingest::Frame& frame) {
-    tracking::testing::RoomOptions exact;
-    exact.noise = 0;
-    return median_error(frame.depth, tracking::testing::render_room(phone(frame.index), frame.index, exact).depth);
-  };
-  for (const ingest::Frame& frame : frames) late += error(frame) / 90;
-  while (const auto frame = prepared.capture->next()) carried += error(*frame) / 81;
-  while (const auto frame = prepared.held_out->next()) held_out += error(*frame) / 9;
+  for (const ingest::Frame& frame : frames) late += depth_error(frame) / 90;
+  while (const auto frame = prepared.capture->next()) carried += depth_error(*frame) / 81;
+  while (const auto frame = prepared.held_out->next()) held_out += depth_error(*frame) / 9;
   EXPECT_LT(carried, 0.6 * late);
   EXPECT_LT(held_out, 0.6 * late);
 }
