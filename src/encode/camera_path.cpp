@@ -67,15 +67,17 @@ public:
   }
 
 private:
-  // Seconds since it first came. Where a sensor measures depth less often than colour, frames repeat it to the bit.
+  // Seconds since it first came. Where a sensor measures depth less often than colour, frames repeat it to the bit; one
+  // that repeats colour, too, is of the moment of the frame before.
   double age_of_depth(const ingest::Frame& frame) {
     constexpr double kMost = 0.1; // longer, and it has stopped, or nothing moves
-    if (first_with_depth_ && std::ranges::equal(first_with_depth_->depth.values(), frame.depth.values())) {
-      const double age = frame.time - first_with_depth_->time;
-      return age <= kMost ? age : 0;
+    if (!last_ || !std::ranges::equal(last_->depth.values(), frame.depth.values())) {
+      last_ = {frame.time, 0, frame.depth, frame.color};
+    } else if (!std::ranges::equal(last_->color.values(), frame.color.values())) {
+      last_->age = frame.time - last_->first_time;
+      last_->color = frame.color;
     }
-    first_with_depth_ = {frame.time, frame.depth};
-    return 0;
+    return last_->age <= kMost ? last_->age : 0;
   }
 
   // From the frame before to the one after, as far as the path has them.
@@ -89,14 +91,16 @@ private:
     return tracking::velocity_between(before->second, after->second, seconds);
   }
 
-  struct Moment {
-    double time;
+  struct Last {
+    double first_time; ///< of the frames that show the same depth
+    double age;        ///< seconds since then
     DepthImage depth;
+    ColorImage color;
   };
 
   std::unique_ptr<ingest::Capture> capture_;
   std::shared_ptr<const CameraPath> path_;
-  std::optional<Moment> first_with_depth_; ///< of the frames that show the same depth
+  std::optional<Last> last_;
 };
 
 } // namespace

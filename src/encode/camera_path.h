@@ -42,9 +42,9 @@ CameraPath follow_camera(ingest::Capture& capture, const tracking::CameraTracker
                          StageTimes& times, Progress& progress);
 
 /// The capture with depth as the colour camera had it before it at the moment of colour (tracking::depth_to_color):
-/// carried by the path's lag, and by the time since it first came where a frame repeats the depth of the one before, as
-/// those do whose sensor measures it less often. Frames of the path and others between them. The capture itself if the
-/// path does not move.
+/// carried by the path's lag, and by the time since it first came where a frame repeats the depth of the one before,
+/// but not its colour, as those do whose sensor measures it less often. Frames of the path and others between them. The
+/// capture itself if the path does not move.
 std::unique_ptr<ingest::Capture> depth_in_time(std::unique_ptr<ingest::Capture> capture,
                                                std::shared_ptr<const CameraPath> path);
 

@@ -109,9 +109,16 @@ ingest::Frame late_depth(int i) {
 }
 
 bool repeats_depth(int i) { return i % 6 == 5; }
+bool repeats_all(int i) { return i % 6 == 2; }
 
 /// The room before a sensor that measures depth less often than colour.
 ingest::Frame repeated_depth(int i) {
+  if (repeats_all(i)) {
+    ingest::Frame frame = repeated_depth(i - 1);
+    frame.index = i;
+    frame.time = i / 30.0;
+    return frame;
+  }
   ingest::Frame frame = tracking::testing::render_room(phone(i), i);
   if (!repeats_depth(i)) return frame;
   const ingest::Frame before = tracking::testing::render_room(phone(i - 1), i - 1);
