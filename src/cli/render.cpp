@@ -15,9 +15,9 @@
 #include "cli/export_facts.h"
 #include "cli/picture_output.h"
 #include "cli/versions.h"
-#include "clip/exposure.h"
 #include "container/crc32c.h"
 #include "core/error.h"
+#include "player/as_recorded.h"
 #include "player/camera_file.h"
 
 namespace kinora::cli {
@@ -25,6 +25,9 @@ namespace {
 
 /// How bright a picture is: all alike, or as each frame of the capture was recorded.
 enum class ExposureChoice { kEven, kCapture };
+
+/// Whether a picture shows one moment, or each row that at which the capture's camera read it.
+enum class ShutterChoice { kGlobal, kCapture };
 
 struct Options {
   std::filesystem::path clip;
@@ -38,6 +41,7 @@ struct Options {
   fields::DrawQuality quality = fields::DrawQuality::kFull;
   fields::Unseen unseen = fields::Unseen::kKeep;
   ExposureChoice exposure = ExposureChoice::kEven;
+  ShutterChoice shutter = ShutterChoice::kGlobal;
   std::vector<std::string> layers;
   std::vector<std::string> passes{"rgb"};
   std::vector<std::string> writer_options;
@@ -160,9 +164,10 @@ class ResumableDrawing {
 public:
   ResumableDrawing(const Options& options, const player::LayerChoice& layers)
       : kept_(options.out.string() + ".drawn"),
-        how_(fmt::format("{}\n{:08x} {} {} {} {}", version_text(), checksum_of(options.clip),
+        how_(fmt::format("{}\n{:08x} {} {} {} {} {}", version_text(), checksum_of(options.clip),
                          static_cast<int>(options.quality), static_cast<int>(options.unseen),
-                         static_cast<int>(options.exposure), fmt::join(layers, ","))) {}
+                         static_cast<int>(options.exposure), static_cast<int>(options.shutter),
+                         fmt::join(layers, ","))) {}
 
   template <class Draw> fields::Picture picture(std::size_t index, const player::View& view, const Draw& draw) {
     const Intrinsics& k = view.camera.intrinsics;
@@ -182,9 +187,14 @@ private:
 };
 
 void require_capture_view(const Options& options) {
-  if (options.exposure == ExposureChoice::kEven || (options.cameras.empty() && !options.has_orbit)) return;
-  throw Error(ErrorCode::kUsage, "--exposure capture is how bright the capture's own frames are; it goes with "
-                                 "--capture-view, not with --cameras or --orbit");
+  if (options.cameras.empty() && !options.has_orbit) return;
+  const auto refuse = [](const char* what) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}; it goes with --capture-view, not with --cameras or --orbit", what));
+  };
+  if (options.exposure == ExposureChoice::kCapture)
+    refuse("--exposure capture is how bright the capture's own frames are");
+  if (options.shutter == ShutterChoice::kCapture)
+    refuse("--shutter capture is how the capture's own camera read its pictures");
 }
 
 std::string cameras_text(const Options& options) {
@@ -233,8 +243,8 @@ void run(const Options& options, Context& context) {
       beside};
   request.facts = facts_of(pictures);
   request.resume = options.resume && kind != OutputKind::kFilm;
-  const clip::Exposure exposure =
-      options.exposure == ExposureChoice::kCapture ? clip::stored_exposure(player.clip().metadata) : clip::Exposure{};
+  const player::AsRecorded recorded(
+      player.clip(), {options.exposure == ExposureChoice::kCapture, options.shutter == ShutterChoice::kCapture});
   const fields::DrawOptions draw{options.quality, has("normal"), has("confidence"), options.unseen};
   const auto output = PictureOutput::open(request, names, context.plugins());
   std::optional<ResumableDrawing> resumable;
@@ -244,18 +254,16 @@ void run(const Options& options, Context& context) {
     context.progress.check();
     const player::View& view = views[i];
     if (output->is_done(view.name)) continue;
-    const auto drawn = [&] {
-      fields::Picture picture = player.draw(view.camera, view.frame, layers, draw);
-      if (!exposure.empty()) {
-        const auto frame = static_cast<std::size_t>(std::lround(view.frame));
-        GainTables(clip::gain_at(exposure, player.clip().capture_frames[frame])).apply_to(picture.color);
-      }
+    const auto as_recorded = [&](fields::Picture picture) {
+      recorded.apply_to(picture, view.camera.intrinsics, static_cast<std::size_t>(std::lround(view.frame)));
       return picture;
     };
+    const auto drawn = [&] { return as_recorded(player.draw(view.camera, view.frame, layers, draw)); };
+    std::vector<DrawnLayer> deep;
+    if (has("deep")) deep = draw_layers(player, view, layers, {options.quality, false, false, options.unseen});
+    for (DrawnLayer& layer : deep) layer.picture = as_recorded(std::move(layer.picture));
     output->add({resumable ? resumable->picture(i, view, drawn) : drawn(), view.name, times[i], view.camera,
-                 labels_at(player, layers, view.frame),
-                 has("deep") ? draw_layers(player, view, layers, {options.quality, false, false, options.unseen})
-                             : std::vector<DrawnLayer>{}});
+                 labels_at(player, layers, view.frame), std::move(deep)});
     context.progress.advance(i + 1, "");
   }
   output->finish();
@@ -337,6 +345,14 @@ void add_render(CLI::App& app, Context& context) {
           std::map<std::string, ExposureChoice>{{"even", ExposureChoice::kEven}, {"capture", ExposureChoice::kCapture}},
           CLI::ignore_case))
       ->type_name("even|capture");
+  command
+      .add_option("--shutter", options->shutter,
+                  "global: a picture is of one moment; capture: row by row, as the capture's camera read it while it "
+                  "moved")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ShutterChoice>{{"global", ShutterChoice::kGlobal},
+                                                                               {"capture", ShutterChoice::kCapture}},
+                                          CLI::ignore_case))
+      ->type_name("global|capture");
   command.add_option("--layers", options->layers, "Only these layers, such as person,object")
       ->delimiter(',')
       ->type_name("NAMES");

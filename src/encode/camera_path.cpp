@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/velocity.h"
 #include "ingest/depth/registration.h"
 
 namespace kinora::encode {
@@ -88,7 +89,7 @@ private:
     if (after == poses.end()) --after;
     const auto before = here == poses.begin() ? here : std::prev(here);
     const double seconds = path_->times.at(after->first) - path_->times.at(before->first);
-    return tracking::velocity_between(before->second, after->second, seconds);
+    return velocity_between(before->second, after->second, seconds);
   }
 
   struct Last {

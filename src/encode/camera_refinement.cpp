@@ -1,8 +1,12 @@
 #include "encode/camera_refinement.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/rolling_shutter.h"
 #include "core/statistics.h"
+#include "encode/readout_search.h"
+#include "fields/sampling/row_depth.h"
 
 namespace kinora::encode {
 namespace {
@@ -48,6 +52,26 @@ void move(FramePass& pass, const std::vector<SE3>& moves) {
   for (auto& [label, tracked] : pass.labels) tracked.move_world(moves);
 }
 
+// Rays of each row begin where the camera was when colour was read; depth that was read otherwise is carried there, by
+// what is returned, if it has been carried by so many seconds.
+double carry_rows(FramePass& pass, const ReadoutSearch& readout, double carried) {
+  constexpr double kLeastCarried = 0.001; // seconds
+  const auto motion = [&](double seconds) {
+    return readout_motion(pass.clip.camera_to_world, pass.clip.times, seconds);
+  };
+  pass.pixels.set_readout(motion(readout.color()));
+  const double carry = readout.color() - readout.depth() - carried;
+  if (std::abs(carry) < kLeastCarried) return 0;
+  fields::carry_depth_to_rows(pass.pixels, motion(carry));
+  return carry;
+}
+
+double time_between_frames(const std::vector<double>& times) {
+  std::vector<double> between;
+  for (std::size_t f = 1; f < times.size(); ++f) between.push_back(times[f] - times[f - 1]);
+  return median(between);
+}
+
 } // namespace
 
 std::optional<CameraRefinement> refine_camera(FramePass& pass, const TrainingPlan& plan, const EncodeOptions& options,
@@ -61,7 +85,9 @@ std::optional<CameraRefinement> refine_camera(FramePass& pass, const TrainingPla
   const LayerOutcome outcome = prepare_layer(*background, observations, options);
   const std::vector<SE3> before = path;
   CameraRefinement refinement;
-  for (int n = 0; n < config.passes; ++n) {
+  ReadoutSearch readout(time_between_frames(pass.clip.times));
+  double carried = 0; // seconds by which the rows of depth are later than they were read
+  for (int n = 0, passes = config.passes; n < passes; ++n) {
     progress.stage("training a draft of " + background->name, 0);
     fields::TrainingReport training;
     refinement.draft.field = times.measure("train a draft of " + background->name, [&] {
@@ -71,7 +97,8 @@ std::optional<CameraRefinement> refine_camera(FramePass& pass, const TrainingPla
     refinement.draft.rays += training.rays;
     progress.stage("refining the camera's path", pass.pixels.frames().size());
     const Corrections corrections = times.measure("refine the camera's path", [&] {
-      return refine_poses(refinement.draft.field, observations, progress, config);
+      return refine_poses(refinement.draft.field, observations, readout_motion(path, pass.clip.times, 1), progress,
+                          config);
     });
     std::vector<ColorFit> fits;
     for (const auto& correction : corrections) {
@@ -87,7 +114,11 @@ std::optional<CameraRefinement> refine_camera(FramePass& pass, const TrainingPla
     if (n == 0) refinement.color_before = mean(&ColorFit::before);
     refinement.color_after = mean(&ColorFit::after);
     move(pass, moves_of(corrections, pass.pixels.frames(), path));
+    if (readout.look(corrections)) ++passes;
+    carried += carry_rows(pass, readout, carried);
   }
+  refinement.readout_s = readout.color();
+  refinement.depth_readout_s = readout.depth();
   std::vector<double> metres, radians;
   for (std::size_t f = 0; f < path.size(); ++f) {
     refinement.corrections.push_back(path[f] * before[f].inverse());

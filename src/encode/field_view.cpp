@@ -60,8 +60,9 @@ void FieldView::evaluate(bool jacobian, const ToCanonical& to_canonical) {
     std::vector<Ray> rays;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const fields::StoredPixel& pixel = pixels_.pixels()[probes_[i].pixel];
-      const Eigen::Vector3d direction = to_world.linear() * frame_.camera.intrinsics.unproject(pixel.u, pixel.v, 1.0);
-      rays.push_back({to_world.translation() + probes_[i].depth * direction, direction,
+      const RowRay ray = frame_.ray(pixel);
+      const Eigen::Vector3d direction = to_world.linear() * ray.direction;
+      rays.push_back({to_world * ray.origin + probes_[i].depth * direction, direction,
                       fields::surface_band(field_.config, probes_[i].depth)});
     }
     std::vector<fields::CanonicalRay> canonical(rays.size());

@@ -35,6 +35,10 @@ public:
   std::size_t size() const { return probes_.size(); }
   /// Of the surface that the pixel shows, canonical, metres; not a number if there is none.
   const Eigen::Vector3d& position(std::size_t i) const { return positions_[i]; }
+  /// When the pixel is read (row_time()).
+  double time(std::size_t i) const {
+    return row_time(pixels_.pixels()[probes_[i].pixel].v, frame_.camera.intrinsics.height);
+  }
   /// Of a value (RayResponse) by a displacement of the ray, per metre.
   const Eigen::Vector3d& gradient(std::size_t i, std::size_t value) const { return responses_[i].jacobian[value]; }
   /// What the field shows less what the pixel does; nothing where one of them shows nothing.

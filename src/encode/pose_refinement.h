@@ -17,16 +17,26 @@ struct PoseRefinementConfig {
   double prior_radians = 0.02; ///< and of its turn
 };
 
+/// What a frame says of the times that reading its rows takes, of colour and of depth, whatever its pose: normal
+/// equations, by how many seconds they are longer than was taken.
+struct ReadoutEvidence {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero(); ///< 1 / seconds²
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();    ///< 1 / seconds
+};
+
 /// How a stored frame's camera comes to lie nearer, seen from the layer.
 struct PoseCorrection {
   SE3 canonical_from_camera = SE3::Identity(); ///< refined
   ColorFit fit{};
+  ReadoutEvidence readout{};
 };
 
-/// One for each stored frame; nothing where it would be explained no better, or shows too little of the layer. The
-/// layer does not deform. Same input, same bits, for any number of threads. Throws Error(kInterrupted) when cancelled.
+/// One for each stored frame, in the order of the store; nothing where it would be explained no better, or shows too
+/// little of the layer. The layer does not deform. `velocities`: of the camera in each frame of the timeline, in its
+/// own space. Same input, same bits, for any number of threads. Throws Error(kInterrupted) when cancelled.
 std::vector<std::optional<PoseCorrection>> refine_poses(const fields::Field& field,
-                                                        const fields::LayerObservations& layer, Progress& progress,
+                                                        const fields::LayerObservations& layer,
+                                                        std::span<const Twist> velocities, Progress& progress,
                                                         const PoseRefinementConfig& config = {});
 
 } // namespace kinora::encode

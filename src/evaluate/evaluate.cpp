@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "clip/exposure.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "evaluate/comparison.h"
@@ -15,6 +14,7 @@
 #include "evaluate/picture_shift.h"
 #include "evaluate/track_error.h"
 #include "ingest/depth/registration_json.h"
+#include "player/as_recorded.h"
 
 namespace kinora::evaluate {
 namespace {
@@ -92,7 +92,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
   require_same_source(clip, capture.info());
   std::vector<Groups> groups = groups_of(player, capture.info().has_masks, moving != nullptr);
   PictureShift held_out_shift, trained_shift;
-  const clip::Exposure exposure = clip::stored_exposure(clip.metadata);
+  const player::AsRecorded recorded(clip, {.exposure = true, .rolling_shutter = true});
   const std::map<int, std::size_t> chosen = chosen_frames(clip, options.max_trained_frames);
   progress.stage("comparing", chosen.size());
   std::size_t done = 0;
@@ -110,7 +110,7 @@ Json evaluate(const player::Player& player, ingest::Capture& capture, const Movi
       progress.check();
       drawn->second =
           player.draw(clip.capture_camera(static_cast<double>(i)), static_cast<double>(i), group.subject.layers);
-      if (!exposure.empty()) GainTables(clip::gain_at(exposure, frame->index)).apply_to(drawn->second.color);
+      recorded.apply_to(drawn->second, clip.intrinsics, i);
     }
     parallel_for(groups.size(), 1, [&](const Chunk& chunk) {
       Groups& group = groups[chunk.index];

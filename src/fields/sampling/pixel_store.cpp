@@ -144,6 +144,10 @@ void PixelStore::set_cameras(const std::vector<SE3>& camera_to_world) {
     frame.camera.camera_to_world = camera_to_world[static_cast<std::size_t>(frame.frame)];
 }
 
+void PixelStore::set_readout(const std::vector<Twist>& motion) {
+  for (StoredFrame& frame : frames_) frame.readout = motion[static_cast<std::size_t>(frame.frame)];
+}
+
 PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::size_t max_pixels) const {
   PixelStore part(max_pixels, frames_.size());
   const double share = static_cast<double>(max_pixels) / static_cast<double>(std::max<std::size_t>(pixels_.size(), 1));
@@ -154,7 +158,7 @@ PixelStore PixelStore::thinned(const std::vector<std::size_t>& left_out, std::si
     for (std::size_t i = frames_[f].begin; i < frames_[f].end; ++i) {
       if (random.uniform_double() < share) part.pixels_.push_back(pixels_[i]);
     }
-    part.frames_.push_back({frames_[f].frame, frames_[f].camera, begin, part.pixels_.size()});
+    part.frames_.push_back({frames_[f].frame, frames_[f].camera, begin, part.pixels_.size(), frames_[f].readout});
   }
   return part;
 }

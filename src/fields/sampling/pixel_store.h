@@ -10,6 +10,7 @@
 #include "core/camera.h"
 #include "core/color_gain.h"
 #include "core/large_buffer.h"
+#include "core/rolling_shutter.h"
 #include "ingest/frame/frame.h"
 
 namespace kinora::fields {
@@ -22,6 +23,11 @@ public:
   /// From a surface that goes on, with nothing clean near (extend_surfaces); 0: unknown.
   static StoredDepth extended(float metres) { return StoredDepth(metres > 0 ? -metres - kExtended : 0); }
   static StoredDepth unknown() { return StoredDepth(0); }
+
+  /// As well known, at another depth; more than 0.
+  StoredDepth at(float metres) const {
+    return is_extended() ? extended(metres) : is_guessed() ? guessed(metres) : is_measured() ? measured(metres) : *this;
+  }
 
   bool is_measured() const { return packed_ > 0; }
   bool is_guessed() const { return packed_ < 0; } ///< from near or from afar
@@ -49,7 +55,11 @@ static_assert(sizeof(StoredPixel) == 12);
 struct StoredFrame {
   int frame; ///< index into the clip's timeline
   Camera camera;
-  std::size_t begin, end; ///< its pixels
+  std::size_t begin, end;        ///< its pixels
+  Twist readout = Twist::Zero(); ///< how the camera moves while they are read (rolling_shutter.h)
+
+  /// Of one of its pixels.
+  RowRay ray(const StoredPixel& pixel) const { return row_ray(camera.intrinsics, pixel.u, pixel.v, readout); }
 };
 
 /// Keeps every pixel while they fit, else a fixed pseudo-random share of each frame's. Not thread-safe.
@@ -72,6 +82,8 @@ public:
 
   /// Cameras of all frames lie here from now on: one pose for each frame of the timeline.
   void set_cameras(const std::vector<SE3>& camera_to_world);
+  /// And move so while a picture is read.
+  void set_readout(const std::vector<Twist>& motion);
 
   /// Without the frames `left_out` (ascending numbers of frames()), and of the others a fixed pseudo-random share of
   /// about `max_pixels`.

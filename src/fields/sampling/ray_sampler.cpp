@@ -111,6 +111,8 @@ RaySampler::FrameRays RaySampler::frame_rays(const StoredFrame& frame) const {
   rays.per_fy = static_cast<float>(1 / k.fy);
   rays.cx = static_cast<float>(k.cx);
   rays.cy = static_cast<float>(k.cy);
+  rays.per_height = 1 / static_cast<float>(k.height);
+  Eigen::Map<Eigen::Matrix<float, 6, 1>>(rays.readout.data()) = frame.readout.cast<float>();
   rays.rotation = packed(rotation_of(layer_.motion.canonical_to_world(frame.frame).linear()));
   return rays;
 }
@@ -120,11 +122,15 @@ FieldRay RaySampler::ray_of(const PixelRef& ref) const {
   const StoredPixel& pixel = stored_pixel(ref.pixel);
   const float x = (static_cast<float>(pixel.u) - frame.cx) * frame.per_fx;
   const float y = (static_cast<float>(pixel.v) - frame.cy) * frame.per_fy;
+  const float time = (static_cast<float>(pixel.v) + 0.5F) * frame.per_height - 0.5F; // row_time()
+  const std::array<float, 6>& m = frame.readout;
+  const std::array<float, 3> direction = {x + time * (m[4] - m[5] * y), y + time * (m[5] * x - m[3]),
+                                          1 + time * (m[3] * y - m[4] * x)};
   FieldRay ray{};
-  ray.origin = frame.origin;
   for (std::size_t a = 0; a < 3; ++a) {
-    ray.direction[a] =
-        frame.camera_to_box[3 * a] * x + frame.camera_to_box[3 * a + 1] * y + frame.camera_to_box[3 * a + 2];
+    const float* to_box = &frame.camera_to_box[3 * a];
+    ray.origin[a] = frame.origin[a] + time * (to_box[0] * m[0] + to_box[1] * m[1] + to_box[2] * m[2]);
+    ray.direction[a] = to_box[0] * direction[0] + to_box[1] * direction[1] + to_box[2] * direction[2];
   }
   ray.metres_per_depth = std::sqrt(x * x + y * y + 1);
   return ray;

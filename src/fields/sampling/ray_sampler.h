@@ -58,7 +58,8 @@ private:
   struct FrameRays { // camera to box-relative coordinates
     std::array<float, 3> origin;
     std::array<float, 9> camera_to_box; // row-major, divided by the box's side
-    float per_fx, per_fy, cx, cy;
+    float per_fx, per_fy, cx, cy, per_height;
+    std::array<float, 6> readout; // StoredFrame::readout
     PackedRotation rotation;
   };
   struct PixelRef {

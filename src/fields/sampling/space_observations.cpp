@@ -87,15 +87,14 @@ public:
 
   /// The ray of a pixel that looks through the place, as it passes there.
   FieldRay ray(const WarpedCellPoint& point, const StoredPixel& pixel) const {
-    const Intrinsics& k = frame_->camera.intrinsics;
-    const Eigen::Vector3f in_camera((pixel.u - static_cast<float>(k.cx)) / static_cast<float>(k.fx),
-                                    (pixel.v - static_cast<float>(k.cy)) / static_cast<float>(k.fy), 1);
+    const RowRay in_camera = frame_->ray(pixel);
+    const Eigen::Vector3f camera = camera_ + camera_rotation_ * in_camera.origin.cast<float>();
+    const Eigen::Vector3f direction = camera_rotation_ * in_camera.direction.cast<float>();
     const Eigen::Quaternionf back = Eigen::Quaternionf(point.world.rotation.data()).conjugate();
     const auto per_metre = static_cast<float>(1 / box_.side);
     const Eigen::Vector3f origin =
-        canonical_from_box_ + to_vector(point.canonical) + back * (camera_ - to_vector(point.world.point));
-    return {to_array(per_metre * origin), to_array(per_metre * (back * (camera_rotation_ * in_camera))),
-            in_camera.norm()};
+        canonical_from_box_ + to_vector(point.canonical) + back * (camera - to_vector(point.world.point));
+    return {to_array(per_metre * origin), to_array(per_metre * (back * direction)), direction.norm()};
   }
 
 private:
@@ -124,9 +123,21 @@ private:
     });
   }
 
+  /// From the camera at the middle of its rows to where it is when it reads the row that shows the point.
+  Eigen::Vector3f in_row(const Eigen::Vector3f& at_middle) const {
+    if (frame_->readout.isZero(0)) return at_middle;
+    const Intrinsics& k = frame_->camera.intrinsics;
+    const Eigen::Matrix<float, 6, 1> readout = frame_->readout.cast<float>();
+    const Eigen::Vector3f motion = readout.head<3>() + readout.tail<3>().cross(at_middle);
+    const double v = k.fy * at_middle.y() / at_middle.z() + k.cy;
+    return at_middle - static_cast<float>(std::clamp(row_time(v, k.height), -0.5, 0.5)) * motion;
+  }
+
   void project(WarpedCellPoint& point) const {
     const Intrinsics& k = frame_->camera.intrinsics;
-    const Eigen::Vector3f in_camera = camera_rotation_.transpose() * (to_vector(point.world.point) - camera_);
+    const Eigen::Vector3f at_middle = camera_rotation_.transpose() * (to_vector(point.world.point) - camera_);
+    if (!(at_middle.z() > 0)) return;
+    const Eigen::Vector3f in_camera = in_row(at_middle);
     if (!(in_camera.z() > 0)) return;
     const float u = static_cast<float>(k.fx) * in_camera.x() / in_camera.z() + static_cast<float>(k.cx) + 0.5F;
     const float v = static_cast<float>(k.fy) * in_camera.y() / in_camera.z() + static_cast<float>(k.cy) + 0.5F;

@@ -11,10 +11,6 @@ namespace {
 
 using motion::BulkWarp;
 
-Eigen::Vector3d pixel_ray(const StoredFrame& frame, const StoredPixel& pixel) {
-  return frame.camera.camera_to_world.linear() * frame.camera.intrinsics.unproject(pixel.u, pixel.v, 1.0);
-}
-
 std::array<float, 3> to_array(const Eigen::Vector3d& v) {
   const Eigen::Vector3f single = v.cast<float>();
   return {single.x(), single.y(), single.z()};
@@ -38,7 +34,8 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, co
   for (const StoredFrame& frame : pixels.frames()) {
     if (layer.is_lost(frame)) continue;
     const BulkWarp warp(table, layer.motion.warp(frame.frame));
-    const Eigen::Vector3d camera = frame.camera.camera_to_world.translation() - warp.world_origin();
+    const SE3& to_world = frame.camera.camera_to_world;
+    const Eigen::Vector3d camera = to_world.translation() - warp.world_origin();
     warped.append(frame.end - frame.begin, [&](const Chunk& chunk, std::vector<WarpedPixel>& part) {
       std::vector<std::size_t> numbers;
       std::vector<BulkWarp::Ray> rays;
@@ -46,9 +43,11 @@ LargeBuffer<WarpedPixel> warp_measured_pixels(const LayerObservations& layer, co
         const StoredPixel& pixel = pixels.pixels()[i];
         if (!layer.is_foreground(pixel) || !pixel.depth.is_known()) continue;
         const float depth = pixel.depth.metres();
-        const Eigen::Vector3d direction = pixel_ray(frame, pixel);
+        const RowRay ray = frame.ray(pixel);
+        const Eigen::Vector3d direction = to_world.linear() * ray.direction;
+        const Eigen::Vector3d origin = camera + to_world.linear() * ray.origin;
         rays.push_back(
-            {to_array(camera + depth * direction), to_array(direction), surface_band(config, depth, noise), 0});
+            {to_array(origin + depth * direction), to_array(direction), surface_band(config, depth, noise), 0});
         numbers.push_back(i);
       }
       std::vector<BulkWarp::CanonicalRay> canonical(rays.size());

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/velocity.h"
 #include "tracking/rigid/rigid_icp.h"
 
 namespace kinora::tracking {
@@ -20,12 +21,6 @@ constexpr double kMost = 0.1;
 constexpr double kDeviations = 4;
 constexpr std::size_t kStretches = 8; // that the frames are cut into
 constexpr std::size_t kMinFrames = 6; // of each
-
-Twist velocity_at(std::size_t frame, std::span<const SE3> path, std::span<const double> times) {
-  const std::size_t before = frame - std::min<std::size_t>(frame, 1);
-  const std::size_t after = std::min(frame + 1, path.size() - 1);
-  return velocity_between(path[before], path[after], times[after] - times[before]);
-}
 
 /// The same motion, seen from where `transform` leads.
 Twist carried(const SE3& transform, const Twist& twist) {
@@ -84,10 +79,6 @@ DepthAgainstTexture depth_against_texture(std::span<const ModelPoint> points, co
   const Matrix6 depth = information_at(visible, view, by_depth).depth;
   const Matrix6 texture = information_at(visible, view, by_texture).texture;
   return {log_se3(by_depth * by_texture.inverse()), depth * (depth + texture).ldlt().solve(texture)};
-}
-
-Twist velocity_between(const SE3& a, const SE3& b, double seconds) {
-  return seconds > 0 ? Twist(log_se3(a.inverse() * b) / seconds) : Twist::Zero();
 }
 
 std::optional<double> estimate_depth_lag(std::span<const LagEvidence> evidence, std::span<const SE3> path,

@@ -37,10 +37,6 @@ struct LagEvidence {
 std::optional<double> estimate_depth_lag(std::span<const LagEvidence> evidence, std::span<const SE3> path,
                                          std::span<const double> times);
 
-/// Velocity of a camera that was at `a` and is at `b` so many seconds later, in its own space, per second; zero if they
-/// are not positive.
-Twist velocity_between(const SE3& a, const SE3& b, double seconds);
-
 /// Carries what depth that comes later by `lag` seconds shows into the colour camera, which moves at `velocity`.
 inline SE3 depth_to_color(double lag, const Twist& velocity) { return exp_se3(-lag * velocity); }
 

@@ -30,9 +30,9 @@ const StoredFrame& frame_of(const PixelStore& store, std::size_t pixel) {
 
 /// Where the camera has the pixel at a depth.
 Eigen::Vector3d world_point(const PixelStore& store, std::size_t pixel, double depth) {
-  const StoredPixel& p = store.pixels()[pixel];
-  const Camera& camera = frame_of(store, pixel).camera;
-  return camera.camera_to_world * camera.intrinsics.unproject(p.u, p.v, depth);
+  const StoredFrame& frame = frame_of(store, pixel);
+  const RowRay ray = frame.ray(store.pixels()[pixel]);
+  return frame.camera.camera_to_world * (ray.origin + depth * ray.direction);
 }
 
 /// A sheet, its field's box, and the space about its surface.
@@ -41,7 +41,8 @@ struct Sheet {
   FieldConfig config;
   Occupancy occupancy;
 
-  Sheet() {
+  explicit Sheet(const Twist& readout = Twist::Zero()) {
+    performance.store.set_readout(std::vector<Twist>(9, readout));
     config = choose_field_config({performance.store, 1, performance.motion});
     occupancy = RaySampler({performance.store, 1, performance.motion}, config, {}).occupancy();
   }
@@ -50,8 +51,15 @@ struct Sheet {
   }
 };
 
-TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
-  const Sheet sheet;
+/// While a picture is read the camera stands still, or moves by some pixels in all.
+class WarpedPixelsOfACamera : public ::testing::TestWithParam<Twist> {};
+
+INSTANTIATE_TEST_SUITE_P(StillAndMoving, WarpedPixelsOfACamera,
+                         ::testing::Values(Twist::Zero(),
+                                           (Twist() << 0.02, -0.01, 0.01, 0.02, 0.03, -0.02).finished()));
+
+TEST_P(WarpedPixelsOfACamera, StayOnTheirRaysAboutTheMeasuredSurface) {
+  const Sheet sheet(GetParam());
   const PixelStore& store = sheet.performance.store;
   const auto warped = warp_measured_pixels({store, 1, sheet.performance.motion}, sheet.config);
   std::size_t measured = 0;
@@ -73,8 +81,8 @@ TEST(WarpedPixels, StayOnTheirRaysAboutTheMeasuredSurface) {
   }
 }
 
-TEST(WarpedPixels, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
-  const Sheet sheet;
+TEST_P(WarpedPixelsOfACamera, SayThatSpaceBeforeAMeasuredSurfaceIsEmpty) {
+  const Sheet sheet(GetParam());
   const PixelStore& store = sheet.performance.store;
   const SpaceObservations space = sheet.space();
   ASSERT_GT(space.free_space.size(), 1000U); // the wall is seen past the sheet's rim

@@ -26,11 +26,16 @@ struct Scene {
     f.color = ColorImage(kWidth, kHeight, 3);
     f.depth = DepthImage(kWidth, kHeight);
     f.labels = LabelImage(kWidth, kHeight);
+    shade(f);
+    f.clean_depth = f.depth;
+    return f;
+  }
+
+  /// Colour, depth and labels as the frame's camera sees them.
+  void shade(ingest::Frame& f) const {
     for (int v = 0; v < kHeight; ++v) {
       for (int u = 0; u < kWidth; ++u) shade(f, u, v);
     }
-    f.clean_depth = f.depth;
-    return f;
   }
 
 private:

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/velocity.h"
 #include "tracking/camera/camera_tracker.h"
 #include "tracking/scenes/room_scene.h"
 

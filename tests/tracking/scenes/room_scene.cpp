@@ -90,9 +90,10 @@ ingest::Frame render_room(const SE3& camera_to_world, int index, const RoomOptio
   Random random(options.seed, static_cast<std::uint64_t>(index));
   const std::vector<PosedBox> boxes = options.alike > 0 ? alike_furniture(options.alike) : furniture();
   for (int v = 0; v < options.height; ++v) {
+    const SE3 row_to_world = camera_to_world * exp_se3(row_time(v, options.height) * options.readout);
     for (int u = 0; u < options.width; ++u) {
-      const Eigen::Vector3d ray = camera_to_world.linear() * frame.camera.intrinsics.unproject(u, v, 1.0);
-      const Hit hit = look(camera_to_world.translation(), ray, options, boxes);
+      const Eigen::Vector3d ray = row_to_world.linear() * frame.camera.intrinsics.unproject(u, v, 1.0);
+      const Hit hit = look(row_to_world.translation(), ray, options, boxes);
       const double level = 255 * (options.covered ? 0 : options.light) * hit.grey + random.normal();
       for (int c = 0; c < 3; ++c) frame.color.at(u, v, c) = static_cast<std::uint8_t>(std::clamp(level, 0.0, 255.0));
       const double sigma = kSensorNoise.sigma(hit.z);

@@ -1,6 +1,7 @@
 // A room as a moving camera sees it: what finding the camera is tested on.
 #pragma once
 
+#include "core/rolling_shutter.h"
 #include "synthetic_scene.h"
 
 namespace kinora::tracking::testing {
@@ -18,6 +19,7 @@ struct RoomOptions {
   double bow = 0;         ///< depth is told too large by this share × (r/f)²: walls seem bent, and turns too long
   double alike = 0;       ///< > 0: what is in the room repeats along x with this period, metres
   std::uint64_t seed = 3; ///< of the noise
+  Twist readout = Twist::Zero(); ///< how the camera moves while the rows are read (rolling_shutter.h)
   /// Something that is no part of the room, 0.5 m wide, at its place in the world; label 1 if `mover_has_label`.
   std::optional<SE3> mover;
   bool mover_has_label = false;

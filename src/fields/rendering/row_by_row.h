@@ -1,0 +1,15 @@
+// A drawn picture as a camera with a rolling shutter would have recorded it.
+#pragma once
+
+#include "core/rolling_shutter.h"
+#include "fields/rendering/renderer.h"
+
+namespace kinora::fields {
+
+/// `picture` was drawn as all rows were read at once, in the middle of the time that reading takes; the camera moves by
+/// `readout` (in its own space) meanwhile. Each pixel is looked up where its row saw it, by the depth that is drawn
+/// there, the nearest of what it may be; what lies behind an edge in the picture goes on from beside it. Depth and
+/// normals are of the row's own camera.
+Picture read_row_by_row(const Picture& picture, const Intrinsics& intrinsics, const Twist& readout);
+
+} // namespace kinora::fields
