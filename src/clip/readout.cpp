@@ -9,25 +9,35 @@ namespace {
 
 constexpr double kLongest = 1; // seconds: no camera takes longer
 
-} // namespace
-
-void store_readout(double seconds, nlohmann::json& metadata) {
-  if (seconds != 0) metadata["rolling_shutter"] = {{"readout_s", std::round(1e5 * seconds) / 1e5}};
-}
-
-double stored_readout(const nlohmann::json& metadata) {
-  const auto shutter = metadata.find("rolling_shutter");
-  if (shutter == metadata.end() || !shutter->is_object()) return 0;
-  const auto seconds = shutter->find("readout_s");
-  if (seconds == shutter->end() || !seconds->is_number()) return 0;
+double seconds_of(const nlohmann::json& shutter, const char* name) {
+  const auto seconds = shutter.find(name);
+  if (seconds == shutter.end() || !seconds->is_number()) return 0;
   const auto value = seconds->get<double>();
   return std::abs(value) <= kLongest ? value : 0;
 }
 
-std::vector<Twist> readout_of_frames(const Clip& clip) {
-  const double seconds = stored_readout(clip.metadata);
-  if (seconds == 0 || clip.camera_to_world.size() < 2) return {};
-  return readout_motion(clip.camera_to_world, clip.times, seconds);
+} // namespace
+
+void store_readout(const Readout& readout, nlohmann::json& metadata) {
+  if (readout.color == 0) return;
+  const auto rounded = [](double seconds) { return std::round(1e5 * seconds) / 1e5; };
+  metadata["rolling_shutter"] = {{"readout_s", rounded(readout.color)}, {"depth_readout_s", rounded(readout.depth)}};
+}
+
+Readout stored_readout(const nlohmann::json& metadata) {
+  const auto shutter = metadata.find("rolling_shutter");
+  if (shutter == metadata.end() || !shutter->is_object()) return {};
+  return {seconds_of(*shutter, "readout_s"), seconds_of(*shutter, "depth_readout_s")};
+}
+
+std::vector<ReadoutMotion> readout_of_frames(const Clip& clip) {
+  const Readout readout = stored_readout(clip.metadata);
+  if (readout.color == 0 || clip.camera_to_world.size() < 2) return {};
+  std::vector<ReadoutMotion> motion;
+  for (const Twist& velocity : readout_motion(clip.camera_to_world, clip.times, 1)) {
+    motion.push_back({readout.color * velocity, readout.depth * velocity});
+  }
+  return motion;
 }
 
 } // namespace kinora::clip

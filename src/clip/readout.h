@@ -11,13 +11,25 @@
 
 namespace kinora::clip {
 
-/// Into a clip's metadata, as "rolling_shutter"; nothing for a camera that reads all rows at once (0).
-void store_readout(double seconds, nlohmann::json& metadata);
+/// Seconds from the first row to the last; negative: the last row is first. 0: all rows are read at once.
+struct Readout {
+  double color = 0;
+  double depth = 0;
+};
 
-/// Seconds; negative: the last row first. 0 if a clip's metadata tell nothing, or nothing that can be understood.
-double stored_readout(const nlohmann::json& metadata);
+/// Into a clip's metadata, as "rolling_shutter"; nothing for a camera that reads all rows of colour at once.
+void store_readout(const Readout& readout, nlohmann::json& metadata);
 
-/// How the camera moved meanwhile in each frame of the clip; empty if it did not, or read all rows at once.
-std::vector<Twist> readout_of_frames(const Clip& clip);
+/// All 0 if a clip's metadata tell nothing, or nothing that can be understood.
+Readout stored_readout(const nlohmann::json& metadata);
+
+/// How the camera moved meanwhile in one frame of the clip.
+struct ReadoutMotion {
+  Twist color = Twist::Zero();
+  Twist depth = Twist::Zero();
+};
+
+/// In each frame; empty if the camera did not move, or read all rows at once.
+std::vector<ReadoutMotion> readout_of_frames(const Clip& clip);
 
 } // namespace kinora::clip

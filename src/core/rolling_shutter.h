@@ -28,7 +28,8 @@ inline RowRay row_ray(const Intrinsics& intrinsics, double u, double v, const Tw
 }
 
 /// The motion of a camera while all rows of a picture are read, which takes `seconds`, in each frame of a path: by how
-/// it moves from the frame before to the one after.
+/// it moves from the frame before to the one after, or on one side of the frame if the path jumps on the other (a
+/// camera that was lost and found).
 std::vector<Twist> readout_motion(std::span<const SE3> camera_to_world, std::span<const double> times, double seconds);
 
 } // namespace kinora

@@ -117,8 +117,7 @@ std::optional<CameraRefinement> refine_camera(FramePass& pass, const TrainingPla
     if (readout.look(corrections)) ++passes;
     carried += carry_rows(pass, readout, carried);
   }
-  refinement.readout_s = readout.color();
-  refinement.depth_readout_s = readout.depth();
+  refinement.readout = {readout.color(), readout.depth()};
   std::vector<double> metres, radians;
   for (std::size_t f = 0; f < path.size(); ++f) {
     refinement.corrections.push_back(path[f] * before[f].inverse());

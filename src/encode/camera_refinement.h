@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "clip/readout.h"
 #include "encode/frame_pass.h"
 #include "encode/layer_training.h"
 #include "encode/pose_refinement.h"
@@ -18,8 +19,7 @@ struct CameraRefinement {
   double color_after = 0;       ///< after the last pass
   double metres = 0;            ///< that a camera moved by, median over the frames
   double radians = 0;           ///< that it turned by
-  double readout_s = 0;         ///< that it takes to read the rows of a picture; negative: the last row is first
-  double depth_readout_s = 0;   ///< those of depth
+  clip::Readout readout;        ///< how long the rows of a picture are read
   std::vector<SE3> corrections; ///< of each frame of the timeline: from the world as tracked to the world
   FieldDraft draft;             ///< of the background, trained with the path before the last pass
 };

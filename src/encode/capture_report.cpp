@@ -88,15 +88,15 @@ Json camera_json(const PreparedCapture& prepared) {
 }
 
 Json refinement_json(const CameraRefinement& refinement) {
-  const bool rolls = refinement.readout_s != 0;
+  const bool rolls = refinement.readout.color != 0;
   return {{"draft_rays", refinement.draft.rays},
           {"frames", refinement.frames},
           {"color_difference_before", round4(refinement.color_before)},
           {"color_difference_after", round4(refinement.color_after)},
           {"moved_m", round4(refinement.metres)},
           {"turned_degrees", round4(refinement.radians * 180 / std::numbers::pi)},
-          {"rolling_shutter_s", rolls ? Json(round4(refinement.readout_s)) : Json(nullptr)},
-          {"depth_rolling_shutter_s", rolls ? Json(round4(refinement.depth_readout_s)) : Json(nullptr)}};
+          {"rolling_shutter_s", rolls ? Json(round4(refinement.readout.color)) : Json(nullptr)},
+          {"depth_rolling_shutter_s", rolls ? Json(round4(refinement.readout.depth)) : Json(nullptr)}};
 }
 
 Json streams_json(const clip::Exposure& exposure, std::optional<double> depth_delay,

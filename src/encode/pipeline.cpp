@@ -75,7 +75,7 @@ EncodeResult encode_capture(PreparedCapture prepared, const EncodeOptions& optio
   clip.metadata.update(clip_metadata(prepared.capture->info(), config, settings));
   clip.metadata["not_modelled"] = not_modelled;
   clip::store_exposure(exposure, clip.metadata);
-  if (refinement) clip::store_readout(refinement->readout_s, clip.metadata);
+  if (refinement) clip::store_readout(refinement->readout, clip.metadata);
   Json layers = Json::array();
   for (const LayerJob& job : plan.layers) {
     const FieldDraft* draft = refinement && job.label->plan.label == 0 ? &refinement->draft : nullptr;

@@ -1,6 +1,5 @@
 #include "player/as_recorded.h"
 
-#include "clip/readout.h"
 #include "core/color_gain.h"
 #include "fields/rendering/row_by_row.h"
 
@@ -12,7 +11,9 @@ AsRecorded::AsRecorded(const clip::Clip& clip, RecordingFaults faults) : capture
 }
 
 void AsRecorded::apply_to(fields::Picture& picture, const Intrinsics& intrinsics, std::size_t frame) const {
-  if (!readout_.empty()) picture = fields::read_row_by_row(picture, intrinsics, readout_[frame]);
+  if (!readout_.empty()) {
+    picture = fields::read_row_by_row(picture, intrinsics, readout_[frame].color, readout_[frame].depth);
+  }
   if (!exposure_.empty()) GainTables(clip::gain_at(exposure_, capture_frames_[frame])).apply_to(picture.color);
 }
 

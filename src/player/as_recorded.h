@@ -6,6 +6,7 @@
 
 #include "clip/clip.h"
 #include "clip/exposure.h"
+#include "clip/readout.h"
 #include "fields/rendering/renderer.h"
 
 namespace kinora::player {
@@ -26,7 +27,7 @@ public:
 private:
   std::vector<int> capture_frames_;
   clip::Exposure exposure_;
-  std::vector<Twist> readout_; ///< of each frame; empty: rows are of one moment
+  std::vector<clip::ReadoutMotion> readout_; ///< of each frame; empty: rows are of one moment
 };
 
 } // namespace kinora::player

@@ -80,7 +80,7 @@ TEST_F(RollingShutter, IsFoundAndPutBackWhereTheCapturesOwnPicturesAreMeant) {
   const Json report = Json::parse(contents_of(path("r.json")));
   EXPECT_NEAR(report.at("camera").at("refinement").at("rolling_shutter_s").get<double>(), kReadout, 0.003);
   clip::Clip clip = clip::read_clip(path("c.mkv"));
-  EXPECT_NEAR(clip::stored_readout(clip.metadata), kReadout, 0.003);
+  EXPECT_NEAR(clip::stored_readout(clip.metadata).color, kReadout, 0.003);
 
   const int fast = 31; // the camera turns at 90 degrees a second
   const ColorImage recorded = read_color_picture(capture_.path() / ("frame-" + six_digits(fast) + ".color.png"));

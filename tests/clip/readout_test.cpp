@@ -8,24 +8,27 @@ namespace {
 using Json = nlohmann::json;
 
 TEST(StoredReadout, IsWhatWasStored) {
-  for (const double seconds : {0.0271, -0.0093}) {
+  for (const Readout& readout : {Readout{0.0271, -0.001}, Readout{-0.0093, 0}}) {
     Json metadata;
-    store_readout(seconds, metadata);
-    EXPECT_EQ(stored_readout(Json::parse(metadata.dump())), seconds);
+    store_readout(readout, metadata);
+    EXPECT_EQ(stored_readout(Json::parse(metadata.dump())).color, readout.color);
+    EXPECT_EQ(stored_readout(Json::parse(metadata.dump())).depth, readout.depth);
   }
 }
 
 TEST(StoredReadout, OfRowsThatAreReadAtOnceTakesNothing) {
   Json metadata = Json::object();
-  store_readout(0, metadata);
+  store_readout({}, metadata);
   EXPECT_TRUE(metadata.empty());
-  EXPECT_EQ(stored_readout(metadata), 0);
+  EXPECT_EQ(stored_readout(metadata).color, 0);
 }
 
 TEST(StoredReadout, ThatCannotBeUnderstoodIsNone) {
   for (const char* text : {"7", "[]", "{}", R"({"readout_s": "0.02"})", R"({"readout_s": [0.02]})",
-                           R"({"readout_s": 1e300})", R"({"readout_s": null})"}) {
-    EXPECT_EQ(stored_readout({{"rolling_shutter", Json::parse(text)}}), 0) << text;
+                           R"({"readout_s": 1e300, "depth_readout_s": -1e300})", R"({"readout_s": null})"}) {
+    const Readout readout = stored_readout({{"rolling_shutter", Json::parse(text)}});
+    EXPECT_EQ(readout.color, 0) << text;
+    EXPECT_EQ(readout.depth, 0) << text;
   }
 }
 
@@ -37,10 +40,13 @@ TEST(ReadoutOfFrames, IsHowTheCameraMovesMeanwhile) {
     clip.camera_to_world.push_back(exp_se3(0.04 * f * velocity));
   }
   EXPECT_TRUE(readout_of_frames(clip).empty()) << "nothing is said of it";
-  store_readout(0.02, clip.metadata);
-  const std::vector<Twist> readout = readout_of_frames(clip);
+  store_readout({0.02, 0.01}, clip.metadata);
+  const std::vector<ReadoutMotion> readout = readout_of_frames(clip);
   ASSERT_EQ(readout.size(), 5U);
-  for (const Twist& twist : readout) EXPECT_LT((twist - 0.02 * velocity).norm(), 1e-9);
+  for (const ReadoutMotion& motion : readout) {
+    EXPECT_LT((motion.color - 0.02 * velocity).norm(), 1e-9);
+    EXPECT_LT((motion.depth - 0.01 * velocity).norm(), 1e-9);
+  }
   clip.camera_to_world.resize(1);
   EXPECT_TRUE(readout_of_frames(clip).empty()) << "a camera that stands still";
 }

@@ -47,6 +47,18 @@ TEST(RollingShutter, MotionWhileReadingIsThePartOfThatBetweenFrames) {
   for (const Twist& twist : motion) EXPECT_LT((twist - 0.02 * velocity).norm(), 1e-9);
 }
 
+TEST(RollingShutter, APathThatJumpsIsNoMotion) {
+  const Twist velocity = (Twist() << 0.1, 0, 0, 0, 0.2, 0).finished();
+  std::vector<SE3> path;
+  std::vector<double> times;
+  for (int f = 0; f < 8; ++f) {
+    const SE3 found_elsewhere = f < 4 ? SE3(SE3::Identity()) : SE3(Eigen::Translation3d(1, 0, 0));
+    path.push_back(found_elsewhere * exp_se3(0.03 * f * velocity));
+    times.push_back(0.03 * f);
+  }
+  for (const Twist& twist : readout_motion(path, times, 0.02)) EXPECT_LT((twist - 0.02 * velocity).norm(), 1e-9);
+}
+
 TEST(RollingShutter, ACameraOfOnePoseDoesNotMove) {
   const std::vector<SE3> path{SE3::Identity()};
   const std::vector<double> times{0};

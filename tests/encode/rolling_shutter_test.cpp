@@ -15,6 +15,7 @@ using tracking::testing::pose_at;
 
 constexpr double kFrameTime = 1.0 / 30;
 
+using clip::Readout;
 using Corrections = std::vector<std::optional<PoseCorrection>>;
 
 /// Each frame says so many seconds of colour and of depth, with that certainty.
@@ -53,10 +54,6 @@ TEST(ReadoutBeyond, IsToldOnlyOfEnoughFramesThatAgree) {
   EXPECT_FALSE(certain(0.0015, 0.0015, 48));
   EXPECT_FALSE(readout_beyond(Corrections(60)));
 }
-
-struct Readout {
-  double color, depth;
-};
 
 /// What a search ends with where a look tells `share` of what is missing.
 Readout found(const Readout& truth, double share) {
@@ -125,7 +122,7 @@ Readout readout_found(const Readout& truth) {
   Progress progress;
   const auto refinement = refine_camera(pass, plan, options, times, progress);
   EXPECT_TRUE(refinement);
-  return refinement ? Readout{refinement->readout_s, refinement->depth_readout_s} : Readout{};
+  return refinement ? refinement->readout : Readout{};
 }
 
 class RollingShutter : public ::testing::TestWithParam<Readout> {};

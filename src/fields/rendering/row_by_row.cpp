@@ -38,17 +38,17 @@ std::array<std::uint8_t, 4> blended(const ColorImage& image, const Eigen::Vector
 
 } // namespace
 
-Picture read_row_by_row(const Picture& picture, const Intrinsics& intrinsics, const Twist& readout) {
+Picture read_row_by_row(const Picture& picture, const Intrinsics& intrinsics, const Twist& color, const Twist& depth) {
   Picture out = picture;
-  const RowLookup lookup(picture.depth, intrinsics, readout);
+  const RowLookup of_color(picture.depth, intrinsics, color), of_depth(picture.depth, intrinsics, depth);
   parallel_for(static_cast<std::size_t>(intrinsics.height), 16, [&](const Chunk& chunk) {
     for (auto row = static_cast<int>(chunk.begin); row < static_cast<int>(chunk.end); ++row) {
-      const Eigen::Matrix3f turn = exp_se3(-row_time(row, intrinsics.height) * readout).linear().cast<float>();
+      const Eigen::Matrix3f turn = exp_se3(-row_time(row, intrinsics.height) * color).linear().cast<float>();
       for (int u = 0; u < intrinsics.width; ++u) {
-        const RowLookup::Place place = lookup.place_of(u, row);
-        const auto color = blended(picture.color, place.at);
-        std::copy(color.begin(), color.end(), out.color.pixel(u, row));
-        out.depth.at(u, row) = static_cast<float>(place.depth);
+        const RowLookup::Place place = of_color.place_of(u, row);
+        const auto shown = blended(picture.color, place.at);
+        std::copy(shown.begin(), shown.end(), out.color.pixel(u, row));
+        out.depth.at(u, row) = static_cast<float>(of_depth.place_of(u, row).depth);
         out.front.at(u, row) = *nearest(picture.front, place.at);
         if (!picture.confidence.empty()) out.confidence.at(u, row) = *nearest(picture.confidence, place.at);
         if (picture.normal.empty()) continue;

@@ -75,17 +75,31 @@ TEST(ReadRowByRow, ShowsWhatEachRowsOwnCameraSees) {
                                (Twist() << 0.1, -0.1, 0.2, -0.15, 0.2, 0.3).finished()}) {
     const Picture truth = view.row_after_row(readout);
     const Difference before = between(at_once, truth);
-    const Difference after = between(read_row_by_row(at_once, view.camera.intrinsics, readout), truth);
+    const Difference after = between(read_row_by_row(at_once, view.camera.intrinsics, readout, readout), truth);
     EXPECT_LT(after.color, 0.4 * before.color) << readout.transpose();
     EXPECT_LT(after.depth, 0.6 * before.depth) << readout.transpose(); // looked up in whole pixels
     EXPECT_LT(after.normal, 0.6 * before.normal) << readout.transpose();
   }
 }
 
+TEST(ReadRowByRow, ReadsDepthForItself) {
+  const View view;
+  const Picture at_once = view.from(view.camera.camera_to_world);
+  const Twist readout = (Twist() << 0.1, -0.1, 0.2, -0.15, 0.2, 0.3).finished();
+  const Picture color = read_row_by_row(at_once, view.camera.intrinsics, readout, Twist::Zero());
+  const Picture depth = read_row_by_row(at_once, view.camera.intrinsics, Twist::Zero(), readout);
+  const Picture both = read_row_by_row(at_once, view.camera.intrinsics, readout, readout);
+  EXPECT_LT(between(color, at_once).depth, 1e-6);
+  EXPECT_GT(between(color, at_once).color, 1);
+  EXPECT_LT(between(color, both).color, 1e-9);
+  EXPECT_LT(between(depth, at_once).color, 1e-9);
+  EXPECT_LT(between(depth, both).depth, 1e-6);
+}
+
 TEST(ReadRowByRow, OfACameraThatDoesNotMoveIsThePictureItself) {
   const View view;
   const Picture picture = view.from(view.camera.camera_to_world);
-  const Picture same = read_row_by_row(picture, view.camera.intrinsics, Twist::Zero());
+  const Picture same = read_row_by_row(picture, view.camera.intrinsics, Twist::Zero(), Twist::Zero());
   const Difference difference = between(picture, same);
   EXPECT_LT(difference.color, 1e-9);
   EXPECT_LT(difference.depth, 1e-6);
@@ -97,7 +111,7 @@ TEST(ReadRowByRow, StaysInThePictureHoweverTheCameraMoves) {
   const View view;
   const Picture picture = view.from(view.camera.camera_to_world);
   for (const double size : {1.0, 10.0, 1e6}) {
-    const Picture out = read_row_by_row(picture, view.camera.intrinsics, Twist::Constant(size));
+    const Picture out = read_row_by_row(picture, view.camera.intrinsics, Twist::Constant(size), Twist::Constant(-size));
     EXPECT_TRUE(out.color.same_size(picture.color));
     for (const float depth : out.depth.values()) ASSERT_TRUE(std::isfinite(depth));
   }
