@@ -12,8 +12,8 @@ constexpr double kJump = 5; // a path that is so many times as fast on one side 
 
 Twist velocity_without_jumps(std::size_t f, std::span<const SE3> path, std::span<const double> times) {
   if (f == 0 || f + 1 == path.size()) return velocity_at(f, path, times);
-  const Twist before = velocity_between(path[f - 1], path[f], times[f] - times[f - 1]);
-  const Twist after = velocity_between(path[f], path[f + 1], times[f + 1] - times[f]);
+  Twist before = velocity_between(path[f - 1], path[f], times[f] - times[f - 1]);
+  Twist after = velocity_between(path[f], path[f + 1], times[f + 1] - times[f]);
   if (before.norm() > kJump * after.norm()) return after;
   if (after.norm() > kJump * before.norm()) return before;
   return velocity_at(f, path, times);

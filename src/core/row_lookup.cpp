@@ -15,18 +15,16 @@ constexpr double kSame = 0.02; // share of its depth by which a place may differ
 } // namespace
 
 RowLookup::RowLookup(const DepthImage& depth, const Intrinsics& intrinsics, const Twist& readout)
-    : depth_(depth), intrinsics_(intrinsics), columns_(depth.width() / kBlock + 1) {
+    : depth_(depth), intrinsics_(intrinsics),
+      nearest_(depth.width() / kBlock + 1, depth.height() / kBlock + 1, 1, kFar) {
   for (int v = 0; v < intrinsics.height; ++v) to_row_.push_back(exp_se3(-row_time(v, intrinsics.height) * readout));
-  const int rows = depth.height() / kBlock + 1;
-  nearest_.assign(static_cast<std::size_t>(columns_ * rows), kFar);
   for (int v = 0; v < depth.height(); ++v) {
     for (int u = 0; u < depth.width(); ++u) {
       const auto metres = static_cast<double>(depth.at(u, v));
       if (!(metres > 0)) continue;
-      for (int row = std::max(v / kBlock - 1, 0); row <= std::min(v / kBlock + 1, rows - 1); ++row) {
-        for (int column = std::max(u / kBlock - 1, 0); column <= std::min(u / kBlock + 1, columns_ - 1); ++column) {
-          double& least = nearest_[static_cast<std::size_t>(row * columns_ + column)];
-          least = std::min(least, metres);
+      for (int row = v / kBlock - 1; row <= v / kBlock + 1; ++row) {
+        for (int column = u / kBlock - 1; column <= u / kBlock + 1; ++column) {
+          if (nearest_.contains(column, row)) nearest_.at(column, row) = std::min(nearest_.at(column, row), metres);
         }
       }
     }
@@ -37,10 +35,6 @@ double RowLookup::depth_at(const Eigen::Vector2d& at) const {
   const auto metres =
       static_cast<double>(depth_.at(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))));
   return metres > 0 ? metres : kFar;
-}
-
-double RowLookup::nearest_about(int u, int v) const {
-  return nearest_[static_cast<std::size_t>(v / kBlock * columns_ + u / kBlock)];
 }
 
 // Beginning with a surface at that depth in the row's camera.
@@ -63,7 +57,7 @@ RowLookup::Place RowLookup::look(int u, int v, double depth) const {
 
 RowLookup::Place RowLookup::place_of(int u, int v) const {
   const Place here = look(u, v, depth_at({u, v}));
-  const Place before = look(u, v, nearest_about(u, v));
+  const Place before = look(u, v, nearest_.at(u / kBlock, v / kBlock));
   Place chosen = before.is_found && (!here.is_found || before.depth < here.depth) ? before : here;
   if (depth_at(chosen.at) == kFar || !(chosen.depth > 0)) chosen.depth = 0;
   return chosen;

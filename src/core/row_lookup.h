@@ -25,14 +25,12 @@ public:
 
 private:
   double depth_at(const Eigen::Vector2d& at) const;
-  double nearest_about(int u, int v) const;
   Place look(int u, int v, double depth) const;
 
   const DepthImage& depth_;
   const Intrinsics& intrinsics_;
-  std::vector<SE3> to_row_;     ///< from the camera at the middle of the rows
-  int columns_;                 ///< of blocks of pixels
-  std::vector<double> nearest_; ///< the least depth of each block and those about it
+  std::vector<SE3> to_row_; ///< from the camera at the middle of the rows
+  Image<double> nearest_;   ///< the least depth of blocks of pixels, each with those about it
 };
 
 } // namespace kinora
